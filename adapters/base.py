@@ -1,0 +1,298 @@
+"""What the harness drives: ``Simulation``, and the few lines that every adapter shares.
+
+An adapter fills in the hooks (``_spawn``, ``_step``, ``_contacts`` ...); the public methods around
+them check their input once for all engines, so that an engine never sees a NaN or an unknown id.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import Contacts, FloatArray, IntArray, Masses
+
+Sleeping = Literal["off", "native", "raised"]
+
+
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """One engine setting that differs from how the engine is shipped, and why."""
+
+    value: float | int | str | bool
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """How an engine is set up: ``default`` as shipped, ``game`` cheap, ``tuned`` the best an expert gets."""
+
+    name: str
+    description: str
+    substeps: int
+    """Engine steps per frame."""
+    frame_s: float = 1 / 60
+    """Length of a frame [s]."""
+    knobs: Mapping[str, Knob] = field(default_factory=dict)
+    tuned_by: str = "as shipped"
+
+
+@dataclass(frozen=True, slots=True)
+class Capabilities:
+    """What an engine's API gives to the core; the capability table is made from these."""
+
+    contact_points: str
+    """What is reported for one pair, such as "up to 4 points"."""
+    separation: bool
+    relative_velocity: str
+    """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
+    forces: bool
+    freeze: str
+    """How the adapter freezes a body exactly."""
+    frozen_contacts: bool
+    """True if contacts between two frozen bodies stay listed by the engine."""
+    friction_law: str
+    deterministic: str
+    """"across processes", "within a process" or "no"."""
+    planar: bool = False
+    """True for a 2-D engine: it plays planar scenes only."""
+
+
+@dataclass(frozen=True, slots=True)
+class EngineInfo:
+    """Which engine this is, recorded with every trial."""
+
+    engine: str
+    version: str
+    profile: Profile
+    sleeping: Sleeping
+    unit_scale: float = 1.0
+
+    @property
+    def frame_s(self) -> float:
+        """Length of a frame [s]."""
+        return self.profile.frame_s
+
+
+class EnginePort:
+    """The core's whole view of a simulation: contacts, masses, sleep, wake."""
+
+    __slots__ = ("_simulation",)
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def contacts(self) -> Contacts:
+        """Every contact that touches a live body after the latest step."""
+        return self._simulation._contacts()
+
+    def masses(self) -> Masses:
+        """The live bodies after the latest step, and the ids removed since the last call."""
+        return self._simulation._masses()
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are; freezing a frozen body does nothing."""
+        self._simulation._sleep(bodies)
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Let frozen bodies move again, from rest; waking a live body does nothing."""
+        self._simulation._wake(bodies)
+
+
+class Simulation(ABC):
+    """One world of one engine. Positions [m] and quaternions (w, x, y, z) are those of centres of mass."""
+
+    engine: ClassVar[str]
+    capabilities: ClassVar[Capabilities]
+    profiles: ClassVar[Mapping[str, Profile]]
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        """Open an empty world with its ground.
+
+        Args:
+            profile: one of ``profiles``.
+            world: friction and gravity.
+            sleeping: the engine's own sleeping: off, as shipped, or with its threshold raised.
+            expected: the bricks that will be spawned, for engines that must allocate beforehand;
+                others may ignore it, and a brick that was not expected must still be accepted.
+        """
+        self.world = world
+        self.expected = tuple(expected)
+        self.info = EngineInfo(self.engine, self._version(), profile, sleeping)
+        self.bricks: dict[int, Brick] = {}
+        self.frozen: set[int] = set()
+        self._live: dict[int, float] = {}  # mass [kg] of every live body, in the order of ids
+        self._removed: list[int] = []
+        self._next_id = 0
+        self._port: EnginePort | None = None
+
+    # -- driven by the harness ---------------------------------------------------------------------
+
+    @property
+    def port(self) -> EnginePort:
+        """The core's view. An engine that is never asked for it need not record what only the core reads."""
+        if self._port is None:
+            self._port = EnginePort(self)
+        return self._port
+
+    @property
+    def is_observed(self) -> bool:
+        """True once the port has been handed out: contact velocities must then be recorded."""
+        return self._port is not None
+
+    def spawn(self, brick: Brick) -> int:
+        """Put a live brick at rest into the world; returns its id.
+
+        Raises:
+            ValueError: if size or mass is not positive and finite, or the pose is not finite.
+        """
+        if not (math.isfinite(brick.mass) and brick.mass > 0):
+            raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
+        if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
+            raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
+        _check_pose(brick.position, brick.quaternion)
+        body, self._next_id = self._next_id, self._next_id + 1
+        self._spawn(body, brick)
+        self.bricks[body] = brick
+        self._live[body] = brick.mass
+        return body
+
+    def remove(self, body: int) -> None:
+        """Take a body out of the world.
+
+        Raises:
+            KeyError: if there is no such body.
+        """
+        self._check_known((body,))
+        self._remove(body)
+        del self.bricks[body]
+        self.frozen.discard(body)
+        self._live.pop(body, None)
+        self._removed.append(body)
+
+    def push(self, body: int, impulse: Vector) -> None:
+        """Strike a body at its centre of mass with an impulse [N s]; a frozen body does not move.
+
+        Raises:
+            KeyError: if there is no such body.
+            ValueError: if the impulse is not finite.
+        """
+        self._check_known((body,))
+        if not np.isfinite(impulse).all():
+            raise ValueError(f"impulse must be finite, got {impulse} N s")
+        if body not in self.frozen:
+            self._push(body, impulse)
+
+    def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        """Set a body's pose and stop it.
+
+        Raises:
+            KeyError: if there is no such body.
+            ValueError: if the pose is not finite.
+        """
+        self._check_known((body,))
+        _check_pose(position, quaternion)
+        self._move(body, position, quaternion)
+
+    def step(self, seconds: float) -> None:
+        """Advance the world by one frame of ``seconds``, in the profile's substeps."""
+        self._step(seconds)
+
+    def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
+        """All bodies, frozen ones too, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
+        bodies = np.fromiter(self.bricks, np.int64, len(self.bricks))
+        return bodies, *self._poses(bodies)
+
+    def velocities(self) -> tuple[FloatArray, FloatArray]:
+        """Linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``."""
+        return self._velocities(np.fromiter(self.bricks, np.int64, len(self.bricks)))
+
+    def close(self) -> None:
+        """Free the engine's memory; the simulation cannot be used afterwards."""
+        self._close()
+
+    # -- driven by the core, through the port ------------------------------------------------------
+
+    def _masses(self) -> Masses:
+        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        mass = np.fromiter(self._live.values(), np.float64, len(self._live))
+        removed, self._removed = self._removed, []
+        return Masses(bodies, mass, self._positions(bodies), removed)
+
+    def _sleep(self, bodies: Sequence[int]) -> None:
+        self._check_known(bodies)
+        for body in bodies:
+            if body not in self.frozen:
+                self._freeze(body)
+                self.frozen.add(body)
+                del self._live[body]
+
+    def _wake(self, bodies: Sequence[int]) -> None:
+        self._check_known(bodies)
+        for body in bodies:
+            if body in self.frozen:
+                self._thaw(body)
+                self.frozen.remove(body)
+                self._live[body] = self.bricks[body].mass
+        self._live = dict(sorted(self._live.items()))
+
+    def _check_known(self, bodies: Iterable[int]) -> None:
+        unknown = [body for body in bodies if body not in self.bricks]
+        if unknown:
+            raise KeyError(f"unknown body {', '.join(map(str, unknown))}: it was never spawned, or was removed")
+
+    # -- what an adapter fills in ------------------------------------------------------------------
+
+    @staticmethod
+    @abstractmethod
+    def _version() -> str:
+        """The engine's version."""
+
+    @abstractmethod
+    def _spawn(self, body: int, brick: Brick) -> None: ...
+
+    @abstractmethod
+    def _remove(self, body: int) -> None: ...
+
+    @abstractmethod
+    def _push(self, body: int, impulse: Vector) -> None: ...
+
+    @abstractmethod
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None: ...
+
+    @abstractmethod
+    def _step(self, seconds: float) -> None: ...
+
+    @abstractmethod
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]: ...
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        """Centres of mass alone; overridden where they cost less than whole poses."""
+        return self._poses(bodies)[0]
+
+    @abstractmethod
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]: ...
+
+    @abstractmethod
+    def _contacts(self) -> Contacts: ...
+
+    @abstractmethod
+    def _freeze(self, body: int) -> None: ...
+
+    @abstractmethod
+    def _thaw(self, body: int) -> None: ...
+
+    @abstractmethod
+    def _close(self) -> None: ...
+
+
+def _check_pose(position: Vector, quaternion: Quaternion) -> None:
+    if not np.isfinite(position).all():
+        raise ValueError(f"position must be finite, got {position} m")
+    if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
+        raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}")

@@ -1,0 +1,72 @@
+"""Engines by name. An engine's file is imported when it is first asked for, never before."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from adapters.base import Capabilities, Profile, Simulation, Sleeping
+from scenarios.model import Brick, World
+from stability_core.lookup import look_up
+
+
+class EngineNotInstalledError(ImportError):
+    """The engine's package is missing; the message names the command that installs it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    module: str
+    simulation: str
+    package: str
+    """The distribution that brings the engine."""
+
+
+ENGINES: Mapping[str, _Entry] = {
+    "bullet": _Entry("adapters._bullet", "BulletSimulation", "pybullet"),
+    "mujoco": _Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
+    "dart": _Entry("adapters._dart", "DartSimulation", "dartpy"),
+    "pymunk": _Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
+}
+
+
+def _load(name: str) -> type[Simulation]:
+    entry = look_up("engine", name, ENGINES)
+    try:
+        module = importlib.import_module(entry.module)
+    except ImportError as error:
+        raise EngineNotInstalledError(
+            f"engine '{name}' cannot be loaded ({error}): install '{entry.package}' with: uv sync --group engines"
+        ) from error
+    simulation: type[Simulation] = getattr(module, entry.simulation)
+    return simulation
+
+
+def capabilities(name: str) -> Capabilities:
+    """What engine ``name`` gives to the core."""
+    return _load(name).capabilities
+
+
+def profiles(name: str) -> Mapping[str, Profile]:
+    """The profiles of engine ``name``, by their names."""
+    return _load(name).profiles
+
+
+def open_engine(
+    name: str,
+    profile: str = "default",
+    *,
+    world: World | None = None,
+    sleeping: Sleeping = "off",
+    expected: Sequence[Brick] = (),
+) -> Simulation:
+    """An empty world of engine ``name``.
+
+    Raises:
+        UnknownNameError: if there is no such engine, or the engine has no such profile.
+        EngineNotInstalledError: if its package is missing.
+    """
+    simulation = _load(name)
+    chosen = look_up(f"profile of engine {name}", profile, simulation.profiles)
+    return simulation(chosen, world or World(), sleeping, expected)

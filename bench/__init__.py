@@ -1,0 +1,1 @@
+"""The harness: plans trials, runs each in a process of its own, measures, and tells."""

@@ -1,0 +1,1 @@
+"""What is built, when each brick comes, and what must happen by theory."""

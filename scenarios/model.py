@@ -1,0 +1,128 @@
+"""The words in which a scene is told: bricks, timed actions, and what must happen by theory.
+
+SI units, z up; quaternions are (w, x, y, z). Nothing here knows an engine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+Vector: TypeAlias = tuple[float, float, float]
+Quaternion: TypeAlias = tuple[float, float, float, float]
+
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What every brick of a scene shares. The ground's upper face is z = 0."""
+
+    friction: float = 0.45
+    """Coulomb coefficient of every pair, brick on brick and brick on ground alike."""
+    gravity: Vector = (0.0, 0.0, -9.81)
+    """Gravitational acceleration [m/s2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Brick:
+    """A homogeneous rigid box and the pose in which it is planned."""
+
+    size: Vector
+    """Edge lengths [m] along the brick's own x, y and z."""
+    mass: float
+    """Mass [kg]."""
+    position: Vector
+    """Centre [m]. When a scene is played, the height is only a plan: see ``Place``."""
+    quaternion: Quaternion = UPRIGHT
+    level: int = 1
+    """The level of the stack that the brick belongs to, from 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Let bricks go together, as one rigid group, a little above their actual support.
+
+    The group keeps its planned x, y and orientation and its relative heights; the hand lowers it
+    until the first of its bricks is ``CLEARANCE`` above whatever really lies below.
+    """
+
+    time: float
+    """When [s], from the start of the trial."""
+    bricks: tuple[Brick, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Remove:
+    """Take a brick out of the world."""
+
+    time: float
+    brick: int
+    """The brick's index in the order of placement, from 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Push:
+    """Strike a brick at its centre of mass."""
+
+    time: float
+    brick: int
+    """The brick's index in the order of placement, from 0."""
+    impulse: Vector
+    """Impulse [N s]."""
+
+
+Action: TypeAlias = Place | Remove | Push
+
+CLEARANCE = 0.5e-3
+"""Gap [m] between a brick that is let go and its actual support. Absolute heights would punish a stack
+that sinks with ever larger drops."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """What must happen by theory."""
+
+    outcome: Literal["stand", "fall", "study"]
+    theory: str
+    """Why, in one line, with its source."""
+    level: int | None = None
+    """The level at which it must fall; None unless ``outcome`` is "fall"."""
+
+    def __str__(self) -> str:
+        return (
+            f"falls at {self.level}" if self.outcome == "fall" else {"stand": "stands", "study": "study"}[self.outcome]
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """One variant of a scenario, ready to be played."""
+
+    scenario: str
+    """Registry name, such as ``four_stack``."""
+    variant: str
+    """Id of this variant, unique over its parameters, such as ``card_house-2``."""
+    parameters: Mapping[str, float | int | str]
+    world: World
+    actions: tuple[Action, ...]
+    """In order of time."""
+    expectation: Expectation
+    look_for: str
+    """What a person who watches should look for."""
+    planar: bool = False
+    """True if every brick stays in the x-z plane, so that a 2-D engine can play it."""
+    watch_s: float = 5.0
+    """How long [s] the trial watches after the last action."""
+    bricks: tuple[Brick, ...] = field(init=False)
+    """All bricks in the order of placement."""
+
+    def __post_init__(self) -> None:
+        placed = (brick for action in self.actions if isinstance(action, Place) for brick in action.bricks)
+        object.__setattr__(self, "bricks", tuple(placed))
+
+    @property
+    def levels(self) -> int:
+        """Number of levels when everything is built."""
+        return max(brick.level for brick in self.bricks)

@@ -1,0 +1,1 @@
+"""The stability extension: makes rigid bodies stack in any engine through contacts, sleep and mass."""

@@ -1,0 +1,90 @@
+"""What the core sees of a physics engine: contacts, sleep and mass. Nothing else.
+
+SI units, z up, float64, struct of arrays. Body ids are integers from 0, never reused; gaps after a
+removal are fine. "Sleep" means an exact freeze: a frozen body does not move at all, whatever hits it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+IntArray: TypeAlias = npt.NDArray[np.int64]
+
+GROUND = -1
+"""The id of everything that never moves and was never spawned: floor, table, walls."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """The contact points of one frame, one row a point; every contact that touches a live body.
+
+    NaN is allowed in ``separation`` and ``relative_velocity`` only, where an engine cannot tell.
+    """
+
+    body_a: IntArray
+    """First body of the pair, shape (n,); ``GROUND`` or a body id."""
+    body_b: IntArray
+    """Second body of the pair, shape (n,)."""
+    point: FloatArray
+    """Contact points [m], shape (n, 3)."""
+    normal: FloatArray
+    """Unit normals pointing from body a to body b, shape (n, 3)."""
+    separation: FloatArray
+    """Signed distance [m], shape (n,); negative is penetration."""
+    relative_velocity: FloatArray
+    """Velocity [m/s] of b against a at the point before the solver stops it, shape (n, 3): that of the
+    fastest approach over the frame's substeps."""
+    friction: FloatArray
+    """Coulomb coefficient of the pair, shape (n,)."""
+
+    @classmethod
+    def empty(cls) -> Contacts:
+        """No contact at all."""
+        ids, scalars, vectors = np.empty(0, np.int64), np.empty(0), np.empty((0, 3))
+        return cls(ids, ids, vectors, vectors, scalars, vectors, scalars)
+
+    def __len__(self) -> int:
+        return len(self.body_a)
+
+
+@dataclass(frozen=True, slots=True)
+class Masses:
+    """Mass and centre of mass of the live bodies, and the bodies that have left the world.
+
+    Frozen bodies may be left out: they do not move, and the core remembers them.
+    """
+
+    body: IntArray
+    """Body ids, shape (m,)."""
+    mass: FloatArray
+    """Masses [kg], shape (m,), positive."""
+    center_of_mass: FloatArray
+    """Centres of mass [m], shape (m, 3)."""
+    removed: Sequence[int] = ()
+    """Ids that left the world since the last call, shape (k,)."""
+
+
+class StabilityPort(Protocol):
+    """The four calls through which the core knows and steers an engine."""
+
+    def contacts(self) -> Contacts:
+        """Every contact that touches a live body after the latest step."""
+        ...
+
+    def masses(self) -> Masses:
+        """The live bodies as they are after the latest step."""
+        ...
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are."""
+        ...
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Hand frozen bodies back to the engine, at rest, with the mass they had."""
+        ...
