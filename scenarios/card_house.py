@@ -1,0 +1,119 @@
+"""The paper's card house: planks leaning in pairs (inverted Vs), storeys divided by flat planks.
+
+One storey is a single V. A house of n storeys has n Vs side by side on the ground, n - 1 above and so on; between the
+storeys a roof plank bridges each two neighbouring ridges. Levels count Vs and roofs in turn, so n storeys make 2 n - 1
+levels; the top has no roof. All of it lies in the x-z plane.
+
+Layout. The ridges of a storey are so far apart that a roof plank covers both and overhangs by ``OVERHANG``. Over three
+ridges two roof planks must meet above the middle one, each on its own side of it, so they are moved outward until they
+leave the usual gap between them. Upper Vs stand centred between the ridges below. With three storeys planks cannot
+reach further: four ridges would need a roof plank of another length.
+
+Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
+ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
+- If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P), which grows with the load, from
+  (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the ridges
+  together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
+- Two edges meet at the ridge, and engines report a plank's face as the normal there. The same horizontal force then
+  leans 90 deg - theta from the normal: mu >= cot theta. This asks for more, whatever the load: 0.325 at 72 deg.
+So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
+normal decides, and it is a study.
+
+Both sides of a storey come together (two hands): a plank that loads only one half of a V needs a vertical force at its
+ridge, where theory has no single answer. The planks of a V leave a hair between them lest rounding let them overlap.
+
+What to look for: feet that creep apart, and a ridge that drops; a V that stands with mu below its limit is glued.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from scenarios.model import Brick, Expectation, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import GAP, LENGTH, MU, THICKNESS, lay, lean, one_a_second
+
+RIDGE_GAP = 0.2e-3
+"""Gap [m] between the two planks of a V at its ridge."""
+OVERHANG = 2.5e-3
+"""How far [m] a roof plank reaches beyond the outermost edges that carry it: more than a hand's largest error."""
+CERTAIN = 1.05
+"""Friction this many times off its limit gives an answer that survives a real hand."""
+
+
+def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU) -> Scene:
+    """Leaning pairs of planks under flat roofs: one storey is the inverted V.
+
+    Args:
+        storeys: storeys of Vs, as many Vs on the ground.
+        theta: angle [deg] between a leaning plank and the ground.
+        friction: Coulomb coefficient of every pair.
+    """
+    storeys = whole("storeys", storeys, least=1, most=3)
+    theta = real("theta", theta, least=45, most=85)
+    friction = real("friction", friction, least=0, most=2)
+    parameters: dict[str, Value] = {"storeys": storeys, "theta": theta, "friction": friction}
+    angle = math.radians(theta)
+    return Scene(
+        scenario="card_house",
+        variant=variant_of(card_house, parameters),
+        parameters=parameters,
+        world=World(friction=friction),
+        actions=one_a_second(_groups(storeys, angle)),
+        expectation=expected(angle, friction),
+        look_for="feet that creep apart and a ridge that drops; standing on too little friction is glue",
+        planar=True,
+    )
+
+
+def expected(theta: float, friction: float) -> Expectation:
+    """What must happen to a house of planks that lean at ``theta`` [rad] from the ground."""
+    most = 1 / math.tan(theta)
+    least = (most - THICKNESS / LENGTH) / 2
+    if friction >= CERTAIN * most:
+        return Expectation(
+            "stand", f"mu = {friction:g} exceeds cot(theta) = {most:.3f}, enough for either ridge normal"
+        )
+    if friction * CERTAIN <= least:
+        return Expectation("fall", f"mu = {friction:g} is below (cot(theta) - t/L)/2 = {least:.3f}: the feet slip", 1)
+    return Expectation("study", f"between mu = {least:.3f} and {most:.3f} the ridge's contact normal decides")
+
+
+def _groups(storeys: int, theta: float) -> list[Sequence[Brick]]:
+    """What is placed together, in order: single Vs on the ground, then whole roofs and whole storeys."""
+    spread, edge = _half_foot_spread(theta), THICKNESS * math.sin(theta)
+    spacing = LENGTH - 2 * (edge + RIDGE_GAP / 2 + OVERHANG)
+    if storeys > 1 and spacing < 2 * (spread + edge) + GAP:
+        raise ValueError(
+            f"theta must be at least 70 for more than one storey, got {math.degrees(theta):g}: "
+            "Vs that lean further collide before a roof plank reaches two ridges"
+        )
+    height = LENGTH * math.sin(theta) + THICKNESS * math.cos(theta)
+    groups: list[Sequence[Brick]] = []
+    for storey in range(storeys):
+        level, bottom, ridges = 2 * storey + 1, storey * (height + THICKNESS), storeys - storey
+        pairs = [_inverted_v(x, theta, level, bottom) for x in _row(ridges, spacing)]
+        groups.extend(pairs if storey == 0 else [[plank for pair in pairs for plank in pair]])
+        if ridges > 1:
+            groups.append([lay(x, level=level + 1, bottom=bottom + height) for x in _row(ridges - 1, LENGTH + GAP)])
+    return groups
+
+
+def _half_foot_spread(theta: float) -> float:
+    """Distance [m] along x from a V's middle to the edges on which it stands."""
+    return LENGTH * math.cos(theta) + RIDGE_GAP / 2
+
+
+def _inverted_v(x: float, theta: float, level: int, bottom: float) -> list[Brick]:
+    """Two planks that lean against each other over ``x``."""
+    spread = _half_foot_spread(theta)
+    return [
+        lean(x - spread, theta=theta, toward=1, level=level, bottom=bottom),
+        lean(x + spread, theta=theta, toward=-1, level=level, bottom=bottom),
+    ]
+
+
+def _row(count: int, pitch: float) -> list[float]:
+    """The middles [m] of ``count`` things side by side, symmetric about 0."""
+    return [(index - (count - 1) / 2) * pitch for index in range(count)]

@@ -1,0 +1,55 @@
+"""The paper's 4-stack: four planks a level in a pinwheel, whose sense of rotation alternates.
+
+Each plank's end meets the next one's side across a gap. The next level turns the other way round, so that every plank
+lies on one plank for most of its length and bridges the joint to the next plank with its end.
+
+Theory: on each of the four sides the planks are shifted along themselves by half a gap and half a width, left and right
+in turn: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line, the planks
+of two levels share 45.8 mm to either side of it: each side alone is in equilibrium, whatever its height.
+
+What to look for: a merge at every plank (its load can go two ways). Sinking comes first, then one side gives.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.model import Brick, Expectation, Scene, World
+from scenarios.parameters import Value, variant_of, whole
+from scenarios.planks import GAP, LENGTH, MU, WIDTH, lay, one_a_second
+
+
+def four_stack(*, levels: int = 30) -> Scene:
+    """Four planks a level in a pinwheel that turns the other way at each level.
+
+    Args:
+        levels: number of levels, of four planks each.
+    """
+    levels = whole("levels", levels, least=1, most=200)
+    parameters: dict[str, Value] = {"levels": levels}
+    planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level)]
+    return Scene(
+        scenario="four_stack",
+        variant=variant_of(four_stack, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([plank] for plank in planks),
+        expectation=Expectation("stand", "each side alone carries its weight: in equilibrium at any height"),
+        look_for="sinking, then one side gives; planks have two supports, whose shares are easily got wrong",
+    )
+
+
+def _pinwheel(level: int) -> list[Brick]:
+    """The four planks of one level, from side to side around the stack."""
+    along = (GAP + WIDTH) / 2 * (-1) ** level
+    out = (LENGTH + GAP) / 2
+    quarter_turns = (0.0, math.pi / 2, math.pi, -math.pi / 2)
+    return [
+        lay(
+            along * math.cos(turn) + out * math.sin(turn),
+            along * math.sin(turn) - out * math.cos(turn),
+            yaw=turn,
+            level=level,
+        )
+        for turn in quarter_turns
+    ]

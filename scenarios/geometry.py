@@ -1,0 +1,146 @@
+"""Oriented boxes: how far one lies above another, and how far a hand must lower a group of them.
+
+A point a of the upper box lies straight above a point b of the lower one if a - b = (0, 0, h); the smallest such h is
+how far the upper box can sink. All differences a - b fill a zonotope: the difference of the centres plus the six half
+axes of both boxes, each times anything from -1 to 1. Its facets are normal to the cross products of two half axes
+(face on corner either way, edge on edge), so h is where the z axis enters it: the highest crossing of fifteen planes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from scenarios.model import CLEARANCE, Brick
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+
+_FIRST, _SECOND = np.triu_indices(6, 1)
+_SIGNS = np.array([[i, j, k] for i in (-1.0, 1.0) for j in (-1.0, 1.0) for k in (-1.0, 1.0)])
+_PARALLEL = 1e-9
+"""Sine of the angle below which two directions count as parallel: rounding leaves about 1e-16."""
+_GRAZE = 1e-9
+"""Overlap [m] below which boxes only graze each other: flush planks do not stand on one another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """Oriented boxes, one row a box."""
+
+    center: FloatArray
+    """Centres [m], shape (n, 3)."""
+    half_axes: FloatArray
+    """From the centre to the middle of the faces +x, +y and +z [m], shape (n, 3, 3), one row an axis."""
+
+    @classmethod
+    def at(cls, sizes: npt.ArrayLike, positions: npt.ArrayLike, quaternions: npt.ArrayLike) -> Boxes:
+        """Boxes of given edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4), as (w, x, y, z)."""
+        edges = np.asarray(sizes, np.float64).reshape(-1, 3)
+        center = np.asarray(positions, np.float64).reshape(-1, 3)
+        axes = np.swapaxes(_rotation(np.asarray(quaternions, np.float64).reshape(-1, 4)), 1, 2)
+        return cls(center, axes * (edges / 2)[:, :, None])
+
+    @classmethod
+    def of(cls, bricks: Sequence[Brick]) -> Boxes:
+        """The boxes of bricks in their planned poses."""
+        return cls.at(
+            [brick.size for brick in bricks],
+            [brick.position for brick in bricks],
+            [brick.quaternion for brick in bricks],
+        )
+
+    def __len__(self) -> int:
+        return len(self.center)
+
+    @property
+    def corners(self) -> FloatArray:
+        """All corners [m], shape (n, 8, 3)."""
+        from_center: FloatArray = np.einsum("ck,nkd->ncd", _SIGNS, self.half_axes)
+        return self.center[:, None, :] + from_center
+
+    @property
+    def reach(self) -> FloatArray:
+        """Half the edge lengths [m] of the upright boxes around them, shape (n, 3)."""
+        reach: FloatArray = np.abs(self.half_axes).sum(axis=1)
+        return reach
+
+
+def height_above_ground(boxes: Boxes) -> FloatArray:
+    """Height [m] of each box's lowest point above z = 0, shape (n,)."""
+    return boxes.center[:, 2] - boxes.reach[:, 2]
+
+
+def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
+    """How far [m] each upper box can sink straight down until it touches each lower box, shape (m, n).
+
+    Infinite where the boxes do not overlap in plan; negative where the upper box must be raised to come free.
+    """
+    clearance = np.full((len(upper), len(lower)), np.inf)
+    apart = np.abs(upper.center[:, None, :2] - lower.center[None, :, :2])
+    near = (apart < upper.reach[:, None, :2] + lower.reach[None, :, :2]).all(axis=2)
+    above, below = np.nonzero(near)
+    if len(above):
+        between = upper.center[above] - lower.center[below]
+        half_axes = np.concatenate([upper.half_axes[above], lower.half_axes[below]], axis=1)
+        clearance[above, below] = _lowest_difference(between, half_axes)
+    return clearance
+
+
+def overlap_in_plan(first: Boxes, second: Boxes) -> BoolArray:
+    """Whether the boxes overlap when seen from above, shape (m, n)."""
+    return np.isfinite(vertical_clearance(first, second))
+
+
+def resting_shift(group: Boxes, below: Boxes) -> float:
+    """What to add to z [m] so that a rigid group hangs ``CLEARANCE`` above its support, by the first box that meets it.
+
+    Args:
+        group: the boxes that are let go together, in their planned poses; none stands on another.
+        below: the ACTUAL poses of what may carry them: the boxes of lower levels only. A neighbour of the same level
+            that is overlapped by a hair would otherwise lift a plank on top of itself. The ground always counts.
+    """
+    room = min(float(height_above_ground(group).min()), float(vertical_clearance(group, below).min(initial=np.inf)))
+    return CLEARANCE - room
+
+
+def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
+    """Where [m] the z axis enters each zonotope, shape (p,); infinite where it misses.
+
+    Args:
+        center: centres [m], shape (p, 3).
+        half_axes: half axes [m], shape (p, 6, 3).
+    """
+    first, second = half_axes[:, _FIRST], half_axes[:, _SECOND]
+    normal = np.cross(first, second)
+    length = np.linalg.norm(normal, axis=2)
+    product = np.linalg.norm(first, axis=2) * np.linalg.norm(second, axis=2)
+    # Any direction bounds the zonotope truly, so "up" may stand in for the normal that parallel axes do not have.
+    normal = np.where((length > _PARALLEL * product)[..., None], normal, (0.0, 0.0, 1.0))
+    normal /= np.linalg.norm(normal, axis=2)[..., None]
+    normal *= np.where(normal[..., 2] < 0, -1.0, 1.0)[..., None]
+
+    middle = np.einsum("pfd,pd->pf", normal, center)
+    reach = np.abs(np.einsum("pfd,pad->pfa", normal, half_axes)).sum(axis=2)
+    rise = normal[..., 2]
+    wall = rise < _PARALLEL
+    slope = np.where(wall, 1.0, rise)
+    enter = np.where(wall, -np.inf, (middle - reach) / slope).max(axis=1)
+    leave = np.where(wall, np.inf, (middle + reach) / slope).min(axis=1)
+    beside = (wall & (np.abs(middle) > reach - _GRAZE)).any(axis=1)
+    return np.where(beside | (enter > leave - _GRAZE), np.inf, enter)
+
+
+def _rotation(quaternion: FloatArray) -> FloatArray:
+    """Rotation matrices, shape (n, 3, 3), of unit quaternions (w, x, y, z), shape (n, 4)."""
+    w, x, y, z = quaternion.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)

@@ -1,0 +1,104 @@
+"""A hand that is not quite steady: seed 0 is exact, every other seed lays each brick a little off.
+
+Off by a normal deviate, 0.3 mm in x and y and 0.3 deg in yaw, cut at three standard deviations. A draw depends on the
+scene's variant, the seed and the brick's index alone, so adding or playing other bricks changes nothing. It comes
+straight from a hash, by the inverse of the normal distribution: the same on every machine and with every library.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from statistics import NormalDist
+
+from scenarios.geometry import Boxes, overlap_in_plan
+from scenarios.model import Brick, Place, Quaternion, Scene
+
+SHIFT = 0.3e-3
+"""Standard deviation [m] in x and in y."""
+TURN = math.radians(0.3)
+"""Standard deviation [rad] of the yaw."""
+CUT = 3.0
+"""Where the distributions are cut [standard deviations]."""
+_DRAWS = 100
+"""Draws after which a brick is said to have no room. Between planks 2 mm apart one draw in a thousand is refused."""
+
+
+def with_hand(scene: Scene, seed: int) -> Scene:
+    """The scene as an unsteady hand builds it; the scene itself for seed 0.
+
+    A group moves as one rigid body, turning about its centroid. In a planar scene the hand errs along x only. A draw
+    that would overlap a brick that was laid before in the same level is thrown away for the next one.
+
+    Raises:
+        ValueError: if the seed is negative, or a brick finds no room beside its neighbours.
+    """
+    if seed < 0:
+        raise ValueError(f"seed must be 0 (exact) or positive, got {seed}")
+    if seed == 0:
+        return scene
+    laid: list[Brick] = []
+    actions = []
+    for action in scene.actions:
+        if isinstance(action, Place):
+            action = replace(action, bricks=_laid_by_hand(scene, seed, action.bricks, laid))
+            laid.extend(action.bricks)
+        actions.append(action)
+    return replace(scene, actions=tuple(actions))
+
+
+def _laid_by_hand(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[Brick]) -> tuple[Brick, ...]:
+    levels = {brick.level for brick in group}
+    neighbours = Boxes.of([brick for brick in laid if brick.level in levels])
+    for draw in range(_DRAWS):
+        dx, dy, turn = deviates(scene.variant, seed, len(laid), draw)
+        moved = (
+            _moved(group, dx * SHIFT, 0.0, 0.0) if scene.planar else _moved(group, dx * SHIFT, dy * SHIFT, turn * TURN)
+        )
+        if not overlap_in_plan(Boxes.of(moved), neighbours).any():
+            return moved
+    raise ValueError(
+        f"{scene.variant}, seed {seed}: brick {len(laid)} overlaps a neighbour of its level in {_DRAWS} draws; "
+        f"leave more room than {2 * CUT * SHIFT * 1e3:.1f} mm between planned bricks"
+    )
+
+
+def deviates(variant: str, seed: int, brick: int, draw: int = 0) -> tuple[float, float, float]:
+    """Three independent standard normal deviates, cut at ``CUT``, that belong to one brick of one scene and seed."""
+    digest = hashlib.blake2b(f"{variant}/{seed}/{brick}/{draw}".encode(), digest_size=24).digest()
+    first, second, third = (_deviate(digest[start : start + 8]) for start in (0, 8, 16))
+    return first, second, third
+
+
+def _deviate(random: bytes) -> float:
+    """The quantile of the cut normal distribution that eight random bytes pick."""
+    normal = NormalDist()
+    tail = normal.cdf(-CUT)
+    fraction = (int.from_bytes(random, "little") + 0.5) / 2**64
+    return normal.inv_cdf(tail + (1 - 2 * tail) * fraction)
+
+
+def _moved(group: Sequence[Brick], dx: float, dy: float, turn: float) -> tuple[Brick, ...]:
+    """The group shifted by dx and dy [m] and turned about z through its centroid by ``turn`` [rad]."""
+    x0 = sum(brick.position[0] for brick in group) / len(group)
+    y0 = sum(brick.position[1] for brick in group) / len(group)
+    cos, sin = math.cos(turn), math.sin(turn)
+    moved = []
+    for brick in group:
+        x, y, z = brick.position
+        position = (
+            x0 + dx + cos * (x - x0) - sin * (y - y0),
+            y0 + dy + sin * (x - x0) + cos * (y - y0),
+            z,
+        )
+        moved.append(replace(brick, position=position, quaternion=_turned(brick.quaternion, turn)))
+    return tuple(moved)
+
+
+def _turned(quaternion: Quaternion, turn: float) -> Quaternion:
+    """The orientation turned about the world's z by ``turn`` [rad]."""
+    c, s = math.cos(turn / 2), math.sin(turn / 2)
+    w, x, y, z = quaternion
+    return (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)

@@ -1,0 +1,59 @@
+"""The paper's leaning tower: flat planks, each a constant offset d further along x.
+
+Theory: the n - 1 planks above the lowest have their centre of mass at n d / 2 from its middle and tip over its edge at
+L / 2, so n planks fall once n d > L (L: a plank's length). All upper parts are shorter and safer. At exactly n d = L
+the tower balances on an edge, and within 5 % of that the energy of laying a plank decides: no answer is claimed there.
+The default ratio L / d = 8.5 lies half-way: eight planks keep 3.4 mm inside the edge, nine reach 3.4 mm beyond it.
+
+What to look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. One
+that stands at ten levels is glued; one that falls early slides or sinks.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.model import Expectation, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MU, lay, one_a_second
+
+CERTAIN = 0.05
+"""Least distance from the limit, as a share of half a plank's length, at which theory's answer survives a real hand."""
+
+
+def leaning_tower(*, ratio: float = 8.5, levels: int = 13) -> Scene:
+    """Flat planks, each shifted along x by the same offset, until they topple.
+
+    Args:
+        ratio: a plank's length over the offset; below 2 a plank falls off the one below.
+        levels: number of planks.
+    """
+    ratio = real("ratio", ratio, least=1.1, most=1000)
+    levels = whole("levels", levels, least=1, most=500)
+    parameters: dict[str, Value] = {"ratio": ratio, "levels": levels}
+    offset = LENGTH / ratio
+    planks = [lay((level - 1) * offset, level=level) for level in range(1, levels + 1)]
+    return Scene(
+        scenario="leaning_tower",
+        variant=variant_of(leaning_tower, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([plank] for plank in planks),
+        expectation=expected(ratio, levels),
+        look_for="turns about its lowest plank's edge, whole; standing any longer is glue",
+        planar=True,
+    )
+
+
+def expected(ratio: float, levels: int) -> Expectation:
+    """What must happen to ``levels`` planks, each shifted by its length over ``ratio``."""
+    fall = math.floor(ratio) + 1  # the first n with n d > L
+    last = min(fall - 1, levels)  # the highest tower that must stand
+    room_before, overhang = 1 - last / ratio, fall / ratio - 1
+    if room_before < CERTAIN or (fall <= levels and overhang < CERTAIN):
+        return Expectation("study", f"n d = L within {CERTAIN:.0%}: how the planks are laid decides")
+    if fall > levels:
+        return Expectation(
+            "stand", f"n d < L for all n up to {levels}: the centre of mass stays inside the lowest edge"
+        )
+    return Expectation("fall", f"n d > L first at n = {fall}: the centre of mass passes the lowest edge", fall)

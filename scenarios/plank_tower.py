@@ -1,0 +1,35 @@
+"""Flat planks straight above each other: the plainest stack.
+
+Theory: the centre of mass of any upper part lies over the middle of the plank that carries it, 58 mm from the nearest
+edge along x and 11.7 mm across. It stands at any height.
+
+What to look for: sinking. Each level that sinks by a tenth of a millimetre shows at the top; then slow swaying, which
+a solver that does not converge over 26 contacts feeds until the tower topples.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Expectation, Scene, World
+from scenarios.parameters import Value, variant_of, whole
+from scenarios.planks import MU, lay, one_a_second
+
+
+def plank_tower(*, levels: int = 26) -> Scene:
+    """Flat planks straight above each other, one a level.
+
+    Args:
+        levels: number of planks. 26 by default: what is timed at level 25 still has a successor.
+    """
+    levels = whole("levels", levels, least=1, most=500)
+    parameters: dict[str, Value] = {"levels": levels}
+    planks = [lay(0.0, level=level) for level in range(1, levels + 1)]
+    return Scene(
+        scenario="plank_tower",
+        variant=variant_of(plank_tower, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([plank] for plank in planks),
+        expectation=Expectation("stand", "every upper part's centre of mass lies over the middle of its support"),
+        look_for="sinking, level by level; then swaying until it topples",
+        planar=True,
+    )

@@ -1,0 +1,67 @@
+"""The toy plank from which the scenes are built, and how a hand lays it flat or leans it.
+
+A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (554 kg/m3, pine).
+A plank's own x is its length, y its width and z its thickness.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Literal
+
+from scenarios.model import Brick, Place, Quaternion
+
+LENGTH = 117.0e-3
+"""Nominal length [m]."""
+WIDTH = 23.4e-3
+"""Nominal width [m]."""
+THICKNESS = 7.8e-3
+"""Nominal thickness [m]."""
+MASS = 11.9e-3
+"""Mean mass [kg]."""
+MU = 0.45
+"""Coulomb coefficient of every pair. It is OUR choice: reported values for pine on pine spread from 0.12 to 0.45, and
+only the upper end lets a card house stand whichever normal an engine reports at its ridge (see ``card_house``)."""
+GAP = 2.0e-3
+"""Gap [m] between neighbours of one level: with 0.5 mm an unsteady hand pushes one plank into the next."""
+
+
+def lay(
+    x: float, y: float = 0.0, *, level: int, yaw: float = 0.0, bottom: float | None = None, length: float = LENGTH
+) -> Brick:
+    """A plank lying flat, its length along x before it is turned.
+
+    Args:
+        x: centre along x [m].
+        y: centre along y [m].
+        level: the level it belongs to, from 1.
+        yaw: turn about z [rad].
+        bottom: height of its lower face [m]; by default that of a stack of flat planks.
+        length: length [m] of a plank that was sawn off; its mass shrinks alike.
+    """
+    under = (level - 1) * THICKNESS if bottom is None else bottom
+    turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    return Brick((length, WIDTH, THICKNESS), MASS * length / LENGTH, (x, y, under + THICKNESS / 2), turn, level)
+
+
+def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, bottom: float = 0.0) -> Brick:
+    """A plank on its short edge, leaning in the x-z plane.
+
+    Args:
+        foot: where along x [m] the edge stands.
+        theta: angle [rad] between the plank and the ground.
+        toward: 1 if it leans toward +x, -1 toward -x.
+        level: the level it belongs to, from 1.
+        bottom: height [m] on which the edge stands.
+    """
+    along, across = (math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))
+    x = foot + toward * (LENGTH * along[0] + THICKNESS * across[0]) / 2
+    z = bottom + (LENGTH * along[1] + THICKNESS * across[1]) / 2
+    tilt: Quaternion = (math.cos(theta / 2), 0.0, -toward * math.sin(theta / 2), 0.0)
+    return Brick((LENGTH, WIDTH, THICKNESS), MASS, (x, 0.0, z), tilt, level)
+
+
+def one_a_second(groups: Iterable[Sequence[Brick]]) -> tuple[Place, ...]:
+    """Place one group of bricks each second, from time 0: the pace at which the paper's stacks were built."""
+    return tuple(Place(float(second), tuple(group)) for second, group in enumerate(groups))

@@ -1,0 +1,54 @@
+"""Scenarios by name. A new one is one file and one entry in ``SCENARIOS``."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from scenarios.brick_wall import brick_wall
+from scenarios.card_house import card_house
+from scenarios.four_stack import four_stack
+from scenarios.leaning_tower import leaning_tower
+from scenarios.model import Scene
+from scenarios.parameters import Value, defaults
+from scenarios.plank_tower import plank_tower
+from stability_core.lookup import look_up
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """What can be built: a scene for every choice of its parameters."""
+
+    builder: Callable[..., Scene]
+
+    @property
+    def description(self) -> str:
+        """One line: what is built."""
+        return (inspect.getdoc(self.builder) or "").partition("\n")[0]
+
+    @property
+    def parameters(self) -> Mapping[str, Value]:
+        """The parameters' names and defaults."""
+        return defaults(self.builder)
+
+
+SCENARIOS: Mapping[str, Scenario] = {
+    builder.__name__: Scenario(builder) for builder in (plank_tower, four_stack, leaning_tower, card_house, brick_wall)
+}
+
+
+def build(name: str, **parameters: Value) -> Scene:
+    """The scene of scenario ``name`` with ``parameters``; defaults stand in for those left out.
+
+    Raises:
+        UnknownNameError: if there is no such scenario, or it has no such parameter.
+        ValueError: if a parameter's value makes no scene; the message names what is allowed.
+    """
+    scenario = look_up("scenario", name, SCENARIOS)
+    for parameter in parameters:
+        look_up(f"parameter of {name}", parameter, scenario.parameters)
+    try:
+        return scenario.builder(**parameters)
+    except ValueError as error:
+        raise ValueError(f"scenario {name}: {error}") from error
