@@ -1,0 +1,326 @@
+"""MuJoCo 4: soft contacts, solved to convergence by Newton's method.
+
+Slots. MuJoCo compiles its model beforehand, so every expected brick has a slot: a free body that is
+parked until it is spawned (``_mujoco_slots.py``). A brick that fits no free slot makes the model be
+compiled anew, with the state carried over.
+
+Freezing. MuJoCo has no static switch, so each slot has a ghost, a mocap body with the same box. To
+freeze is to let the ghost stand and collide where the brick is, and to park the brick. Nothing moves a
+mocap body, so the drift is exactly zero. A ghost belongs to the world, so contacts among ghosts and
+with the ground vanish. A world without a port has no ghosts.
+
+Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities of that
+moment: together they tell the approach before the solver stops it.
+
+Friction. A pair has the larger coefficient of its two geoms; all geoms have the world's.
+
+Traps. Divergence silently resets the world unless ``autoreset`` is off. A speculative contact carries
+a made-up distance, reported as unknown. MuJoCo does not see that a sleeping brick's support went
+away. Its warnings go to a file in the working directory unless they are caught.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import defaultdict, deque
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from adapters._mujoco_slots import Shape, SlotModel
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
+
+_NOBODY = -2
+"""Stands for the body of an empty slot."""
+
+_AUTORESET = {"flag.autoreset": Knob("disable", "a diverged world must be seen, not silently put back to its start")}
+
+
+def _expert_knobs(timestep: float) -> dict[str, Knob]:
+    """What makes bricks of 12 g stand at a given step [s]; named ``element.attribute`` after MuJoCo's XML."""
+    return _AUTORESET | {
+        "option.cone": Knob("elliptic", "over the shipped pyramid an inverted V slips away"),
+        "option.impratio": Knob(10, "friction ten times as stiff as the normal: soft friction creeps"),
+        "geom.solref": Knob(f"{2 * timestep!r} 1", "two steps, critically damped: the stiffest that is safe"),
+        "geom.solimp": Knob("0.99 0.999 1e-4 0.5 2", "nearly rigid from 0.1 mm on: a brick at rest sinks 0.03 mm"),
+        "geom.gap": Knob(1e-4, "reports a support that is not quite touched, without any force"),
+        "flag.speculative": Knob("enable", "a falling brick must not pass through a plank of 8 mm in one step"),
+    }
+
+
+_SLEEP_KNOBS: Mapping[Sleeping, Mapping[str, Knob]] = {
+    "off": {},
+    "native": {"sleep": Knob("allowed", "the engine's own sleeping, at the shipped tolerance of 1 mm/s")},
+    "raised": {
+        "sleep": Knob("allowed", "the engine's own sleeping"),
+        "option.sleep_tolerance": Knob(1e-2, "ten times as shipped: above the sway of a tower, below a real fall"),
+    },
+}
+
+
+class MujocoSimulation(Simulation):
+    """One MuJoCo world."""
+
+    engine: ClassVar[str] = "mujoco"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        contact_points="up to 8 points between bricks, 4 on the ground",
+        separation=True,
+        relative_velocity="from the velocities before the step",
+        forces=True,
+        freeze="a mocap body with the same box collides in the brick's stead",
+        frozen_contacts=False,
+        friction_law="elliptic cone, regularised (as shipped: a 4-sided pyramid)",
+        deterministic="across processes",
+    )
+    profiles: ClassVar[Mapping[str, Profile]] = {
+        "default": Profile(
+            "default",
+            "as shipped, with its step of 2 ms rounded down to 1.85 ms to divide the frame",
+            9,
+            knobs=_AUTORESET,
+        ),
+        "game": Profile(
+            "game",
+            "one step a frame, nearly rigid contacts, elliptic friction",
+            1,
+            knobs=_expert_knobs(1 / 60),
+            tuned_by="the authors of this suite",
+        ),
+        "tuned": Profile(
+            "tuned",
+            "as game, four steps a frame",
+            4,
+            knobs=_expert_knobs(1 / 240),
+            tuned_by="the authors of this suite",
+        ),
+    }
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        profile = replace(profile, knobs={**profile.knobs, **_SLEEP_KNOBS[sleeping]})
+        super().__init__(profile, world, sleeping, expected)
+        self._shapes: list[Shape] = [(brick.size, brick.mass) for brick in expected]
+        self._slot: dict[int, int] = {}  # of every body
+        self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
+        for slot, shape in enumerate(self._shapes):
+            self._free[shape].append(slot)
+        self._approaches: list[tuple[IntArray, FloatArray, FloatArray]] = []
+        self._compiled: SlotModel | None = None
+
+    @staticmethod
+    def _version() -> str:
+        return str(mujoco.__version__)
+
+    # -- slots -------------------------------------------------------------------------------------
+
+    @property
+    def _engine(self) -> SlotModel:
+        """The compiled world, made when it is first needed: only then is it known whether the core looks on."""
+        return self._compiled or self._compile(ghosts=self.is_observed)
+
+    def _compile(self, *, ghosts: bool) -> SlotModel:
+        """Compile a world for the present shapes, and carry the state over."""
+        old, new = self._compiled, SlotModel(self._shapes, self.world, self.info.profile, ghosts=ghosts)
+        if old is not None:
+            for body in self.frozen:
+                old.hide_ghost(self._slot[body])
+            new.copy_state(old)
+        self._compiled = new
+        self._body_of_geom = np.full(new.geoms, _NOBODY)
+        self._body_of_geom[0] = GROUND
+        self._is_live_geom = np.zeros(new.geoms, bool)
+        self._is_current_geom = np.ones(new.geoms, bool)
+        for body, slot in self._slot.items():
+            self._assign_geoms(slot, body)
+            if body in self.frozen:
+                new.show_ghost(slot)
+            else:
+                self._let_live(slot)
+        return new
+
+    def _take_slot(self, shape: Shape) -> int:
+        if not self._free[shape]:
+            first, more = len(self._shapes), max(1, len(self._slot))  # doubling: few compilations, however many come
+            self._shapes += [shape] * more
+            self._free[shape].extend(range(first, first + more))
+            if self._compiled is not None:
+                self._compile(ghosts=self._compiled.has_ghosts)
+        return self._free[shape].popleft()
+
+    def _assign_geoms(self, slot: int, body: int) -> None:
+        """Say whose a slot's geoms are. What they touched until now is no contact of the body in its new place."""
+        geoms = slice(1 + slot, None, self._engine.slots)  # the brick's and, if there is one, the ghost's
+        self._body_of_geom[geoms] = body
+        self._is_current_geom[geoms] = False
+
+    def _let_live(self, slot: int) -> None:
+        self._engine.unpark(slot)
+        self._is_live_geom[1 + slot] = True
+
+    def _retire(self, slot: int) -> None:
+        self._engine.park(slot)
+        self._is_live_geom[1 + slot] = False
+
+    def _rouse_all(self) -> None:
+        for body, slot in self._slot.items():
+            if body not in self.frozen:
+                self._engine.rouse(slot)
+
+    def _slots(self, bodies: IntArray) -> IntArray:
+        return np.array([self._slot[body] for body in bodies.tolist()], np.int64)
+
+    # -- driven by the harness ---------------------------------------------------------------------
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        slot = self._take_slot((brick.size, brick.mass))
+        self._engine.set_pose(slot, brick.position, brick.quaternion)
+        self._slot[body] = slot
+        self._assign_geoms(slot, body)
+        self._let_live(slot)
+
+    def _remove(self, body: int) -> None:
+        if body in self.frozen:
+            self._engine.hide_ghost(self._slot[body])
+        slot = self._slot.pop(body)
+        self._retire(slot)
+        self._assign_geoms(slot, _NOBODY)
+        self._free[self._shapes[slot]].append(slot)
+        self._rouse_all()
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        slot = self._slot[body]
+        self._engine.velocities[slot, :3] += np.asarray(impulse) / self.bricks[body].mass
+        self._engine.rouse(slot)
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        slot = self._slot[body]
+        self._engine.set_pose(slot, position, quaternion)
+        if body in self.frozen:
+            self._engine.show_ghost(slot)
+        self._assign_geoms(slot, body)
+        self._rouse_all()
+
+    def _step(self, seconds: float) -> None:
+        model, data, substeps = self._engine.model, self._engine.data, self.info.profile.substeps
+        model.opt.timestep = seconds / substeps
+        self._is_current_geom[:] = True
+        self._approaches.clear()
+        for substep in range(substeps):
+            if substep and self.is_observed:
+                self._note_approaches()
+            mujoco.mj_step(model, data)
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        slots, data = self._slots(bodies), self._engine.data
+        poses = self._engine.poses[slots]
+        frozen = [row for row, body in enumerate(bodies.tolist()) if body in self.frozen]
+        poses[frozen, :3] = data.mocap_pos[slots[frozen]]
+        poses[frozen, 3:] = data.mocap_quat[slots[frozen]]
+        return poses[:, :3], poses[:, 3:]
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._engine.poses[self._slots(bodies), :3]  # of live bodies, whose ghosts are elsewhere
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        rows = self._engine.velocities[self._slots(bodies)]
+        return rows[:, :3], _rotate(self._poses(bodies)[1], rows[:, 3:])
+
+    def _close(self) -> None:
+        self._compiled = None
+
+    # -- driven by the core, through the port ------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        if not self._engine.has_ghosts:
+            self._compile(ghosts=True)
+        slot = self._slot[body]
+        self._engine.show_ghost(slot)
+        self._retire(slot)
+
+    def _thaw(self, body: int) -> None:
+        slot = self._slot[body]
+        self._engine.hide_ghost(slot)
+        self._let_live(slot)
+
+    def _contacts(self) -> Contacts:
+        found = self._engine.data.contact
+        rows = self._current_rows(found.geom)
+        geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
+        velocity = self._relative_velocities(geoms, found.pos[rows])
+        speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
+        if len(speculative):  # a force before touch; the engine invents the distance that makes it stop the brick
+            separation[speculative] = np.nan
+            velocity[speculative] += self._fall(geoms[speculative])
+        return Contacts(
+            *self._body_of_geom[geoms].T,
+            found.pos[rows],
+            normals,
+            separation,
+            self._fastest_approaches(geoms, normals, velocity),
+            found.friction[rows, 0],
+        )
+
+    def _current_rows(self, geoms: IntArray) -> IntArray:
+        """The rows of contacts that touch a live body, where both bodies still are where they were."""
+        kept = self._is_live_geom[geoms].any(axis=1) & self._is_current_geom[geoms].all(axis=1)
+        return np.flatnonzero(kept)
+
+    def _relative_velocities(self, geoms: IntArray, points: FloatArray) -> FloatArray:
+        """Velocities (n, 3) [m/s] of the second geom against the first, at the start of the latest substep."""
+        data = self._engine.data
+        twists = data.cvel[geoms]  # angular, then linear at the centre of mass
+        arms = points[:, None] - data.subtree_com[geoms]
+        velocities: FloatArray = twists[:, :, 3:] + _cross(twists[:, :, :3], arms)
+        return velocities[:, 1] - velocities[:, 0]
+
+    def _note_approaches(self) -> None:
+        """Remember how fast each pair approaches in this substep."""
+        found = self._engine.data.contact
+        rows = self._current_rows(found.geom)
+        geoms = found.geom[rows]
+        velocity = self._relative_velocities(geoms, found.pos[rows])
+        self._approaches.append((self._pairs(geoms), _dot(velocity, found.frame[rows, :3]), velocity))
+
+    def _fastest_approaches(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
+        """``velocity``, or that of the pair in an earlier substep where it approached faster."""
+        pairs, speed = self._pairs(geoms), _dot(velocity, normals)
+        for earlier_pairs, earlier_speed, earlier_velocity in self._approaches:
+            order = np.lexsort((earlier_speed, earlier_pairs))  # of each pair, the fastest approach comes first
+            first = np.searchsorted(earlier_pairs[order], pairs)
+            known = np.flatnonzero(first < len(order))
+            match = order[first[known]]
+            faster = (earlier_pairs[match] == pairs[known]) & (earlier_speed[match] < speed[known])
+            rows, match = known[faster], match[faster]
+            speed[rows], velocity[rows] = earlier_speed[match], earlier_velocity[match]
+        return velocity
+
+    def _pairs(self, geoms: IntArray) -> IntArray:
+        return geoms[:, 0] * np.int64(self._engine.geoms) + geoms[:, 1]
+
+    def _fall(self, geoms: IntArray) -> FloatArray:
+        """What gravity adds to relative velocities (n, 3) [m/s] in one substep: those of bodies yet to touch."""
+        falls = self._is_live_geom[geoms].astype(np.float64)
+        option = self._engine.model.opt
+        return (falls[:, 1:] - falls[:, :1]) * option.gravity * option.timestep
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray((a * b).sum(axis=-1))
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """As ``numpy.cross`` over the last axis, several times as fast for a few rows."""
+    return a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]]
+
+
+def _rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Vectors (n, 3) of the bodies' own frames in the world's frame; quaternions (n, 4) as w, x, y, z."""
+    scalar, axis = quaternions[:, :1], quaternions[:, 1:]
+    twice = 2 * _cross(axis, vectors)
+    return vectors + scalar * twice + _cross(axis, twice)

@@ -1,0 +1,131 @@
+"""A compiled MuJoCo world whose bricks can be put in, taken out and frozen without compiling it anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TypeAlias
+
+import mujoco
+
+from adapters.base import Profile
+from scenarios.model import Quaternion, Vector, World
+from stability_core.port import FloatArray
+
+Shape: TypeAlias = tuple[Vector, float]
+"""Edge lengths [m] and mass [kg]: what makes one brick fit another's slot."""
+
+_SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
+_SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
+
+
+class SlotModel:
+    """The ground, a slot for each shape and, if asked for, a ghost for each slot.
+
+    A slot is a free body, parked until it is unparked; a ghost is a mocap body with the same box, which
+    nothing moves. Geom and body ids coincide: 0 is the ground, then come the slots, then their ghosts.
+    """
+
+    def __init__(self, shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> None:
+        self.slots = len(shapes)
+        self.geoms = 1 + self.slots * (2 if ghosts else 1)
+        self.has_ghosts = ghosts
+        self.model = mujoco.MjModel.from_xml_string(_mjcf(shapes, world, profile, ghosts=ghosts))
+        self.data = mujoco.MjData(self.model)
+        # Views of MuJoCo's own memory, one row a slot.
+        self.poses: FloatArray = self.data.qpos.reshape(-1, 7)
+        self.velocities: FloatArray = self.data.qvel.reshape(-1, 6)
+        self._warm_starts: FloatArray = self.data.qacc_warmstart.reshape(-1, 6)
+        # A change of a geom's collision mask takes effect only together with its body's.
+        self._masks = (
+            self.model.geom_contype,
+            self.model.geom_conaffinity,
+            self.model.body_contype,
+            self.model.body_conaffinity,
+        )
+        self._live_policy = _SLEEP_ALLOWED if "sleep" in profile.knobs else _SLEEP_NEVER
+
+    def copy_state(self, smaller: SlotModel) -> None:
+        """Take over the poses, velocities and warm starts of another model's slots."""
+        self.poses[: smaller.slots] = smaller.poses
+        self.velocities[: smaller.slots] = smaller.velocities
+        self._warm_starts[: smaller.slots] = smaller._warm_starts
+
+    def set_pose(self, slot: int, position: Vector, quaternion: Quaternion) -> None:
+        """Put a brick somewhere, at rest."""
+        self.poses[slot, :3] = position
+        self.poses[slot, 3:] = quaternion
+        self._stop(slot)
+
+    def unpark(self, slot: int) -> None:
+        """Hand a brick to the engine."""
+        self._collide(1 + slot, True)
+        self.model.body_gravcomp[1 + slot] = 0
+        self.model.tree_sleep_policy[slot] = self._live_policy
+        self.rouse(slot)
+
+    def park(self, slot: int) -> None:
+        """Let a brick collide with nothing, float and sleep, so that it costs nothing."""
+        self._stop(slot)
+        self._collide(1 + slot, False)
+        self.model.body_gravcomp[1 + slot] = 1
+        self.model.tree_sleep_policy[slot] = _SLEEP_ALLOWED
+        if self.data.tree_asleep[slot] < 0:
+            self.data.tree_asleep[slot] = -1  # the end of the count-down: it sleeps after one more step
+
+    def rouse(self, slot: int) -> None:
+        """Wake a brick, and the island that it sleeps in, from the engine's own sleep."""
+        self.data.tree_awake[slot] = 1  # MuJoCo wakes what is asleep by one record and awake by another
+
+    def show_ghost(self, slot: int) -> None:
+        """Let the ghost stand where the brick is."""
+        self.data.mocap_pos[slot] = self.poses[slot, :3]
+        self.data.mocap_quat[slot] = self.poses[slot, 3:]
+        self._collide(1 + self.slots + slot, True)
+
+    def hide_ghost(self, slot: int) -> None:
+        """Let the ghost collide with nothing, and the brick be exactly where the ghost stood."""
+        self.poses[slot, :3] = self.data.mocap_pos[slot]
+        self.poses[slot, 3:] = self.data.mocap_quat[slot]
+        self._collide(1 + self.slots + slot, False)
+
+    def _stop(self, slot: int) -> None:
+        self.velocities[slot] = 0
+        self._warm_starts[slot] = 0
+
+    def _collide(self, geom: int, on: bool) -> None:
+        for mask in self._masks:
+            mask[geom] = on
+
+
+def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> str:
+    """The world as MuJoCo's XML; a profile's knob ``element.attribute`` is that attribute."""
+    settings: dict[str, dict[str, object]] = {
+        "option": {"timestep": profile.frame_s / profile.substeps, "gravity": _numbers(world.gravity)},
+        "flag": {"sleep": "enable"},  # parked bricks sleep in every profile; live ones as the sleep policy says
+        "geom": {"friction": world.friction, "contype": 0, "conaffinity": 0},
+    }
+    for name, knob in profile.knobs.items():
+        element, _, attribute = name.partition(".")
+        if attribute:
+            settings[element][attribute] = knob.value
+    option, flag, geom = (
+        " ".join(f'{name}="{value}"' for name, value in settings[element].items())
+        for element in ("option", "flag", "geom")
+    )
+    boxes = [
+        f'<geom type="box" size="{_numbers(edge / 2 for edge in size)}" mass="{mass!r}"/>' for size, mass in shapes
+    ]
+    return f"""
+        <mujoco>
+            <option {option}><flag {flag}/></option>
+            <default><geom {geom}/></default>
+            <worldbody>
+                <geom type="plane" size="0 0 1" contype="1" conaffinity="1"/>
+                {"".join(f'<body sleep="init" gravcomp="1"><freejoint/>{box}</body>' for box in boxes)}
+                {"".join(f'<body mocap="true">{box}</body>' for box in boxes) if ghosts else ""}
+            </worldbody>
+        </mujoco>"""
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)
