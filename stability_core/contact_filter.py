@@ -1,0 +1,149 @@
+"""Which contacts count: fast impacts and contacts across a gap do not.
+
+The paper also drops pairs of which neither touches the stack. Here only bodies that touch the stack are
+ever tested, so such a pair never decides anything; it still tells what lies on a live load.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+from stability_core.stack import FROZEN, LIVE, Bodies
+
+CONTACT = np.dtype(
+    [
+        ("body_a", "i8"),
+        ("body_b", "i8"),
+        ("point", "f8", (3,)),
+        ("normal", "f8", (3,)),
+        ("friction", "f8"),
+    ],
+    align=True,
+)
+"""A contact that counts, as ``Contacts`` has it."""
+ContactRows: TypeAlias = Any
+"""Structured array of ``CONTACT``."""
+
+
+@compiled
+def bit_of(body: int) -> np.uint64:
+    """The bit that stands for a body in a set of 64."""
+    return np.uint64(1) << np.uint64((body + 1) % 64)
+
+
+@compiled
+def is_level(upward: float, friction: float, level_tilt: float) -> bool:
+    """True if a contact can carry a vertical force: its Coulomb cone contains the vertical.
+
+    Args:
+        upward: vertical component of the unit normal.
+        friction: Coulomb coefficient of the pair.
+        level_tilt: slope [rad] up to which a contact counts as level whatever its friction.
+    """
+    return bool(abs(upward) >= np.cos(max(np.arctan(friction), level_tilt)))
+
+
+@compiled
+def is_above(bodies: Bodies, body: int, other: int) -> bool:
+    """True if ``body`` is the upper one of a level pair: the ground is below, else the higher centre is above."""
+    if other == GROUND or body == GROUND:
+        return bool(other == GROUND)
+    return bool(bodies[body].center[2] > bodies[other].center[2])
+
+
+@compiled
+def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, level: bool) -> None:
+    """Note a contact with ``other`` on a live body; penetration [m] counts on its supports only."""
+    if body == GROUND or bodies[body].state != LIVE:
+        return
+    row = bodies[body]
+    row.slip = max(row.slip, slip)
+    row.touches = row.touches or other == GROUND or bodies[other].state == FROZEN
+    if level and is_above(bodies, body, other):
+        row.supported_by |= bit_of(other)
+        if depth > row.depth:  # false for an unknown (NaN) depth
+            row.depth = depth
+
+
+@compiled
+def _speeds(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
+    """Approach and sliding speed [m/s] of a pair, (nan, 0) where the velocity is unknown."""
+    along, total = 0.0, 0.0
+    for k in range(3):
+        along += velocity[k] * normal[k]
+        total += velocity[k] ** 2
+    return -along, np.sqrt(max(0.0, total - along**2))
+
+
+@compiled
+def _keep(
+    bodies: Bodies,
+    body_a: IntArray,
+    body_b: IntArray,
+    point: FloatArray,
+    normal: FloatArray,
+    separation: FloatArray,
+    relative_velocity: FloatArray,
+    friction: FloatArray,
+    impact_speed: float,
+    contact_gap: float,
+    level_tilt: float,
+) -> tuple[ContactRows, IntArray]:
+    n = len(body_a)
+    kept = np.empty(n, CONTACT)
+    struck = np.empty(2 * n, np.int64)
+    size, hits = 0, 0
+    for i in range(n):
+        a, b = body_a[i], body_b[i]
+        if separation[i] > contact_gap:  # false for an unknown (NaN) separation: it counts as touch
+            continue
+        approach, slip = _speeds(relative_velocity[i], normal[i])
+        if approach > impact_speed:
+            for body in (a, b):
+                if body != GROUND and bodies[body].state == FROZEN:
+                    struck[hits] = body
+                    hits += 1
+            continue
+        row = kept[size]
+        row.body_a, row.body_b, row.friction = a, b, friction[i]
+        for k in range(3):
+            row.point[k], row.normal[k] = point[i, k], normal[i, k]
+        size += 1
+        level = is_level(normal[i, 2], friction[i], level_tilt)
+        _note(bodies, a, b, -separation[i], slip, level)
+        _note(bodies, b, a, -separation[i], slip, level)
+    return kept[:size], struck[:hits]
+
+
+def keep_contacts(
+    bodies: Bodies, contacts: Contacts, *, impact_speed: float, contact_gap: float, level_tilt: float
+) -> tuple[ContactRows, IntArray]:
+    """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
+
+    Args:
+        bodies: the table, tracked for this frame.
+        contacts: as the port gave them, n rows.
+        impact_speed: approach speed [m/s] above which a contact is an impact and no support.
+        contact_gap: separation [m] above which a pair does not touch.
+        level_tilt: see ``is_level``.
+
+    Returns:
+        The contacts that count, (k,) rows of ``CONTACT``; and the frozen bodies struck by an impact, (h,).
+    """
+    return _keep(
+        bodies,
+        contacts.body_a,
+        contacts.body_b,
+        contacts.point,
+        contacts.normal,
+        contacts.separation,
+        contacts.relative_velocity,
+        contacts.friction,
+        impact_speed,
+        contact_gap,
+        level_tilt,
+    )

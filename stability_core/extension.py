@@ -1,0 +1,236 @@
+"""The extension: freezes what is statically stable, and wakes what no longer balances, once a frame."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stability_core.checks import check_contacts, check_masses
+from stability_core.contact_filter import ContactRows, keep_contacts
+from stability_core.lookup import look_up
+from stability_core.manifold import lay_all, lift_all, supports_as_bits
+from stability_core.motion import count_frames, due, shifted_loads, track
+from stability_core.policies import POLICIES, Policy
+from stability_core.port import IntArray, StabilityPort
+from stability_core.settings import Settings
+from stability_core.stack import (
+    ABSENT,
+    FROZEN,
+    LIVE,
+    Graph,
+    drop_loads,
+    drop_supports,
+    empty_graph,
+    grown,
+    with_all_above,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What one update did."""
+
+    frozen: tuple[int, ...]
+    """Bodies frozen in this frame, by rising id."""
+    woken: tuple[int, ...]
+    """Bodies woken in this frame, by rising id."""
+    reasons: Mapping[int, str]
+    """Why, for each of them."""
+
+
+UNCHANGED = Change((), (), {})
+
+
+class StabilityExtension:
+    """Thomsen and Kraus' stability extension over any engine that shows contacts, sleep and mass."""
+
+    def __init__(
+        self,
+        port: StabilityPort,
+        policy: str | Policy = "paper",
+        gravity: Sequence[float] = (0.0, 0.0, -9.81),
+        settings: Settings | None = None,
+    ) -> None:
+        """Watch the world behind ``port``.
+
+        Args:
+            port: the engine, as the core sees it.
+            policy: a name of ``POLICIES``, or a policy of your own.
+            gravity: [m/s2], straight down.
+            settings: the tolerances.
+
+        Raises:
+            UnknownNameError: if there is no such policy.
+            ValueError: if gravity does not point straight down: turn the world so that z is up.
+        """
+        x, y, z = gravity
+        if x != 0.0 or y != 0.0 or not (np.isfinite(z) and z < 0.0):
+            raise ValueError(f"gravity must be (0, 0, -g), got {tuple(gravity)}: turn the world so that z is up")
+        self.port = port
+        self.settings = settings or Settings()
+        self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
+        self._graph: Graph = empty_graph()
+        self._recent: deque[ContactRows] = deque(maxlen=max(1, self.settings.rest_frames))
+        self._news: dict[int, str] = {}
+        """Bodies woken by the host's words since the last update, with the reason."""
+
+    @property
+    def frozen(self) -> IntArray:
+        """Ids of all frozen bodies, shape (n,)."""
+        return np.flatnonzero(self._graph.bodies["state"] == FROZEN)
+
+    def disturb(self, bodies: Iterable[int]) -> None:
+        """A user holds or pushes ``bodies``: they stay live until released; what rests on them is re-examined.
+
+        Raises:
+            KeyError: for a body that no update has seen.
+        """
+        for body in self._seen(bodies):
+            self._detach(body)
+            self._graph.bodies["held"][body] = True
+            if self._graph.bodies["state"][body] == FROZEN:
+                self._news[body] = "disturbed"
+
+    def release(self, bodies: Iterable[int]) -> None:
+        """The user lets go: ``bodies`` may freeze again once they are at rest.
+
+        Raises:
+            KeyError: for a body that no update has seen.
+        """
+        for body in self._seen(bodies):
+            self._graph.bodies["held"][body] = False
+
+    def update(self, dt: float) -> Change:
+        """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
+
+        Costs what the live bodies and the changes cost, whatever the number of frozen bodies.
+
+        Raises:
+            ValueError: if dt is not positive, or the port gives malformed contacts or masses.
+        """
+        if not (np.isfinite(dt) and dt > 0.0):
+            raise ValueError(f"dt must be a positive time in seconds, got {dt}")
+        contacts, masses = self.port.contacts(), self.port.masses()
+        check_contacts(contacts)
+        check_masses(masses)
+        live = masses.body
+        self._forget(masses.removed)
+        self._make_room(live, contacts.body_a, contacts.body_b)
+
+        settings, bodies = self.settings, self._graph.bodies
+        track(bodies, live, masses.mass, masses.center_of_mass, dt)
+        kept, struck = keep_contacts(
+            bodies,
+            contacts,
+            impact_speed=settings.impact_speed,
+            contact_gap=settings.contact_gap,
+            level_tilt=settings.level_tilt,
+        )
+        self._recent.append(kept)
+        count_frames(
+            bodies,
+            live,
+            (settings.rest_speed, settings.rest_slip, settings.rest_penetration),
+            (settings.lean_speed, settings.lean_penetration),
+            settings.load_speed,
+            settings.moving_speed,
+            settings.calm_frames,
+        )
+        at_rest, leaning = due(bodies, live, settings.rest_frames, settings.lean_frames)
+        lying, gone = shifted_loads(bodies, live, settings.load_frames, settings.load_shift)
+        quiet = not (len(at_rest) or len(leaning) or len(lying) or len(gone) or len(struck))
+        if quiet and not self._news and not bodies["changed"].any():
+            return UNCHANGED
+        lift_all(self._graph, gone)
+        return self._settle(at_rest, leaning, lying, struck)
+
+    def _settle(self, at_rest: IntArray, leaning: IntArray, lying: IntArray, struck: IntArray) -> Change:
+        """Bring the stack up to date: lay patches, freeze what is stable, carry down, wake what is not."""
+        leaning_only = np.setdiff1d(leaning, at_rest)
+        tested = np.union1d(at_rest, leaning)
+        self._lay(np.setdiff1d(lying, tested), self.settings.load_frames)
+        self._lay(at_rest, self.settings.rest_frames)
+        self._lay(leaning_only, self.settings.lean_frames)
+        concerned = self._carry()
+
+        frozen = self.policy.accept(self._graph, self._by_height(at_rest), self._by_height(leaning))
+        accepted = np.fromiter(frozen, np.int64, len(frozen))
+        self._lay(np.intersect1d(at_rest, accepted), self.settings.rest_frames)
+        self._lay(np.intersect1d(leaning_only, accepted), self.settings.lean_frames)
+        refused = np.setdiff1d(leaning_only, accepted)
+        lift_all(self._graph, refused[self._graph.bodies["load_frames"][refused] < self.settings.load_frames])
+        concerned = np.union1d(concerned, self._carry())
+
+        woken, self._news = self._news, {}
+        for body in woken:
+            self._wake(body)
+        unbalanced = self.policy.unbalanced(self._graph, concerned)
+        for reason, roots in (("struck", struck), ("unbalanced", unbalanced)):
+            for body in with_all_above(self._graph, roots).tolist():
+                if self._graph.bodies["state"][body] == FROZEN:
+                    woken[body] = reason if body in roots else f"rested on what was {reason}"
+                    self._wake(body)
+        return self._tell(frozen, woken)
+
+    def _tell(self, frozen: dict[int, str], woken: dict[int, str]) -> Change:
+        """One sleep and one wake batch for the engine; what was frozen and woken at once never slept."""
+        asleep = sorted(frozen.keys() - woken.keys())
+        awake = sorted(woken.keys() - frozen.keys())
+        if asleep:
+            self.port.sleep(asleep)
+        if awake:
+            self.port.wake(awake)
+        return Change(tuple(asleep), tuple(awake), {body: (frozen | woken)[body] for body in asleep + awake})
+
+    def _lay(self, ids: IntArray, frames: int) -> None:
+        """Lay the patches of ``ids`` from the contacts of the last ``frames`` frames."""
+        if not len(ids):
+            return
+        rows = np.concatenate(list(self._recent)[-frames:])
+        self._graph = grown(self._graph, 0, len(rows))
+        lay_all(self._graph, rows, ids, self.settings.level_tilt)
+
+    def _carry(self) -> IntArray:
+        changed = np.flatnonzero(self._graph.bodies["changed"])
+        self._graph.bodies["changed"][changed] = False
+        return self.policy.carry(self._graph, changed) if len(changed) else changed
+
+    def _by_height(self, ids: IntArray) -> IntArray:
+        return ids[np.argsort(self._graph.bodies["center"][ids, 2], kind="stable")]
+
+    def _wake(self, body: int) -> None:
+        """Hand a frozen body back; until it moves it goes on to load what it rests on."""
+        row = self._graph.bodies[body]
+        row["state"], row["unsettled"], row["leans"] = LIVE, True, False
+        row["rest_frames"] = row["lean_frames"] = 0
+        row["load_frames"] = self.settings.load_frames
+        row["is_load"], row["load_center"] = True, row["center"]
+        row["load_supported_by"] = supports_as_bits(self._graph, body)
+
+    def _detach(self, body: int) -> None:
+        drop_supports(self._graph, body)
+        drop_loads(self._graph, body)
+
+    def _forget(self, removed: Sequence[int]) -> None:
+        """Drop bodies that left the world; one that was never seen leaves nothing behind."""
+        for body in removed:
+            if body < len(self._graph.bodies):
+                self._detach(body)
+                self._graph.bodies["state"][body] = ABSENT
+                self._news.pop(body, None)
+
+    def _make_room(self, *ids: IntArray) -> None:
+        greatest = max((int(some.max()) for some in ids if len(some)), default=-1)
+        if greatest >= len(self._graph.bodies):
+            self._graph = grown(self._graph, greatest + 1, 0)
+
+    def _seen(self, bodies: Iterable[int]) -> list[int]:
+        wanted = list(bodies)
+        states = self._graph.bodies["state"]
+        unknown = [body for body in wanted if not 0 <= body < len(states) or states[body] == ABSENT]
+        if unknown:
+            raise KeyError(f"unknown body {', '.join(map(str, unknown))}: no update has seen it")
+        return wanted

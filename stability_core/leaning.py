@@ -1,0 +1,121 @@
+"""Leaning stability (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body that stands on one contact and leans on another.
+
+Kept as the paper has it, with its known weakness: it assumes that the friction at the upper contact holds
+as much weight as it can, so between 50 and 65 degrees it accepts an inverted V that must slip.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import FloatArray
+from stability_core.stack import NONE, Graph, count_patches, hull_of
+from stability_core.stack_mass import nearest_vertex, pivot_of
+
+
+@compiled
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+@compiled
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+@compiled
+def _length(a: FloatArray) -> float:
+    return float(np.sqrt(_dot(a, a)))
+
+
+@compiled
+def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArray, contact: FloatArray) -> FloatArray:
+    """The force [N], (3,), with which gravity, turning the body about its pivot, acts on the other contact.
+
+    T = (C_stack - P_pivot) x G (Eq. 3). The force is perpendicular to the lever r = C_contact - P_pivot, along
+    T x r, so that |F| = |T| / |r| (Eq. 5 with sin(theta) = 1).
+
+    Args:
+        weight: gravitational force G on the body and all it carries [N], shape (3,).
+        center: where it acts [m], shape (3,).
+        pivot: pivot point [m], shape (3,).
+        contact: centre of the other contact area [m], shape (3,).
+    """
+    torque = _cross(center - pivot, weight)
+    lever = contact - pivot
+    direction = _cross(torque, lever)
+    if _length(direction) == 0.0:
+        return np.zeros(3)
+    return direction * (_length(torque) / (_length(lever) * _length(direction)))
+
+
+@compiled
+def split_force(force: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A force [N] on a contact, split into (normal force, sliding force), each (3,).
+
+    The normal force is the projection onto the inverted normal, nil where the force pulls away; the sliding
+    force is the rest, F_sliding = F - F_normal.
+
+    Args:
+        force: with which the body acts on the contact [N], shape (3,).
+        normal: unit normal towards the body, shape (3,).
+    """
+    normal_force = normal * min(0.0, _dot(force, normal))
+    return normal_force, force - normal_force
+
+
+@compiled
+def holds_on_pivot(
+    weight: FloatArray,
+    force: FloatArray,
+    normal: FloatArray,
+    friction: float,
+    pivot_normal: FloatArray,
+    pivot_friction: float,
+) -> bool:
+    """True if the pivot does not slip under what the other contact leaves to it (Eqs 6 and 7).
+
+    |F_friction| = mu |F_normal| against the sliding direction (Eq. 6), and
+    F_pivot = -F_normal + G - F_friction (Eq. 7). Stable iff friction at the pivot exceeds its sliding force.
+
+    Args:
+        weight: G [N], shape (3,).
+        force: torque-induced force on the other contact [N], shape (3,).
+        normal: unit normal of the other contact towards the body, shape (3,).
+        friction: Coulomb coefficient there.
+        pivot_normal: unit normal of the pivot towards the body, shape (3,).
+        pivot_friction: Coulomb coefficient there.
+    """
+    normal_force, sliding = split_force(force, normal)
+    friction_force = np.zeros(3)
+    if _length(sliding) > 0.0:
+        friction_force = sliding * (friction * _length(normal_force) / _length(sliding))
+    on_pivot = weight - normal_force - friction_force
+    pivot_normal_force, pivot_sliding = split_force(on_pivot, pivot_normal)
+    return bool(pivot_friction * _length(pivot_normal_force) > _length(pivot_sliding))
+
+
+@compiled
+def leans_stably(graph: Graph, body: int, gravity: float) -> bool:
+    """The paper's leaning test for a body with its stack data carried; False unless it has two leaning contacts.
+
+    Args:
+        graph: the stack.
+        body: a body whose patches are laid.
+        gravity: gravitational acceleration [m/s2], positive.
+    """
+    if count_patches(graph, body) != 2:
+        return False
+    at = pivot_of(graph, body)
+    other = graph.bodies[body].first_support
+    if other == at:
+        other = graph.patches[at].next_support
+    if other == NONE:
+        return False
+    foot, contact = graph.patches[at], graph.patches[other]
+    center = graph.bodies[body].stack_center
+    weight = np.array([0.0, 0.0, -gravity * graph.bodies[body].stack_mass])
+    pivot = nearest_vertex(hull_of(foot), center)
+    force = torque_induced_force(weight, center, pivot, contact.center)
+    return holds_on_pivot(weight, force, contact.normal, contact.friction, foot.normal, foot.friction)

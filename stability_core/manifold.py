@@ -1,0 +1,145 @@
+"""Contact manifolds: the points of a pair over the dwell frames, united into contact patches.
+
+One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points, then, tilted by
+micrometres, 1 or 2. The hull of the points seen over some frames is the true contact area.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.contact_filter import ContactRows, bit_of, is_above, is_level
+from stability_core.polygon import centroid, convex_hull
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, drop_supports, link
+
+
+@compiled
+def _thinned(hull: FloatArray) -> FloatArray:
+    """The hull with at most MAX_VERTICES vertices: those go first whose loss costs the least area."""
+    size = len(hull)
+    while size > MAX_VERTICES:
+        least, least_area = 0, np.inf
+        for i in range(size):
+            a, b, c = hull[(i - 1) % size], hull[i], hull[(i + 1) % size]
+            area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            if area < least_area:
+                least, least_area = i, area
+        for i in range(least, size - 1):
+            hull[i] = hull[i + 1]
+        size -= 1
+    return hull[:size]
+
+
+@compiled
+def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, other: int, kind: int) -> None:
+    """One patch of ``body`` on ``other`` from the contacts ``rows``."""
+    points = np.empty((len(rows), 3))
+    patch = link(graph, body, other, kind)
+    normal = np.zeros(3)
+    friction = np.inf
+    for i in range(len(rows)):
+        contact = contacts[rows[i]]
+        sign = 1.0 if contact.body_b == body else -1.0
+        for k in range(3):
+            points[i, k] = contact.point[k]
+            normal[k] += sign * contact.normal[k]
+        friction = min(friction, contact.friction)
+    hull = _thinned(convex_hull(points))
+    patch.vertices = len(hull)
+    for i in range(len(hull)):
+        for k in range(3):
+            patch.vertex[i, k] = hull[i, k]
+    middle = centroid(hull)
+    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    for k in range(3):
+        patch.center[k] = middle[k]
+        patch.normal[k] = normal[k] / length
+    patch.friction = friction
+
+
+@compiled
+def _kind_for(graph: Graph, contact: ContactRows, body: int, other: int, level_tilt: float) -> int:
+    """SUPPORT if ``body`` stands on ``other`` here, LEAN if it leans, -1 if ``other`` stands on ``body``."""
+    if not is_level(contact.normal[2], contact.friction, level_tilt):
+        return LEAN
+    return SUPPORT if is_above(graph.bodies, body, other) else -1
+
+
+@compiled
+def lay_patches(graph: Graph, contacts: ContactRows, body: int, level_tilt: float) -> None:
+    """Lay the patches of ``body`` anew: on all that it stands on or leans against in ``contacts``.
+
+    A frozen body keeps its patches, so it gets them on the stack only (ground and frozen bodies); frozen
+    bodies that stand on it get theirs on it as well.
+    O(rows + patches), whatever the height of the stack.
+
+    Args:
+        graph: with at least as many spare patches as there are contacts.
+        contacts: the contacts of the dwell frames, rows of ``CONTACT``.
+        body: a body id.
+        level_tilt: see ``is_level``.
+    """
+    drop_supports(graph, body)
+    mine = np.empty(len(contacts), np.int64)
+    n = 0
+    for i in range(len(contacts)):
+        if contacts[i].body_a == body or contacts[i].body_b == body:
+            mine[n] = i
+            n += 1
+    filed = np.zeros(n, np.bool_)
+    rows = np.empty(n, np.int64)
+    for first in range(n):
+        if filed[first]:
+            continue
+        head = contacts[mine[first]]
+        other = head.body_b if head.body_a == body else head.body_a
+        kind = _kind_for(graph, head, body, other, level_tilt)
+        size = 0
+        for i in range(first, n):
+            contact = contacts[mine[i]]
+            same_pair = contact.body_a == other or contact.body_b == other
+            if same_pair and not filed[i] and _kind_for(graph, contact, body, other, level_tilt) == kind:
+                filed[i] = True
+                rows[size] = mine[i]
+                size += 1
+        kept = graph.bodies[body].state == FROZEN
+        other_is_live = other != GROUND and graph.bodies[other].state == LIVE
+        if kind >= 0 and not (kept and other_is_live):
+            _lay_patch(graph, contacts, rows[:size], body, other, kind)
+        elif kind < 0 and kept and not other_is_live:
+            _lay_patch(graph, contacts, rows[:size], other, body, SUPPORT)
+
+
+@compiled
+def lay_all(graph: Graph, contacts: ContactRows, ids: IntArray, level_tilt: float) -> None:
+    """``lay_patches`` for each of ``ids``, and note for which pose they were laid."""
+    for body in ids:
+        lay_patches(graph, contacts, body, level_tilt)
+        row = graph.bodies[body]
+        row.is_load = True
+        row.load_supported_by = row.supported_by
+        for k in range(3):
+            row.load_center[k] = row.center[k]
+
+
+@compiled
+def lift_all(graph: Graph, ids: IntArray) -> None:
+    """Forget the patches of live bodies that no longer lie on what is below them."""
+    for body in ids:
+        drop_supports(graph, body)
+        graph.bodies[body].is_load = False
+
+
+@compiled
+def supports_as_bits(graph: Graph, body: int) -> np.uint64:
+    """The bodies on which ``body`` stands by its patches, as a set of 64 bits by id."""
+    bits = np.uint64(0)
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        patch = graph.patches[at]
+        if patch.kind == SUPPORT:
+            bits |= bit_of(patch.lower)
+        at = patch.next_support
+    return bits

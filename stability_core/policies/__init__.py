@@ -1,0 +1,14 @@
+"""What may be frozen and what must be woken. A policy differs in its decision only, never in the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from stability_core.policies.at_rest import AtRest
+from stability_core.policies.base import Policy
+from stability_core.policies.paper import Paper
+
+POLICIES: Mapping[str, type[Policy]] = {policy.name: policy for policy in (Paper, AtRest)}
+"""Every policy by its name."""
+
+__all__ = ["POLICIES", "AtRest", "Paper", "Policy"]

@@ -1,0 +1,123 @@
+"""Convex polygons on the ground plane: hull, distance, width and centroid of contact points.
+
+Points are (n, 3) [m]; only x and y count, z is carried along.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import FloatArray
+
+
+@compiled
+def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
+    """Twice the signed area of the plan triangle a, b, c; positive if it turns left."""
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+@compiled
+def _sorted_in_plan(points: FloatArray) -> FloatArray:
+    """The points by x, then y, without repetitions (insertion sort: manifolds are short)."""
+    ranked = np.empty((len(points), 3))
+    size = 0
+    for i in range(len(points)):
+        x, y = points[i, 0], points[i, 1]
+        place = size
+        while place > 0 and (ranked[place - 1, 0] > x or (ranked[place - 1, 0] == x and ranked[place - 1, 1] > y)):
+            place -= 1
+        if place > 0 and ranked[place - 1, 0] == x and ranked[place - 1, 1] == y:
+            continue
+        for j in range(size, place, -1):
+            ranked[j] = ranked[j - 1]
+        ranked[place] = points[i]
+        size += 1
+    return ranked[:size]
+
+
+@compiled
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain)."""
+    ranked = _sorted_in_plan(points)
+    n = len(ranked)
+    if n < 3:
+        return ranked
+    chain = np.empty((2 * n, 3))
+    size = 0
+    for i in range(n):  # the lower side, from left to right
+        while size >= 2 and _turn(chain[size - 2], chain[size - 1], ranked[i]) <= 0.0:
+            size -= 1
+        chain[size] = ranked[i]
+        size += 1
+    lower = size
+    for i in range(n - 2, -1, -1):  # the upper side, back to the first point
+        while size > lower and _turn(chain[size - 2], chain[size - 1], ranked[i]) <= 0.0:
+            size -= 1
+        chain[size] = ranked[i]
+        size += 1
+    return chain[: size - 1].copy()
+
+
+@compiled
+def _distance_to_segment(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    length2 = dx * dx + dy * dy
+    t = 0.0
+    if length2 > 0.0:
+        t = min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / length2))
+    return float(np.hypot(x - a[0] - t * dx, y - a[1] - t * dy))
+
+
+@compiled
+def inside_distance(hull: FloatArray, x: float, y: float) -> float:
+    """Distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
+
+    The vertical ray test: a ray from the centre of mass hits the contact area iff this is >= 0.
+    No points: minus infinity. A point or a line has no inside.
+    """
+    n = len(hull)
+    if n == 0:
+        return -np.inf
+    nearest, inside = np.inf, n >= 3
+    for i in range(n):
+        a, b = hull[i], hull[(i + 1) % n]
+        nearest = min(nearest, _distance_to_segment(x, y, a, b))
+        if (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < 0.0:
+            inside = False
+    return nearest if inside else -nearest
+
+
+@compiled
+def width(hull: FloatArray) -> float:
+    """Least width [m] of the hull in plan; zero for a point or a line."""
+    n = len(hull)
+    if n < 3:
+        return 0.0
+    least = np.inf
+    for i in range(n):
+        a, b = hull[i], hull[(i + 1) % n]
+        edge = np.hypot(b[0] - a[0], b[1] - a[1])
+        farthest = 0.0
+        for j in range(n):
+            farthest = max(farthest, _turn(a, b, hull[j]) / edge)
+        least = min(least, farthest)
+    return least
+
+
+@compiled
+def centroid(hull: FloatArray) -> FloatArray:
+    """Area centroid (3,) of the hull in plan, at the mean height of its vertices; of a line, its middle."""
+    n = len(hull)
+    center = np.zeros(3)
+    for i in range(n):
+        center += hull[i] / n
+    area, x, y = 0.0, 0.0, 0.0
+    for i in range(1, n - 1):
+        part = _turn(hull[0], hull[i], hull[i + 1])
+        area += part
+        x += part * (hull[0, 0] + hull[i, 0] + hull[i + 1, 0]) / 3.0
+        y += part * (hull[0, 1] + hull[i, 1] + hull[i + 1, 1]) / 3.0
+    if area > 0.0:
+        center[0], center[1] = x / area, y / area
+    return center

@@ -1,0 +1,72 @@
+"""Every tolerance of the core, with its unit, its default and its reason. One set for all engines."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+
+def _setting(default: float, unit: str, reason: str) -> Any:
+    return field(default=default, metadata={"unit": unit, "reason": reason})
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Tolerances for bricks of some centimetres; frames are those of the host, 1/60 s or so.
+
+    Raises:
+        ValueError: if a setting is negative or not finite.
+    """
+
+    rest_speed: float = _setting(
+        3e-3, "m/s", "a dropped brick that still recovers from its impact moves faster than this for some frames"
+    )
+    rest_slip: float = _setting(
+        10e-3, "m/s", "sliding at the contacts shows a brick that spins about its own centre, whose speed is zero"
+    )
+    rest_penetration: float = _setting(
+        0.2e-3, "m", "freezing a brick deeper in its support tilts the next level; 0.2 mm keeps 25 levels within 5 mm"
+    )
+    rest_frames: int = _setting(
+        6, "frames", "a manifold shows 1-2 points a frame; the points of six frames span the true contact area"
+    )
+    lean_speed: float = _setting(50e-3, "m/s", "an inverted V slips away while a stricter rule waits")
+    lean_penetration: float = _setting(4e-3, "m", "edge contacts of leaning planks recover slowly")
+    lean_frames: int = _setting(2, "frames", "one frame alone may be the turning point of a bounce")
+    load_speed: float = _setting(
+        50e-3, "m/s", "a live brick slower than this lies on its support; a faster one is still falling on it"
+    )
+    load_frames: int = _setting(
+        4, "frames", "a brick that lands on two supports touches one of them some frames before the other"
+    )
+    load_shift: float = _setting(
+        0.2e-3, "m", "a live load that moved less than the wake margin cannot upset what balanced before"
+    )
+    impact_speed: float = _setting(
+        0.5, "m/s", "must exceed two frames of gravity (0.33 m/s), the approach speed of a brick let go on its place"
+    )
+    contact_gap: float = _setting(
+        0.5e-3, "m", "engines report contacts before touch and through thin bricks; those carry nothing"
+    )
+    level_tilt: float = _setting(
+        math.radians(2), "rad", "a contact this level is a support even where friction is nil: its noise is no slope"
+    )
+    flat_width: float = _setting(
+        1e-3, "m", "a contact area narrower than this is an edge: the object stands on it but does not lie flat"
+    )
+    wake_margin: float = _setting(
+        0.25e-3, "m", "hysteresis: freezing asks for a centre inside the area, waking for one this far outside"
+    )
+    moving_speed: float = _setting(
+        10e-3, "m/s", "a woken brick that was seen faster than this has really moved and may freeze as any other"
+    )
+    calm_frames: int = _setting(
+        30, "frames", "a woken brick that does not move may be at the start of a collapse, which takes half a second"
+    )
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (math.isfinite(value) and value >= 0):
+                raise ValueError(f"setting {item.name} must be finite and not negative, got {value}")

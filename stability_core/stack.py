@@ -1,0 +1,217 @@
+"""The stack as a graph in two flat tables: bodies, and the contact patches that join them.
+
+A patch joins an upper body to what it stands on or leans against. Patches hang in two linked lists,
+one of each body's supports and one of its loads, so that a change costs what it touches, whatever the
+height of the stack. Frozen pairs keep the patch they were frozen with: engines forget such contacts.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import GROUND, FloatArray, IntArray
+
+ABSENT, LIVE, FROZEN = 0, 1, 2
+SUPPORT, LEAN = 0, 1
+NONE = -1
+"""End of a linked list."""
+MAX_VERTICES = 16
+"""Vertices kept of a contact patch; box on box gives at most 8 a frame."""
+
+Bodies: TypeAlias = Any
+"""Structured array of ``BODY``, one row a body id."""
+Patches: TypeAlias = Any
+"""Structured array of ``PATCH``, one row a contact patch."""
+
+BODY = np.dtype(
+    [
+        ("state", "i1"),  # ABSENT, LIVE or FROZEN
+        ("held", "?"),  # a user holds it: it stays live
+        ("mass", "f8"),  # [kg]
+        ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
+        # how it moves and what it touches, in the latest frame
+        ("speed", "f8"),  # of the centre of mass [m/s]
+        ("slip", "f8"),  # fastest sliding at a contact [m/s]
+        ("depth", "f8"),  # deepest penetration into a support [m]
+        ("touches", "?"),  # it touches the ground or a frozen body
+        ("supported_by", "u8"),  # its supports as a set of 64 bits by id
+        # for how many frames in a row
+        ("rest_frames", "i4"),  # at rest by the strict rule
+        ("lean_frames", "i4"),  # at rest by the rule for leaning
+        ("load_frames", "i4"),  # slow enough to lie on its support
+        ("unsettled", "?"),  # woken, and neither seen moving nor calm for long since then
+        # a live body that lies on the stack and whose patches stand in the graph
+        ("is_load", "?"),
+        ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
+        ("load_supported_by", "u8"),  # supports for which they were laid
+        # the paper's stack data
+        ("stack_mass", "f8"),  # m_stack of Eq. 2 [kg]: of the body and all that rests on it
+        ("stack_center", "f8", (3,)),  # C_stack of Eq. 1 [m]
+        ("leans", "?"),  # frozen by the leaning test
+        # the graph
+        ("first_support", "i8"),
+        ("first_load", "i8"),
+        ("changed", "?"),  # its balance must be looked at again
+    ],
+    align=True,
+)
+
+PATCH = np.dtype(
+    [
+        ("upper", "i8"),  # the body that stands or leans
+        ("lower", "i8"),  # what it stands on or leans against, or GROUND
+        ("kind", "i1"),  # SUPPORT if the contact can carry a vertical force, else LEAN
+        ("vertices", "i8"),
+        ("vertex", "f8", (MAX_VERTICES, 3)),  # hull of the contact points in plan [m], counter-clockwise
+        ("center", "f8", (3,)),  # centroid of the hull [m]: C_contact of Eq. 4
+        ("normal", "f8", (3,)),  # unit, towards the upper body
+        ("friction", "f8"),
+        ("next_support", "i8"),  # next patch below the same upper body
+        ("next_load", "i8"),  # next patch above the same lower body
+    ],
+    align=True,
+)
+
+
+class Graph(NamedTuple):
+    """What the kernels work on."""
+
+    bodies: Bodies
+    patches: Patches
+    spare: IntArray
+    """Free rows of ``patches``: their number, then the rows, shape (1 + len(patches),)."""
+
+
+@compiled
+def hull_of(patch: Patches) -> FloatArray:
+    """The patch's hull, shape (vertices, 3) [m]."""
+    hull: FloatArray = patch.vertex[: patch.vertices]
+    return hull
+
+
+@compiled
+def is_stack(graph: Graph, body: int) -> bool:
+    """True for the ground and for frozen bodies: what others may be built on."""
+    return bool(body == GROUND or graph.bodies[body].state == FROZEN)
+
+
+@compiled
+def count_patches(graph: Graph, body: int) -> int:
+    """Number of patches on which ``body`` stands or leans."""
+    n, at = 0, graph.bodies[body].first_support
+    while at != NONE:
+        n += 1
+        at = graph.patches[at].next_support
+    return n
+
+
+@compiled
+def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
+    """A new patch between two bodies, hung into the lists of both; returns the row to be filled."""
+    bodies = graph.bodies
+    at = graph.spare[graph.spare[0]]
+    graph.spare[0] -= 1
+    patch = graph.patches[at]
+    patch.upper, patch.lower, patch.kind = upper, lower, kind
+    patch.next_support, patch.next_load = bodies[upper].first_support, NONE
+    bodies[upper].first_support = at
+    bodies[upper].changed = True
+    if lower != GROUND:
+        patch.next_load = bodies[lower].first_load
+        bodies[lower].first_load = at
+        bodies[lower].changed = True
+    return patch
+
+
+@compiled
+def unlink(graph: Graph, at: int) -> None:
+    """Take a patch out of the lists of both bodies, and free its row."""
+    bodies, patches = graph.bodies, graph.patches
+    upper, lower = patches[at].upper, patches[at].lower
+    i = bodies[upper].first_support
+    if i == at:
+        bodies[upper].first_support = patches[at].next_support
+    else:
+        while patches[i].next_support != at:
+            i = patches[i].next_support
+        patches[i].next_support = patches[at].next_support
+    bodies[upper].changed = True
+    if lower != GROUND:
+        i = bodies[lower].first_load
+        if i == at:
+            bodies[lower].first_load = patches[at].next_load
+        else:
+            while patches[i].next_load != at:
+                i = patches[i].next_load
+            patches[i].next_load = patches[at].next_load
+        bodies[lower].changed = True
+    graph.spare[0] += 1
+    graph.spare[graph.spare[0]] = at
+
+
+@compiled
+def drop_supports(graph: Graph, body: int) -> None:
+    """Forget what ``body`` stands on and leans against."""
+    while graph.bodies[body].first_support != NONE:
+        unlink(graph, graph.bodies[body].first_support)
+
+
+@compiled
+def drop_loads(graph: Graph, body: int) -> None:
+    """Forget what stands on ``body`` or leans against it."""
+    while graph.bodies[body].first_load != NONE:
+        unlink(graph, graph.bodies[body].first_load)
+
+
+@compiled
+def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
+    """``roots`` and every frozen body that rests on them, directly or through others."""
+    reached = np.zeros(len(graph.bodies), np.bool_)
+    found = np.empty(len(graph.bodies), np.int64)
+    size = 0
+    for root in roots:
+        if not reached[root]:
+            reached[root] = True
+            found[size] = root
+            size += 1
+    done = 0
+    while done < size:
+        at = graph.bodies[found[done]].first_load
+        while at != NONE:
+            upper = graph.patches[at].upper
+            if not reached[upper] and graph.bodies[upper].state == FROZEN:
+                reached[upper] = True
+                found[size] = upper
+                size += 1
+            at = graph.patches[at].next_load
+        done += 1
+    return found[:size]
+
+
+def empty_graph() -> Graph:
+    """A graph without rows."""
+    return Graph(np.zeros(0, BODY), np.zeros(0, PATCH), np.zeros(1, np.int64))
+
+
+def grown(graph: Graph, bodies: int, spare: int) -> Graph:
+    """The graph with rows for ids below ``bodies`` and at least ``spare`` free patches.
+
+    Tables double, so that growing costs O(1) a row in the long run.
+    """
+    body_rows, patch_rows, free = graph
+    if bodies > len(body_rows):
+        fresh = np.zeros(max(bodies, 2 * len(body_rows), 64) - len(body_rows), BODY)
+        fresh["first_support"] = fresh["first_load"] = NONE
+        body_rows = np.concatenate([body_rows, fresh])
+    if spare > free[0]:
+        old = len(patch_rows)
+        added = max(spare, old, 256)
+        patch_rows = np.concatenate([patch_rows, np.zeros(added, PATCH)])
+        listed = free[1 : 1 + free[0]]
+        free = np.zeros(1 + len(patch_rows), np.int64)
+        free[0] = len(listed) + added
+        free[1 : 1 + free[0]] = np.concatenate([listed, np.arange(old, old + added)])
+    return Graph(body_rows, patch_rows, free)
