@@ -1,0 +1,91 @@
+"""The contract of every adapter, as a list of physical checks that name no engine.
+
+``for check in CHECKS: check.run("bullet", "game")`` raises ``ConformanceError`` at the first broken promise. All
+scenes lie in the x-z plane, so that planar engines are held to the same checks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from adapters import registry
+from adapters.base import Capabilities
+from adapters.conformance import contacts, freezing, housekeeping, motion
+from adapters.conformance.rig import ConformanceError, Rig
+
+__all__ = ["CHECKS", "Check", "ConformanceError", "Rig"]
+
+
+def _always(capabilities: Capabilities) -> bool:
+    return True
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One promise of the contract."""
+
+    measure: Callable[[Rig], None]
+    """Raises ``ConformanceError`` if the promise is broken; its docstring is the promise."""
+    capable: Callable[[Capabilities], bool] = _always
+    """Whether an engine's interface allows the check at all."""
+    as_shipped: bool = True
+    """False for what is asked of set-up engines only, not of their defaults."""
+
+    @property
+    def name(self) -> str:
+        """The promise in a few words."""
+        return self.measure.__name__
+
+    def applies(self, engine: str, profile: str) -> bool:
+        """Whether this engine under this profile is held to the promise."""
+        return self.capable(registry.capabilities(engine)) and (self.as_shipped or profile != "default")
+
+    def run(self, engine: str, profile: str) -> None:
+        """Hold an engine to the promise.
+
+        Raises:
+            ConformanceError: if it is broken; the message says what was measured.
+        """
+        rig = Rig(lambda world: registry.open_engine(engine, profile, world=world), registry.capabilities(engine))
+        self.run_in(rig)
+
+    def run_in(self, rig: Rig) -> None:
+        """Hold whatever the rig opens to the promise."""
+        try:
+            self.measure(rig)
+        finally:
+            rig.close()
+
+
+CHECKS: tuple[Check, ...] = (
+    Check(housekeeping.refuses_bad_input),
+    Check(housekeeping.keeps_poses_and_ids),
+    Check(housekeeping.moves_a_live_brick),
+    Check(housekeeping.repeats_bit_for_bit, capable=lambda capabilities: capabilities.deterministic != "no"),
+    Check(motion.falls_freely, as_shipped=False),
+    Check(motion.moves_by_impulse_over_mass, as_shipped=False),
+    Check(motion.slides_on_the_ground_above_the_friction_angle),
+    Check(motion.slides_on_a_frozen_brick_above_the_friction_angle),
+    Check(motion.slides_sideways_above_the_friction_angle, capable=lambda capabilities: not capabilities.planar),
+    Check(motion.is_braked_by_friction_between_live_bricks),
+    Check(motion.does_not_bounce),
+    Check(motion.seats_on_the_ground, as_shipped=False),
+    Check(motion.seats_on_frozen_bricks, as_shipped=False),
+    Check(motion.holds_an_inverted_v, as_shipped=False),
+    Check(motion.falls_when_its_support_is_removed),
+    Check(contacts.reports_a_resting_brick, as_shipped=False),
+    Check(contacts.reports_a_resting_brick_in_every_frame, as_shipped=False),
+    Check(contacts.reports_every_pair),
+    Check(contacts.reports_the_speed_of_impact),
+    Check(contacts.reports_the_overlap, capable=lambda capabilities: capabilities.separation),
+    Check(contacts.reports_masses),
+    Check(freezing.stays_frozen),
+    Check(freezing.freezes_in_flight),
+    Check(freezing.freezes_before_its_first_step),
+    Check(freezing.carries_a_live_brick),
+    Check(freezing.tumbles_as_if_never_frozen),
+    Check(freezing.wakes_to_live_again),
+    Check(freezing.moves_a_frozen_brick),
+    Check(freezing.removes_a_frozen_brick),
+)

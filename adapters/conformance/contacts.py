@@ -1,0 +1,161 @@
+"""Checks of what the port reports: contact points, normals, separations, velocities, masses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.conformance.rig import (
+    GRAVITY,
+    LENGTH,
+    MASS,
+    THICKNESS,
+    WIDTH,
+    Rig,
+    advance,
+    approach_speed,
+    frames,
+    frozen_column,
+    pairs,
+    place_on,
+    plank,
+    pose,
+    require,
+    require_between,
+    touching,
+)
+from stability_core.port import GROUND, Contacts
+
+
+def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
+    """Shapes, ids and finite numbers; every row touches a live body."""
+    n = len(contacts)
+    for name, shape in {
+        "body_b": (n,),
+        "point": (n, 3),
+        "normal": (n, 3),
+        "separation": (n,),
+        "friction": (n,),
+    }.items():
+        require(getattr(contacts, name).shape == shape, f"Contacts.{name} has not the shape {shape}")
+    live = set(simulation.bricks) - simulation.frozen
+    dead = [pair for pair in pairs(contacts) if not live & set(pair)]
+    require(not dead, f"contacts that touch no live body: {dead}")
+    unknown = [pair for pair in pairs(contacts) if not set(pair) <= {GROUND, *simulation.bricks}]
+    require(not unknown, f"contacts of bodies that are not in the world: {unknown}")
+    finite = all(np.isfinite(values).all() for values in (contacts.point, contacts.normal, contacts.friction))
+    require(finite, "points, normals and friction must be finite")
+    length_error = np.abs(np.linalg.norm(contacts.normal, axis=1) - 1).max(initial=0.0)
+    require_between(0.0, length_error, 1e-6, "error of the normals' length, rounding in single precision allowed")
+
+
+def reports_a_resting_brick(rig: Rig) -> None:
+    """The contact points of a brick at rest surround its centre, on its lower face; normals point from a to b."""
+    simulation = rig.open()
+    (support,) = frozen_column(simulation, 1)
+    grounded, stacked = place_on(simulation, 0, x=0.3), place_on(simulation, 1)
+    advance(simulation, 1.0)
+    contacts = simulation.port.contacts()
+    _require_well_formed(simulation, contacts)
+    for body, below in ((grounded, GROUND), (stacked, support)):
+        mine = touching(contacts, body)
+        expected = {(min(below, body), max(below, body))}
+        require(pairs(mine) == expected, f"a brick on {below} touches {pairs(mine)}, must be {expected}")
+        upward = np.where(mine.body_b == body, mine.normal[:, 2], -mine.normal[:, 2])
+        require_between(0.99, upward.min(), 1.0 + 1e-6, "upward part of the normal that points to the upper brick")
+        x, y, z, *_ = pose(simulation, body)
+        along, across = mine.point[:, 0] - x, mine.point[:, 1] - y
+        for name, offsets, half in (("x", along, LENGTH / 2), ("y", across, WIDTH / 2)):
+            # The points span most of the face, so that the centre is well inside; and none lies beyond an edge.
+            require_between(-half - 1e-4, offsets.min(), -0.8 * half, f"least {name} [m] of the points from the centre")
+            require_between(
+                0.8 * half, offsets.max(), half + 1e-4, f"greatest {name} [m] of the points from the centre"
+            )
+        off_face = np.abs(mine.point[:, 2] - (z - THICKNESS / 2)).max()
+        require_between(0.0, off_face, 0.5e-3, "distance [m] of the points from the lower face")
+        require(
+            bool((mine.friction == 0.45).all()), f"friction of the pair is reported as {mine.friction}, must be 0.45"
+        )
+
+
+def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
+    """No jitter, no hover: from its first contact on a brick at rest is reported in every frame, moving at ~0."""
+    simulation = rig.open()
+    (support,) = frozen_column(simulation, 1)
+    body = place_on(simulation, 1)
+    advance(simulation, 0.7)
+    for frame in range(frames(simulation, 1.0)):
+        simulation.step(simulation.info.frame_s)
+        contacts = simulation.port.contacts()
+        require((support, body) in pairs(contacts), f"frame {frame} of a brick at rest has no contact with its support")
+        speed = np.linalg.norm(contacts.relative_velocity, axis=1).max()
+        # Velocities after gravity was added would be g dt = 160 mm/s.
+        require_between(0.0, speed, 1e-2, "relative velocity [m/s] reported for a brick at rest")
+
+
+def reports_every_pair(rig: Rig) -> None:
+    """Live on ground, live on live, live on frozen, live across two frozen bricks: none is left out."""
+    simulation = rig.open()
+    left, right = frozen_column(simulation, 1, xs=(-LENGTH / 2 - 1e-3, LENGTH / 2 + 1e-3))
+    bridge = place_on(simulation, 1)
+    advance(simulation, 0.5)
+    rider = place_on(simulation, 2)
+    grounded = place_on(simulation, 0, x=0.4)
+    advance(simulation, 1.0)
+    expected = {(left, bridge), (right, bridge), (bridge, rider), (GROUND, grounded)}
+    contacts = simulation.port.contacts()
+    _require_well_formed(simulation, contacts)
+    require(pairs(contacts) == expected, f"pairs {sorted(pairs(contacts))}, must be {sorted(expected)}")
+    simulation.port.sleep([bridge, grounded])
+    for _ in range(3):
+        simulation.step(simulation.info.frame_s)
+        contacts = simulation.port.contacts()
+        _require_well_formed(simulation, contacts)
+        require(pairs(contacts) == {(bridge, rider)}, f"pairs {pairs(contacts)} once the bridge is frozen")
+
+
+def reports_the_speed_of_impact(rig: Rig) -> None:
+    """First contact after a fall of height h is reported at sqrt(2 g h), not at what the solver leaves of it."""
+    for levels, height in ((0, 0.05), (1, 0.02)):
+        simulation = rig.open()
+        frozen_column(simulation, levels)
+        body = simulation.spawn(plank(z=(levels + 0.5) * THICKNESS + height))
+        for _ in range(frames(simulation, 0.5)):
+            simulation.step(simulation.info.frame_s)
+            contacts = touching(simulation.port.contacts(), body)
+            if len(contacts):
+                break
+        expected, within = math.sqrt(2 * GRAVITY * height), GRAVITY * simulation.info.frame_s
+        speed = approach_speed(contacts)
+        require_between(expected - within, speed, expected + within, f"approach [m/s] after a fall of {height} m")
+
+
+def reports_the_overlap(rig: Rig) -> None:
+    """Separation is negative in overlap: a brick put 1 mm into the ground is 1 mm deep."""
+    simulation = rig.open()
+    body = simulation.spawn(plank(z=THICKNESS / 2 - 1e-3))
+    simulation.step(simulation.info.frame_s)
+    separation = touching(simulation.port.contacts(), body).separation
+    # The step may already have pushed it half out, or gravity a little further in.
+    require_between(-1.5e-3, min(separation, default=0.0), -0.4e-3, "separation [m] of a brick 1 mm deep in the ground")
+
+
+def reports_masses(rig: Rig) -> None:
+    """Live bodies with mass and centre; removed ids exactly once."""
+    simulation = rig.open()
+    bodies = [simulation.spawn(plank(x)) for x in (0.0, 0.2, 0.4)]
+    advance(simulation, 0.1)
+    simulation.port.sleep(bodies[:1])
+    simulation.remove(bodies[1])
+    masses = simulation.port.masses()
+    require(list(masses.removed) == [bodies[1]], f"removed bodies {masses.removed}, must be [{bodies[1]}]")
+    require(bodies[2] in masses.body, f"live body {bodies[2]} is missing in {masses.body}")
+    require(bodies[1] not in masses.body, f"removed body {bodies[1]} is listed in {masses.body}")
+    require(bool((masses.mass == MASS).all()), f"masses {masses.mass} kg, must be {MASS}")
+    centre = masses.center_of_mass[masses.body.tolist().index(bodies[2])]
+    require(
+        bool((centre == pose(simulation, bodies[2])[:3]).all()), f"centre of mass {centre} is not the body's position"
+    )
+    require(not list(simulation.port.masses().removed), "a removed body is told twice")

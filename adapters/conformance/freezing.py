@@ -1,0 +1,173 @@
+"""Checks of the freeze: exact while it lasts, and without a trace once it ends."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.conformance.rig import (
+    GRAVITY,
+    LENGTH,
+    MASS,
+    THICKNESS,
+    WEIGHTLESS,
+    Rig,
+    advance,
+    frames,
+    frozen_column,
+    place_on,
+    plank,
+    pose,
+    require,
+    require_between,
+    velocity,
+)
+
+
+def _require_still(simulation: Simulation, body: int, before: np.typing.NDArray[np.float64], when: str) -> None:
+    drift = np.abs(pose(simulation, body) - before).max()
+    require(
+        pose(simulation, body).tobytes() == before.tobytes(), f"a frozen brick moved by {drift:.3g} {when}, must be 0"
+    )
+
+
+def stays_frozen(rig: Rig) -> None:
+    """A frozen brick does not move by a bit: in mid-air, under a fall, under a push, for 5 s."""
+    simulation = rig.open()
+    hanging, seated = simulation.spawn(plank(0.0, 0.1)), place_on(simulation, 0, x=0.3)
+    advance(simulation, 0.05)
+    simulation.port.sleep([hanging, seated])
+    before = {body: pose(simulation, body) for body in (hanging, seated)}
+    simulation.spawn(plank(0.03, 0.1 + 0.03))
+    simulation.spawn(plank(0.33, 0.03))
+    simulation.push(seated, (MASS, 0.0, 0.0))
+    advance(simulation, 5.0)
+    for body in (hanging, seated):
+        _require_still(simulation, body, before[body], "under an impact, a push and 5 s")
+        require(
+            not velocity(simulation, body).any(), f"a frozen brick reports the velocity {velocity(simulation, body)}"
+        )
+
+
+def freezes_in_flight(rig: Rig) -> None:
+    """A brick frozen in flight stops at once, and falls from rest once woken."""
+    simulation = rig.open()
+    body = simulation.spawn(plank(z=1.0))
+    simulation.push(body, (MASS, 0.0, 0.0))
+    advance(simulation, 0.2)
+    simulation.port.sleep([body])
+    before = pose(simulation, body)
+    advance(simulation, 0.5)
+    _require_still(simulation, body, before, "after it was frozen in flight")
+    simulation.port.wake([body])
+    advance(simulation, 0.2)
+    seconds = frames(simulation, 0.2) * simulation.info.frame_s
+    error = np.abs(velocity(simulation, body)[:3] - (0.0, 0.0, -GRAVITY * seconds)).max()
+    require_between(
+        0.0, error, 0.01 * GRAVITY * seconds, "error of the speed [m/s] of a woken brick that falls from rest"
+    )
+
+
+def freezes_before_its_first_step(rig: Rig) -> None:
+    """Many bricks are frozen before any step, hold, are woken together, and fall together."""
+    simulation = rig.open()
+    bodies = [simulation.spawn(plank(0.2 * column, 0.5)) for column in range(20)]
+    simulation.port.sleep(bodies)
+    before = {body: pose(simulation, body) for body in bodies}
+    advance(simulation, 0.5)
+    for body in bodies:
+        _require_still(simulation, body, before[body], "after it was frozen before its first step")
+    simulation.port.wake(bodies)
+    advance(simulation, 0.2)
+    seconds = frames(simulation, 0.2) * simulation.info.frame_s
+    speeds = np.array([-velocity(simulation, body)[2] for body in bodies]) / (GRAVITY * seconds)
+    require_between(0.99, speeds.min(), 1.01, "least speed of fall over g t of 20 woken bricks")
+    require_between(0.99, speeds.max(), 1.01, "greatest speed of fall over g t of 20 woken bricks")
+
+
+def carries_a_live_brick(rig: Rig) -> None:
+    """A live brick comes to rest on a frozen one that hangs in the air, and not in it."""
+    simulation = rig.open()
+    shelf = simulation.spawn(plank(z=0.3))
+    simulation.port.sleep([shelf])
+    body = simulation.spawn(plank(z=0.3 + THICKNESS + 0.5e-3))
+    advance(simulation, 1.0)
+    sunk = 0.3 + THICKNESS - pose(simulation, body)[2]
+    require_between(-0.1e-3, sunk, 0.5e-3, "depth [m] to which a brick sank into a frozen one")
+
+
+def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
+    """Velocities (12,) of two weightless planks, of which one struck the other's end from above."""
+    simulation = rig.open(gravity=WEIGHTLESS)
+    target, striker = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(0.4 * LENGTH, 0.5 + THICKNESS + 0.02))
+    if freeze:
+        simulation.port.sleep([target])
+    advance(simulation, 0.2)
+    if freeze:
+        simulation.port.wake([target])
+    simulation.push(striker, (0.0, 0.0, -0.3 * MASS))
+    advance(simulation, 0.2)
+    return np.concatenate((velocity(simulation, target), velocity(simulation, striker)))
+
+
+def tumbles_as_if_never_frozen(rig: Rig) -> None:
+    """Woken, a brick has its mass and inertia back: struck at one end it moves and turns as one never frozen."""
+    never, woken = _struck(rig, freeze=False), _struck(rig, freeze=True)
+    require_between(0.05, abs(never[2]), 0.3, "speed [m/s] of a brick struck at its end by one of 0.3 m/s")
+    for name, part in (("linear [m/s]", slice(0, 3)), ("angular [rad/s]", slice(3, 6))):
+        error = np.abs(woken[part] - never[part]).max()
+        most = 0.01 * np.abs(never[part]).max()
+        require_between(0.0, error, most, f"difference of the {name} velocity from that of a brick never frozen")
+
+
+def wakes_to_live_again(rig: Rig) -> None:
+    """A woken brick is reported with its mass and its contacts again, and holds what lies on it."""
+    simulation = rig.open()
+    (support,) = frozen_column(simulation, 1)
+    body = place_on(simulation, 1)
+    advance(simulation, 1.0)
+    simulation.port.sleep([body])
+    advance(simulation, 0.2)
+    simulation.port.wake([support, body])
+    advance(simulation, 1.0)
+    masses, contacts = simulation.port.masses(), simulation.port.contacts()
+    weights = dict(zip(masses.body.tolist(), masses.mass.tolist(), strict=True))
+    require(weights == {support: MASS, body: MASS}, f"masses of two woken bricks are {weights} kg, must be {MASS} each")
+    touched = set(contacts.body_a.tolist()) | set(contacts.body_b.tolist())
+    require({support, body} <= touched, f"contacts after waking touch {touched} only")
+    height = pose(simulation, body)[2]
+    require_between(1.4 * THICKNESS, height, 1.55 * THICKNESS, "height [m] of the upper of two woken bricks")
+
+
+def moves_a_frozen_brick(rig: Rig) -> None:
+    """A frozen brick that the host moves stays frozen there, carries there, and no longer where it was."""
+    simulation = rig.open()
+    shelf = simulation.spawn(plank(z=0.1))
+    simulation.port.sleep([shelf])
+    advance(simulation, 0.1)
+    simulation.move(shelf, (0.5, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0))
+    before = pose(simulation, shelf)
+    require_between(0.0, abs(before[0] - 0.5) + abs(before[2] - 0.2), 1e-9, "error [m] of the pose set")
+    carried, dropped = (
+        simulation.spawn(plank(0.5, 0.2 + THICKNESS + 0.5e-3)),
+        simulation.spawn(plank(0.0, 0.1 + THICKNESS)),
+    )
+    advance(simulation, 0.5)
+    _require_still(simulation, shelf, before, "after the host had moved it")
+    require_between(0.2, pose(simulation, carried)[2], 0.2 + 1.2 * THICKNESS, "height [m] of a brick on the moved one")
+    require_between(0.0, pose(simulation, dropped)[2], 0.05, "height [m] of a brick where the moved one had been")
+
+
+def removes_a_frozen_brick(rig: Rig) -> None:
+    """A frozen brick that was removed stops nothing, and its neighbours stay as they were."""
+    simulation = rig.open()
+    removed, kept = simulation.spawn(plank(0.0, 0.1)), simulation.spawn(plank(0.2, 0.1))
+    simulation.port.sleep([removed, kept])
+    advance(simulation, 0.1)
+    before = pose(simulation, kept)
+    simulation.remove(removed)
+    falling = simulation.spawn(plank(0.0, 0.1 + THICKNESS))
+    require(falling not in (removed, kept), f"the id {falling} was used before")
+    advance(simulation, 0.5)
+    require_between(0.0, pose(simulation, falling)[2], 0.05, "height [m] of a brick that falls where one was removed")
+    _require_still(simulation, kept, before, "when its neighbour was removed")

@@ -1,0 +1,100 @@
+"""Checks of what the harness relies on: ids, errors, poses, and runs that repeat bit for bit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.conformance.rig import LENGTH, MASS, THICKNESS, Rig, advance, plank, pose, require, require_between
+
+
+def _require_error(kind: type[Exception], action: Callable[[], object], what: str) -> None:
+    try:
+        action()
+    except kind:
+        return
+    require(False, f"{what} must raise {kind.__name__}")
+
+
+def refuses_bad_input(rig: Rig) -> None:
+    """Unknown ids, poses that are not finite and masses that are not positive raise, and change nothing."""
+    simulation = rig.open()
+    body = simulation.spawn(plank())
+    nowhere = (math.nan, 0.0, 0.1)
+    for action in (
+        lambda: simulation.remove(99),
+        lambda: simulation.push(99, (0.0, 0.0, 0.0)),
+        lambda: simulation.move(99, (0.0, 0.0, 0.1), (1.0, 0.0, 0.0, 0.0)),
+        lambda: simulation.port.sleep([99]),
+        lambda: simulation.port.wake([99]),
+    ):
+        _require_error(KeyError, action, "an unknown body")
+    _require_error(ValueError, lambda: simulation.spawn(replace(plank(), position=nowhere)), "a brick at NaN")
+    _require_error(ValueError, lambda: simulation.spawn(replace(plank(), mass=0.0)), "a brick without mass")
+    _require_error(ValueError, lambda: simulation.spawn(replace(plank(), size=(0.1, -0.1, 0.1))), "a negative edge")
+    _require_error(ValueError, lambda: simulation.move(body, nowhere, (1.0, 0.0, 0.0, 0.0)), "a move to NaN")
+    _require_error(ValueError, lambda: simulation.push(body, nowhere), "an impulse of NaN")
+    bodies = simulation.poses()[0].tolist()
+    require(bodies == [body], f"after refused input the world holds the bodies {bodies}, must be [{body}]")
+
+
+def keeps_poses_and_ids(rig: Rig) -> None:
+    """Poses come back as they were given, by rising id; ids are never used again."""
+    simulation = rig.open()
+    planned = [plank(0.3 * i, 0.3, lean) for i, lean in enumerate((0.0, 0.4, -1.2, 2.0))]
+    bodies = [simulation.spawn(brick) for brick in planned]
+    for body, brick in zip(bodies, planned, strict=True):
+        given, got = np.array(brick.position + brick.quaternion), pose(simulation, body)
+        got[3:] *= math.copysign(1.0, got[3:] @ given[3:])  # q and -q are the same turn
+        # 1e-6: an engine may keep single precision.
+        require_between(
+            0.0, np.abs(got - given).max(), 1e-6, f"error of the pose of a brick spawned at {brick.position}"
+        )
+    simulation.remove(bodies[-1])
+    bodies[-1] = simulation.spawn(plank(1.5))
+    simulation.remove(bodies[0])
+    bodies.append(simulation.spawn(plank(1.8)))
+    require(len(set(bodies)) == 5, f"ids {bodies} are not all different")
+    listed = simulation.poses()[0].tolist()
+    require(listed == sorted(bodies[1:]), f"poses list the bodies {listed}, must be {sorted(bodies[1:])}")
+
+
+def moves_a_live_brick(rig: Rig) -> None:
+    """A moved brick stands still at its new pose and falls from there."""
+    simulation = rig.open()
+    body = simulation.spawn(plank(z=1.0))
+    advance(simulation, 0.2)
+    simulation.move(body, (0.1, 0.0, 0.5), (math.cos(0.25), 0.0, math.sin(0.25), 0.0))
+    given = np.array((0.1, 0.0, 0.5, math.cos(0.25), 0.0, math.sin(0.25), 0.0))
+    require_between(0.0, np.abs(pose(simulation, body) - given).max(), 1e-6, "error of the pose set")
+    simulation.step(simulation.info.frame_s)
+    fallen = 0.5 - pose(simulation, body)[2]
+    require_between(0.0, fallen, 1.01 * 9.81 * simulation.info.frame_s**2, "fall [m] within a frame of being moved")
+
+
+def _tumble(simulation: Simulation) -> bytes:
+    """Every pose of a heap that falls, with freezes, wakes, a push and a removal on the way."""
+    recorded = []
+    bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
+    for frame in range(60):
+        if frame == 15:
+            simulation.port.sleep(bodies[:2])
+        if frame == 25:
+            simulation.push(bodies[3], (0.2 * MASS, 0.0, 0.0))
+        if frame == 35:
+            simulation.port.wake(bodies[:1])
+            simulation.remove(bodies[1])
+        simulation.step(simulation.info.frame_s)
+        _, positions, quaternions = simulation.poses()
+        recorded.append(positions.tobytes() + quaternions.tobytes())
+    return b"".join(recorded)
+
+
+def repeats_bit_for_bit(rig: Rig) -> None:
+    """The same sequence of calls in two worlds gives the same poses, bit for bit."""
+    first, second = _tumble(rig.open()), _tumble(rig.open())
+    require(first == second, "the same sequence of calls gave different poses")

@@ -1,0 +1,126 @@
+"""What every check works with: a way to open worlds, the standard plank, and errors that say what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from adapters.base import Capabilities, Simulation
+from scenarios.model import CLEARANCE, Brick, Vector, World
+from stability_core.port import Contacts, FloatArray
+
+LENGTH, WIDTH, THICKNESS = PLANK = (0.117, 0.0234, 0.0078)
+"""Edges [m] of the plank, along x, y and z when it lies flat."""
+MASS = 0.0119
+"""Mass of the plank [kg]."""
+GRAVITY = 9.81
+WEIGHTLESS: Vector = (0.0, 0.0, 0.0)
+
+
+class ConformanceError(AssertionError):
+    """An adapter broke the contract; the message says what was measured, and against what."""
+
+
+def require(holds: bool, message: str) -> None:
+    """Raise ``ConformanceError`` with the message unless the statement holds."""
+    if not holds:
+        raise ConformanceError(message)
+
+
+def require_between(low: float, value: float, high: float, what: str) -> None:
+    """Raise ``ConformanceError`` unless low <= value <= high; NaN is outside."""
+    require(low <= value <= high, f"{what}: measured {value:.6g}, must lie within [{low:.6g}, {high:.6g}]")
+
+
+def plank(x: float = 0.0, z: float = THICKNESS / 2, lean: float = 0.0) -> Brick:
+    """A plank centred on y = 0, at rest on the ground unless told otherwise.
+
+    Args:
+        x: centre [m].
+        z: height of the centre [m].
+        lean: angle [rad] by which its long edge rises from +x towards +z.
+    """
+    return Brick(PLANK, MASS, (x, 0.0, z), (math.cos(lean / 2), 0.0, -math.sin(lean / 2), 0.0))
+
+
+class Rig:
+    """Opens worlds of one engine under one profile, and closes them all in the end."""
+
+    def __init__(self, open_world: Callable[[World], Simulation], capabilities: Capabilities) -> None:
+        self.capabilities = capabilities
+        self._open_world = open_world
+        self._opened: list[Simulation] = []
+
+    def open(self, friction: float = 0.45, gravity: Vector = (0.0, 0.0, -GRAVITY)) -> Simulation:
+        """An empty world that has been handed to a core: its port was asked for."""
+        simulation = self._open_world(World(friction, gravity))
+        self._opened.append(simulation)
+        assert simulation.port is not None
+        return simulation
+
+    def close(self) -> None:
+        """Close every world that was opened."""
+        while self._opened:
+            self._opened.pop().close()
+
+
+def advance(simulation: Simulation, seconds: float) -> None:
+    """Step whole frames until ``seconds`` have passed."""
+    for _ in range(frames(simulation, seconds)):
+        simulation.step(simulation.info.frame_s)
+
+
+def frames(simulation: Simulation, seconds: float) -> int:
+    """Number of frames in a time."""
+    return math.ceil(seconds / simulation.info.frame_s - 1e-9)
+
+
+def pose(simulation: Simulation, body: int) -> FloatArray:
+    """Position [m] and quaternion of one body, shape (7,)."""
+    bodies, positions, quaternions = simulation.poses()
+    row = bodies.tolist().index(body)
+    return np.concatenate((positions[row], quaternions[row]))
+
+
+def velocity(simulation: Simulation, body: int) -> FloatArray:
+    """Linear [m/s] and angular [rad/s] velocity of one body, shape (6,)."""
+    linear, angular = simulation.velocities()
+    row = simulation.poses()[0].tolist().index(body)
+    return np.concatenate((linear[row], angular[row]))
+
+
+def touching(contacts: Contacts, body: int) -> Contacts:
+    """The contacts of one body."""
+    rows = (contacts.body_a == body) | (contacts.body_b == body)
+    return Contacts(*(getattr(contacts, name)[rows] for name in Contacts.__dataclass_fields__))
+
+
+def pairs(contacts: Contacts) -> set[tuple[int, int]]:
+    """Which bodies touch: pairs of ids, the smaller one first."""
+    return {(min(pair), max(pair)) for pair in zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)}
+
+
+def approach_speed(contacts: Contacts) -> float:
+    """The fastest approach [m/s] along the normals; -inf without contacts."""
+    return max(-np.einsum("ij,ij->i", contacts.relative_velocity, contacts.normal), default=-math.inf)
+
+
+def penetration(contacts: Contacts) -> float:
+    """The deepest overlap [m]; 0 without one."""
+    return max(0.0, -min(contacts.separation, default=0.0))
+
+
+def frozen_column(simulation: Simulation, levels: int, xs: Iterable[float] = (0.0,)) -> list[int]:
+    """Flat planks piled at each x, frozen before they ever move; the ids of the top level."""
+    top: list[int] = []
+    for level in range(levels):
+        top = [simulation.spawn(plank(x, (level + 0.5) * THICKNESS)) for x in xs]
+        simulation.port.sleep(top)
+    return top
+
+
+def place_on(simulation: Simulation, levels: int, x: float = 0.0) -> int:
+    """Let a flat plank go from a hand's clearance above ``levels`` levels; its id."""
+    return simulation.spawn(plank(x, (levels + 0.5) * THICKNESS + CLEARANCE))
