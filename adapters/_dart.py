@@ -1,0 +1,339 @@
+"""DART: every brick is a skeleton of one box on a free joint, stepped by a boxed LCP over all contacts.
+
+How it works here:
+
+- Freeze: ``resetVelocities``, then ``setMobile(False)``. An immobile skeleton is left out of integration and of the
+  contact problem, so it drifts by exactly zero and costs almost nothing; contacts of two immobile skeletons vanish.
+- Contacts: DART collides first, then solves, then moves, so the contacts belong to the poses before the latest
+  substep. DART's normal points from object 2 to object 1: object 2 is our body a.
+- Friction: a pair takes the smaller coefficient of the two, so that the world's value on everything is the pair's.
+  The law is a box: up to sqrt(2) mu along the diagonal of the two tangents.
+- Approach speed: DART reports none. The velocities before each substep are kept, and the fastest approach is taken.
+
+Traps:
+
+- Penetration recovers at 1 mm/s at most, and more slowly below 0.4 mm at 240 Hz (a hundredth of the depth a step); no
+  knob in Python changes that. Only shorter steps keep a landing brick from sinking.
+- The matrix-free solver gives up when its iterations run out and starts afresh with the dense one, whose time grows
+  with the cube of the contacts. Its relative tolerance is in effect absolute [N s], for impulses below 1 N s.
+- The Python wrapper of a collision object goes by its address. One that is kept beyond its skeleton answers for
+  whatever is made there next, so ``_remove`` forgets it first, together with the contacts that still point to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import dartpy
+import numpy as np
+
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+_DETECTORS = {"dart": dartpy.simulation.DART, "bullet": dartpy.simulation.BULLET, "fcl": dartpy.simulation.FCL}
+
+_MATRIX_FREE_OPTIONS = {
+    "matrix_free": "mEnabled",
+    "matrix_free_min_rows": "mMinRows",
+    "matrix_free_max_iterations": "mMaxIterations",
+    "matrix_free_delta_tolerance": "mDeltaTolerance",
+    "matrix_free_relative_tolerance": "mRelativeDeltaTolerance",
+}
+"""Knob -> field of ``MatrixFreeContactSolverOptions``."""
+
+_COMMON_KNOBS: Mapping[str, Knob] = {
+    "collision_detector": Knob("dart", "exact boxes with up to 8 points a pair, without the default's mesh machinery"),
+    "max_contacts": Knob(10_000, "the shipped 1000 silently drops contacts above about 60 levels of the 4-stack"),
+    "matrix_free": Knob(True, "the shipped dense Dantzig solver takes a second a step at 350 contacts"),
+    "matrix_free_min_rows": Knob(1, "the shipped 193 would leave small piles to the other solver, with another law"),
+}
+
+RAISED_THRESHOLD = 5.0
+"""Factor on the shipped speed thresholds (0.01 m/s, 0.05 rad/s) when sleeping is "raised": 0.05 m/s lies above what
+a settling stack still moves, and well below one frame of free fall (0.16 m/s)."""
+
+_GROUND_SIZE = (4.0, 4.0, 1.0)
+"""A box [m] rather than a plane: box on box gives the best manifolds."""
+
+
+class DartSimulation(Simulation):
+    """One DART world; see the module's docstring for how freezing, contacts and friction work."""
+
+    engine = "dart"
+    capabilities = Capabilities(
+        contact_points="up to 8 points",
+        separation=True,
+        relative_velocity="from the velocities before each substep",
+        forces=True,
+        freeze="immobile skeleton",
+        frozen_contacts=False,
+        friction_law="box pyramid, the smaller coefficient of the pair",
+        deterministic="across processes",
+    )
+    profiles: ClassVar[Mapping[str, Profile]] = MappingProxyType(
+        {
+            "default": Profile(
+                name="default",
+                description="as shipped: FCL collision, dense Dantzig solver, 1 ms steps rounded to 17 a frame",
+                substeps=17,
+            ),
+            "game": Profile(
+                name="game",
+                description="matrix-free solver at 240 Hz",
+                substeps=4,
+                knobs={
+                    **_COMMON_KNOBS,
+                    "matrix_free_max_iterations": Knob(
+                        5000, "the shipped 30 end in the dense solver, which costs more than any number of sweeps"
+                    ),
+                    "matrix_free_delta_tolerance": Knob(3e-7, "1/400 of a plank's impulse a step on one of 4 points"),
+                    "matrix_free_relative_tolerance": Knob(
+                        3e-7, "the shipped 1e-3 N s is eight times that whole impulse: the 4-stack collapses at level 3"
+                    ),
+                },
+                tuned_by="measured on the 4-stack and the inverted V",
+            ),
+            "tuned": Profile(
+                name="tuned",
+                description="matrix-free solver at 480 Hz, solved to the last digit that pays",
+                substeps=8,
+                knobs={
+                    **_COMMON_KNOBS,
+                    "matrix_free_max_iterations": Knob(
+                        20_000, "stacks of tens of levels need thousands of sweeps from a cold start"
+                    ),
+                    "matrix_free_delta_tolerance": Knob(1e-7, "1/600 of a plank's impulse a step on one of 4 points"),
+                    "matrix_free_relative_tolerance": Knob(1e-7, "as the delta tolerance: the larger of the two rules"),
+                },
+                tuned_by="measured on the 4-stack and the inverted V",
+            ),
+        }
+    )
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, world, sleeping, expected)
+        self._world = dartpy.simulation.World()
+        self._world.setGravity(list(world.gravity))
+        self._configure({name: knob.value for name, knob in profile.knobs.items()}, sleeping)
+        self._skeletons: dict[int, Any] = {}
+        self._joints: dict[int, Any] = {}
+        self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
+        self._contacts_of_step: Contacts | None = None
+        self._motion: _Motion | None = None
+        self._world.addSkeleton(self._make_ground())
+
+    @staticmethod
+    def _version() -> str:
+        return str(dartpy.__version__)
+
+    def _configure(self, knobs: Mapping[str, float | int | str | bool], sleeping: Sleeping) -> None:
+        if "collision_detector" in knobs:
+            self._world.setCollisionDetector(_DETECTORS[str(knobs["collision_detector"])])
+        solver = self._world.getConstraintSolver()
+        if "max_contacts" in knobs:
+            solver.getCollisionOption().maxNumContacts = knobs["max_contacts"]
+        options = solver.getMatrixFreeContactSolverOptions()
+        for knob, option in _MATRIX_FREE_OPTIONS.items():
+            if knob in knobs:
+                setattr(options, option, knobs[knob])
+        solver.setMatrixFreeContactSolverOptions(options)
+
+        deactivation = self._world.getDeactivationOptions()
+        deactivation.mEnabled = sleeping != "off"
+        if sleeping == "raised":
+            deactivation.mLinearSpeedThreshold *= RAISED_THRESHOLD
+            deactivation.mAngularSpeedThreshold *= RAISED_THRESHOLD
+        self._world.setDeactivationOptions(deactivation)
+
+    def _make_ground(self) -> Any:
+        skeleton = dartpy.dynamics.Skeleton(str(GROUND))
+        joint, body = skeleton.createWeldJointAndBodyNodePair()
+        self._add_shape(body, _GROUND_SIZE)
+        pose = dartpy.math.Isometry3()
+        pose.set_translation([0.0, 0.0, -_GROUND_SIZE[2] / 2])
+        joint.setTransformFromParentBodyNode(pose)
+        skeleton.setMobile(False)
+        return skeleton
+
+    def _add_shape(self, body: Any, size: Vector) -> Any:
+        shape = dartpy.dynamics.BoxShape(list(size))
+        node = body.createShapeNode(shape)
+        node.createCollisionAspect()
+        node.createDynamicsAspect().setFrictionCoeff(self.world.friction)
+        return shape
+
+    # -- bodies ------------------------------------------------------------------------------------
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        skeleton = dartpy.dynamics.Skeleton(str(body))
+        joint, node = skeleton.createFreeJointAndBodyNodePair()
+        shape = self._add_shape(node, brick.size)
+        inertia = dartpy.dynamics.Inertia()
+        inertia.setMass(brick.mass)
+        inertia.setMoment(shape.computeInertia(brick.mass))
+        node.setInertia(inertia)
+        joint.setPositions(_coordinates(brick.position, brick.quaternion))
+        self._world.addSkeleton(skeleton)
+        self._skeletons[body] = skeleton
+        self._joints[body] = joint
+
+    def _remove(self, body: int) -> None:
+        self._contacts_of_step = self._read_contacts()
+        self._id_of = {shape: known for shape, known in self._id_of.items() if known != body}
+        self._world.getConstraintSolver().clearLastCollisionResult()
+        del self._joints[body]
+        self._world.removeSkeleton(self._skeletons.pop(body))
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        joint = self._joints[body]
+        velocities = joint.getVelocities()
+        velocities[3:] += np.array(impulse) / self.bricks[body].mass
+        joint.setVelocities(velocities)
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        joint = self._joints[body]
+        joint.setPositions(_coordinates(position, quaternion))
+        joint.resetVelocities()
+
+    def _freeze(self, body: int) -> None:
+        self._joints[body].resetVelocities()
+        self._skeletons[body].setMobile(False)
+
+    def _thaw(self, body: int) -> None:
+        self._joints[body].resetVelocities()
+        self._skeletons[body].setMobile(True)
+
+    # -- time --------------------------------------------------------------------------------------
+
+    def _step(self, seconds: float) -> None:
+        substeps = self.info.profile.substeps
+        self._world.setTimeStep(seconds / substeps)
+        if self.is_observed:
+            rates = []
+            for _ in range(substeps):
+                centers, rates_before = self._coordinates(self._live)[:, 3:], self._rates(self._live)
+                rates.append(rates_before)
+                self._world.step()
+            self._motion = _Motion(tuple(self._live), centers, np.array(rates))
+        else:
+            for _ in range(substeps):
+                self._world.step()
+            self._motion = None
+        self._contacts_of_step = None
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        coordinates = self._coordinates(bodies.tolist())
+        return coordinates[:, 3:], _quaternions(coordinates[:, :3])
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._coordinates(bodies.tolist())[:, 3:]
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        rates = self._rates(bodies.tolist())
+        return rates[:, 3:], rates[:, :3]
+
+    def _coordinates(self, bodies: Iterable[int]) -> FloatArray:
+        """Free joints' coordinates (n, 6): rotation vectors [rad], then positions [m], in world axes."""
+        return _rows([self._joints[body].getPositions() for body in bodies], 6)
+
+    def _rates(self, bodies: Iterable[int]) -> FloatArray:
+        """Free joints' velocities (n, 6): angular [rad/s], then linear [m/s], in world axes."""
+        return _rows([self._joints[body].getVelocities() for body in bodies], 6)
+
+    # -- contacts ----------------------------------------------------------------------------------
+
+    def _contacts(self) -> Contacts:
+        if self._contacts_of_step is None:
+            self._contacts_of_step = self._read_contacts()
+        seen = self._contacts_of_step
+        known, live = self.bricks.keys() | {GROUND}, self._live
+        kept = [
+            row
+            for row, (a, b) in enumerate(zip(seen.body_a.tolist(), seen.body_b.tolist(), strict=True))
+            if (a in live or b in live) and a in known and b in known
+        ]
+        if len(kept) == len(seen):
+            return seen
+        return Contacts(*(getattr(seen, column.name)[kept] for column in fields(Contacts)))
+
+    def _read_contacts(self) -> Contacts:
+        """All contacts of the latest substep, those of bodies since frozen or removed included."""
+        contacts = self._world.getLastCollisionResult().getContacts()
+        if not contacts:
+            return Contacts.empty()
+        body_a = np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64)
+        body_b = np.array([self._body_of(contact.collisionObject1) for contact in contacts], np.int64)
+        point = _rows([contact.point for contact in contacts], 3)
+        normal = _rows([contact.normal for contact in contacts], 3)
+        depth = np.array([contact.penetrationDepth for contact in contacts])
+        if self._motion is None:
+            velocity = np.full_like(point, np.nan)
+        else:
+            velocity = self._motion.fastest_approach(body_a, body_b, point, normal)
+        return Contacts(body_a, body_b, point, normal, -depth, velocity, np.full(len(depth), self.world.friction))
+
+    def _body_of(self, collision_object: Any) -> int:
+        body = self._id_of.get(collision_object)
+        if body is None:
+            body = int(collision_object.getShapeFrame().getSkeleton().getName())
+            self._id_of[collision_object] = body
+        return body
+
+    def _close(self) -> None:
+        # From the leaves to the root: a wrapper that outlives its world brings the process down.
+        self._id_of.clear()
+        self._joints.clear()
+        self._skeletons.clear()
+        del self._world
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """How the live bodies moved during a frame, as it was before the solver stopped them."""
+
+    bodies: tuple[int, ...]
+    centers: FloatArray
+    """Centres of mass [m] before the last substep, shape (n, 3): the poses that its contacts belong to."""
+    velocities: FloatArray
+    """Angular [rad/s] and linear [m/s] velocities before each substep, shape (substeps, n, 6)."""
+
+    def fastest_approach(self, body_a: IntArray, body_b: IntArray, point: FloatArray, normal: FloatArray) -> FloatArray:
+        """Velocity (m, 3) of b against a at each contact, in the substep in which they came closer fastest."""
+        relative = self._velocities_at(body_b, point) - self._velocities_at(body_a, point)
+        fastest = np.einsum("smi,mi->sm", relative, normal).argmin(axis=0)
+        chosen: FloatArray = relative[fastest, np.arange(len(fastest))]
+        return chosen
+
+    def _velocities_at(self, body: IntArray, point: FloatArray) -> FloatArray:
+        """Velocity of each body's material at its contact point, shape (substeps, m, 3); zero if it does not move."""
+        row_of = {known: row for row, known in enumerate(self.bodies)}
+        rows = np.array([row_of.get(known, len(row_of)) for known in body.tolist()])
+        still = np.zeros((len(self.velocities), 1, 6))
+        velocities = np.concatenate([self.velocities, still], axis=1)[:, rows]
+        arm = point - np.concatenate([self.centers, np.zeros((1, 3))])[rows]
+        return velocities[..., 3:] + np.cross(velocities[..., :3], arm)
+
+
+def _rows(vectors: Sequence[FloatArray], width: int) -> FloatArray:
+    """Vectors as the rows of an array, which keeps its width when there are none."""
+    return np.array(vectors, np.float64).reshape(-1, width)
+
+
+def _coordinates(position: Vector, quaternion: Quaternion) -> FloatArray:
+    """A free joint's coordinates (6,): rotation vector [rad], then position [m]."""
+    shorter_way = np.array(quaternion) * (1 if quaternion[0] >= 0 else -1)
+    axis = shorter_way[1:]
+    sine = np.linalg.norm(axis)
+    if sine > 0:
+        axis *= 2 * np.arctan2(sine, shorter_way[0]) / sine
+    return np.concatenate([axis, position])
+
+
+def _quaternions(rotation_vectors: FloatArray) -> FloatArray:
+    """Rotation vectors (n, 3) [rad] as quaternions (n, 4), (w, x, y, z)."""
+    half = np.linalg.norm(rotation_vectors, axis=1, keepdims=True) / 2
+    return np.hstack([np.cos(half), rotation_vectors / 2 * np.sinc(half / np.pi)])
