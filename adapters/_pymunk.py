@@ -1,0 +1,294 @@
+"""pymunk, which is Chipmunk: a planar engine. It plays the x-z plane; every brick is centred on y = 0.
+
+Units: one engine unit is a millimetre. Chipmunk allows overlaps of 0.1 units as shipped and its makers think
+of units as pixels: a plank is then some hundred units long, as a game would draw it. In metres the shipped
+slop would be deeper than a plank is thick.
+
+Angle: Chipmunk turns +x towards its second axis, our +z. A rotation about +y turns +z towards +x, so the two
+differ in sign.
+
+Freezing: a frozen brick is a static body. Turning it dynamic again makes Chipmunk forget mass and moment, so
+both are set by hand. Static bodies also keep the push that was to cure their overlap (``v_bias``), which would
+move them when woken; an integration over no time at all clears it.
+
+Contacts: pairs that overlap, two points at most, none across a gap: a brick at rest overlaps by the slop and
+stays listed. The arbiters of two static bodies are never thrown away, but their points soon lie in memory that
+other contacts reuse; so nothing is read of a body that was not live in the latest step. Arbiters come in the
+order of memory addresses: they are sorted, or two runs would differ. Each point stands for a line across the
+bricks' depth and is handed to the core as that line's two ends.
+
+Friction: the pair's is the product of both shapes', so each has the square root. ``Body.sleep()`` on part of an
+island corrupts memory, and so does a change of type in a callback: neither is used.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pymunk
+from pymunk import batch
+
+from adapters._pymunk_arrays import lift_contacts, sort_by_id
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+UNITS_PER_METRE = 1000.0
+
+_GROUND_SIZE = (20_000.0, 1_000.0)  # [mm]: wider than any scene, and too thick to fall through
+_OFF_PLANE = 1e-9  # [m] and as a quaternion's component: rounding, no more
+
+PROFILES: Mapping[str, Profile] = {
+    "default": Profile(
+        "default", "as shipped, in millimetres; the manual's step of 1/50 s rounded down to one a frame", substeps=1
+    ),
+    "game": Profile(
+        "game",
+        "one step a frame: a dropped plank seats within half a second",
+        substeps=1,
+        knobs={
+            "collision_slop": Knob(
+                0.05, "[mm] a seated plank must overlap by less than 0.2; less makes piles restless"
+            ),
+            "iterations": Knob(
+                20, "10 as shipped let an inverted V at 75 deg slip after 0.3 s; costs half a step more"
+            ),
+        },
+        tuned_by="Stillstack: seating, inverted V and columns of planks",
+    ),
+    "tuned": Profile(
+        "tuned",
+        "four converged steps a frame: columns and walls of 25 levels stand and sink by less than 0.4 mm",
+        substeps=4,
+        knobs={
+            "collision_slop": Knob(0.01, "[mm] steps of 1/240 s keep contacts without more overlap than this"),
+            "iterations": Knob(100, "impulses pass one level an iteration: 30 let a wall of 25 levels sink by 1.4 mm"),
+        },
+        tuned_by="Stillstack: seating, inverted V and columns of planks",
+    ),
+}
+
+_SLEEPING: Mapping[Sleeping, Mapping[str, float]] = {
+    "off": {},  # Chipmunk ships with sleeping off: its time threshold is infinite
+    # The time that Chipmunk's own demos use; it then guesses the idle speed as gravity times the step.
+    "native": {"sleep_time_threshold": 0.5},
+    # About twice that guess at 60 steps a second (163 mm/s): users raise it where a pile never comes to rest.
+    "raised": {"sleep_time_threshold": 0.5, "idle_speed_threshold": 300.0},
+}
+
+_ARBITER = (
+    batch.ArbiterFields.BODY_A_ID
+    | batch.ArbiterFields.BODY_B_ID
+    | batch.ArbiterFields.NORMAL
+    | batch.ArbiterFields.CONTACT_COUNT
+    | batch.ArbiterFields.POINT_A_1
+    | batch.ArbiterFields.POINT_B_1
+    | batch.ArbiterFields.DISTANCE_1
+    | batch.ArbiterFields.POINT_A_2
+    | batch.ArbiterFields.POINT_B_2
+    | batch.ArbiterFields.DISTANCE_2
+)
+_POSITION = batch.BodyFields.BODY_ID | batch.BodyFields.POSITION
+_POSE = _POSITION | batch.BodyFields.ANGLE
+_VELOCITY = batch.BodyFields.BODY_ID | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
+
+
+class PymunkSimulation(Simulation):
+    """One Chipmunk space."""
+
+    engine = "pymunk"
+    profiles = PROFILES
+    capabilities = Capabilities(
+        contact_points="up to 2 points in the plane, lifted to the ends of the bricks' common depth",
+        separation=True,
+        relative_velocity="from the velocities before each substep",
+        forces=False,
+        freeze="static body",
+        frozen_contacts=False,
+        friction_law="Coulomb, product of both shapes' coefficients",
+        deterministic="across processes",
+        planar=True,
+    )
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, world, sleeping, expected)
+        self.info = replace(self.info, unit_scale=UNITS_PER_METRE)
+        x, y, z = world.gravity
+        if y != 0.0:
+            raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {world.gravity} m/s2")
+        self._space = pymunk.Space()
+        self._space.gravity = x * UNITS_PER_METRE, z * UNITS_PER_METRE
+        for setting, knob in profile.knobs.items():
+            setattr(self._space, setting, knob.value)
+        for setting, value in _SLEEPING[sleeping].items():
+            setattr(self._space, setting, value)
+
+        self._bodies: dict[int, pymunk.Body] = {}
+        self._new_statics: list[int] = []
+        self._before = np.empty((0, 1, 3))  # velocities before each substep of the latest frame, by id
+        self._buffer = batch.Buffer()
+        ground = pymunk.Body(body_type=pymunk.Body.STATIC)
+        ground.position = 0.0, -_GROUND_SIZE[1] / 2
+        self._add(ground, _GROUND_SIZE)
+        self._engine_ids = np.array([ground.id])  # sorted; they are addresses, in no order of their own
+        self._ids = np.array([GROUND])  # ours, in the order of the engine's
+        self._depths = np.array([np.inf])  # [m], the ground's last, where -1 finds it
+        self._contacts()  # none yet: this loads the compiled code before any frame is timed
+
+    @staticmethod
+    def _version() -> str:
+        return str(pymunk.version)
+
+    def _add(self, body: pymunk.Body, size: tuple[float, float]) -> None:
+        shape = pymunk.Poly.create_box(body, size)
+        shape.friction = math.sqrt(self.world.friction)
+        self._space.add(body, shape)
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        place = _in_plane(brick.position, brick.quaternion)
+        planar = pymunk.Body(brick.mass, _moment(brick))
+        planar.position, planar.angle = place
+        self._add(planar, (brick.size[0] * UNITS_PER_METRE, brick.size[2] * UNITS_PER_METRE))
+        self._bodies[body] = planar
+        rank = np.searchsorted(self._engine_ids, planar.id)
+        self._engine_ids = np.insert(self._engine_ids, rank, planar.id)
+        self._ids = np.insert(self._ids, rank, body)
+        self._depths = np.concatenate((self._depths[:-1], (brick.size[1], np.inf)))
+
+    def _remove(self, body: int) -> None:
+        planar = self._bodies.pop(body)
+        self._space.remove(*planar.shapes, planar)
+        stays = self._ids != body
+        self._engine_ids, self._ids = self._engine_ids[stays], self._ids[stays]
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        x, y, z = impulse
+        if y != 0.0:
+            raise ValueError(f"pymunk is planar: an impulse must lie in the x-z plane, got {impulse} N s")
+        planar = self._bodies[body]
+        planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        planar = self._bodies[body]
+        planar.position, planar.angle = _in_plane(position, quaternion)
+        _halt(planar)
+        self._space.reindex_shapes_for_body(planar)
+
+    def _step(self, seconds: float) -> None:
+        self._forget_static_pairs()
+        substeps = self.info.profile.substeps
+        self._before = np.empty((substeps if self.is_observed else 0, self._next_id + 1, 3))
+        for substep in range(substeps):
+            if self.is_observed:
+                self._before[substep] = self._read(_VELOCITY, 3)
+            self._space.step(seconds / substeps)
+
+    def _forget_static_pairs(self) -> None:
+        """Throw away the arbiters of newly frozen bodies, which the engine would keep, and list, for ever.
+
+        Their contacts with live bodies are found again in the step that follows.
+        """
+        for body in self._new_statics:
+            if body in self.frozen:
+                shapes = self._bodies[body].shapes
+                self._space.remove(*shapes)
+                self._space.add(*shapes)
+        self._new_statics.clear()
+
+    def _read(self, fields: batch.BodyFields, width: int) -> FloatArray:
+        """``width`` numbers of every body in engine units, row = id; the ground's row is the last, -1."""
+        self._buffer.clear()
+        batch.get_space_bodies(self._space, fields, self._buffer)
+        bodies, values = self._buffered(1, width)
+        rows = np.zeros((self._next_id + 1, width))
+        sort_by_id(self._engine_ids, self._ids, bodies[:, 0], values, rows)
+        return rows
+
+    def _buffered(self, integers: int, floats: int) -> tuple[IntArray, FloatArray]:
+        """The buffer's contents, so many integers and floats a row; views, until the buffer is filled again."""
+        return (
+            np.frombuffer(self._buffer.int_buf(), np.int64).reshape(-1, integers),
+            np.frombuffer(self._buffer.float_buf()).reshape(-1, floats),
+        )
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        poses = self._read(_POSE, 3)[bodies]
+        half = -poses[:, 2] / 2
+        quaternions = np.zeros((len(bodies), 4))
+        quaternions[:, 0], quaternions[:, 2] = np.cos(half), np.sin(half)
+        return _lift(poses[:, :2] / UNITS_PER_METRE), quaternions
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return _lift(self._read(_POSITION, 2)[bodies] / UNITS_PER_METRE)
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        velocities = self._read(_VELOCITY, 3)[bodies]
+        angular = np.zeros((len(bodies), 3))
+        angular[:, 1] = -velocities[:, 2]
+        return _lift(velocities[:, :2] / UNITS_PER_METRE), angular
+
+    def _contacts(self) -> Contacts:
+        positions = self._read(_POSITION, 2)
+        self._buffer.clear()
+        batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
+        arbiters, numbers = self._buffered(3, 12)
+        is_live = np.zeros(self._next_id + 1, np.bool_)
+        is_live[list(self._live)] = True
+        pairs, points, normals, separations, velocities = lift_contacts(
+            self._engine_ids, self._ids, arbiters, numbers, is_live,
+            positions, self._before, self._depths, UNITS_PER_METRE,
+        )  # fmt: skip
+        friction = np.full(len(pairs), self.world.friction)
+        return Contacts(pairs[:, 0], pairs[:, 1], points, normals, separations, velocities, friction)
+
+    def _freeze(self, body: int) -> None:
+        planar = self._bodies[body]
+        _halt(planar)
+        planar.body_type = pymunk.Body.STATIC
+        self._new_statics.append(body)
+
+    def _thaw(self, body: int) -> None:
+        planar, brick = self._bodies[body], self.bricks[body]
+        planar.body_type = pymunk.Body.DYNAMIC
+        planar.mass, planar.moment = brick.mass, _moment(brick)
+
+    def _close(self) -> None:
+        self._bodies.clear()
+        del self._space, self._buffer
+
+
+def _moment(brick: Brick) -> float:
+    """Moment of inertia [kg mm2] about y."""
+    return brick.mass * (brick.size[0] ** 2 + brick.size[2] ** 2) / 12 * UNITS_PER_METRE**2
+
+
+def _in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, float], float]:
+    """Position [mm] and angle [rad] in the engine's plane.
+
+    Raises:
+        ValueError: if the pose leaves the plane.
+    """
+    x, y, z = position
+    w, i, j, k = quaternion
+    if abs(y) > _OFF_PLANE:
+        raise ValueError(f"pymunk is planar: put the brick's centre at y = 0, got y = {y} m")
+    if max(abs(i), abs(k)) > _OFF_PLANE:
+        raise ValueError(f"pymunk is planar: turn bricks about the y axis only, got quaternion {quaternion}")
+    return (x * UNITS_PER_METRE, z * UNITS_PER_METRE), -2 * math.atan2(j, w)
+
+
+def _halt(planar: pymunk.Body) -> None:
+    """Stop a body, and drop the push out of its overlaps that would move it in its next step."""
+    planar.velocity = 0.0, 0.0
+    planar.angular_velocity = 0.0
+    pymunk.Body.update_position(planar, 0.0)
+
+
+def _lift(planar: FloatArray) -> FloatArray:
+    """Vectors (n, 2) of the engine's plane as vectors (n, 3)."""
+    vectors = np.zeros((len(planar), 3))
+    vectors[:, ::2] = planar
+    return vectors

@@ -1,0 +1,121 @@
+"""Chipmunk's batch arrays, put in order of our ids and lifted from its plane to three dimensions.
+
+Compiled, because a stack of frozen bricks costs Chipmunk some microseconds a step: a few dozen calls of NumPy
+on three contacts would cost ten times that. Lengths are in engine units unless a docstring says otherwise.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from stability_core.port import FloatArray, IntArray
+
+Rows = tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+@numba.njit(cache=True)
+def sort_by_id(engine_ids: IntArray, ids: IntArray, bodies: IntArray, values: FloatArray, rows: FloatArray) -> None:
+    """Write ``values`` (k, w) of ``bodies`` (k,), which are engine ids, into those ``rows`` that are our ids.
+
+    Args:
+        engine_ids: every engine id, sorted.
+        ids: our id of each; the ground's is -1 and so finds the last row.
+        bodies: whose values they are.
+        values: what the engine told.
+        rows: written to.
+    """
+    for k in range(len(bodies)):
+        row = ids[np.searchsorted(engine_ids, bodies[k])]
+        for column in range(values.shape[1]):  # a whole row at once takes seconds to compile
+            rows[row, column] = values[k, column]
+
+
+@numba.njit(cache=True)
+def lift_contacts(
+    engine_ids: IntArray,
+    ids: IntArray,
+    arbiters: IntArray,
+    numbers: FloatArray,
+    is_live: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    positions: FloatArray,
+    before: FloatArray,
+    depths: FloatArray,
+    units_per_metre: float,
+) -> Rows:
+    """Contacts that touch a live body, in the order of our ids; each point becomes a line across the depth.
+
+    Args:
+        engine_ids: every engine id, sorted.
+        ids: our id of each; the ground's is -1 and so finds the last row of what follows.
+        arbiters: engine ids of a and b and the number of points, shape (m, 3).
+        numbers: normal, then for two points each the place on a, the place on b, the distance, shape (m, 12).
+        is_live: by our id, shape (n + 1,).
+        positions: centres by our id, shape (n + 1, 2).
+        before: velocity and spin before each substep by our id, shape (substeps, n + 1, 3).
+        depths: extents along y [m] by our id, shape (n + 1,).
+        units_per_metre: the engine's.
+
+    Returns:
+        In SI units, k rows each: body ids (k, 2), points (k, 3), normals (k, 3), separations (k,), and velocities
+        of b against a (k, 3) of the substep in which the two closed in fastest; NaN if none was recorded.
+    """
+    pair_of = np.empty((len(arbiters), 2), np.int64)
+    order = np.empty(len(arbiters), np.int64)
+    live = 0
+    size = 0
+    for k in range(len(arbiters)):
+        a = ids[np.searchsorted(engine_ids, arbiters[k, 0])]
+        b = ids[np.searchsorted(engine_ids, arbiters[k, 1])]
+        pair_of[k, 0], pair_of[k, 1] = a, b
+        if is_live[a] or is_live[b]:
+            place = live  # insertion sort: the rows are few, and argsort takes seconds to compile
+            while place > 0 and _comes_before(a, b, pair_of[order[place - 1]]):
+                order[place] = order[place - 1]
+                place -= 1
+            order[place] = k
+            live += 1
+            size += 2 * arbiters[k, 2]
+
+    pairs = np.empty((size, 2), np.int64)
+    points, normals, velocities = np.zeros((size, 3)), np.zeros((size, 3)), np.zeros((size, 3))
+    separations = np.empty(size)
+    row = 0
+    for k in order[:live]:
+        a, b = pair_of[k]
+        nx, nz = numbers[k, 0], numbers[k, 1]
+        depth = min(depths[a], depths[b])
+        for slot in range(arbiters[k, 2]):
+            on_a_x, on_a_z, on_b_x, on_b_z, distance = numbers[k, 2 + 5 * slot : 7 + 5 * slot]
+            x, z = (on_a_x + on_b_x) / 2, (on_a_z + on_b_z) / 2
+            vx, vz = _fastest_approach(a, b, x, z, nx, nz, positions, before)
+            for y in (-depth / 2, depth / 2):
+                pairs[row] = a, b
+                points[row] = x / units_per_metre, y, z / units_per_metre
+                normals[row] = nx, 0.0, nz
+                separations[row] = distance / units_per_metre
+                velocities[row] = vx / units_per_metre, 0.0, vz / units_per_metre
+                row += 1
+    return pairs, points, normals, separations, velocities
+
+
+@numba.njit(cache=True)
+def _comes_before(a: int, b: int, pair: IntArray) -> bool:
+    return a < pair[0] or (a == pair[0] and b < pair[1])
+
+
+@numba.njit(cache=True)
+def _fastest_approach(
+    a: int, b: int, x: float, z: float, nx: float, nz: float, positions: FloatArray, before: FloatArray
+) -> tuple[float, float]:
+    """Velocity of b against a at (x, z), of that substep in which they closed in fastest along (nx, nz)."""
+    fastest, vx, vz = np.inf, np.nan, np.nan
+    for substep in range(len(before)):
+        of_a, of_b = before[substep, a], before[substep, b]
+        # A spin w carries the arm (x, z) with velocity w (-z, x).
+        ux = of_b[0] - of_b[2] * (z - positions[b, 1]) - of_a[0] + of_a[2] * (z - positions[a, 1])
+        uz = of_b[1] + of_b[2] * (x - positions[b, 0]) - of_a[1] - of_a[2] * (x - positions[a, 0])
+        closing = ux * nx + uz * nz
+        if closing < fastest:
+            fastest, vx, vz = closing, ux, uz
+    return vx, vz
