@@ -1,8 +1,8 @@
-"""A wall in running bond: planks lie along x, every joint is bridged, half planks close the ends of every other course.
+"""A wall in running bond: planks along x, every joint is bridged, half planks close the ends of every other course.
 
-Theory: cut every interface between courses into pieces of half a plank. If all pieces carry the same force, a plank has
-equal forces at equal arms from its middle and a half plank has its own straight above: the wall is in equilibrium at
-any height, and the half planks' missing half gap only moves their force by a hair.
+Theory: cut every joint between courses into pieces of half a plank, and let forces go through the middles of these
+pieces. A half plank has its one support straight below its load, a whole one has two at equal arms, and moments about
+its middle give both. All come out as pressure, nearly equal along a course: in equilibrium at any height.
 
 What to look for: most planks have two supports and two loads. An engine that shares them badly opens the joints at the
 ends, where a half plank stands on one side of a whole one.
@@ -35,7 +35,7 @@ def brick_wall(*, courses: int = 8, width: int = 3) -> Scene:
         parameters=parameters,
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
-        expectation=Expectation("stand", "equal forces on all half-plank pieces of the joints balance every plank"),
+        expectation=Expectation("stand", "pressure through the middles of the half-plank joints balances every plank"),
         look_for="joints that open at the ends, where a half plank loads one side of a whole one",
         planar=True,
     )

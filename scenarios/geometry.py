@@ -115,23 +115,22 @@ def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
         center: centres [m], shape (p, 3).
         half_axes: half axes [m], shape (p, 6, 3).
     """
-    first, second = half_axes[:, _FIRST], half_axes[:, _SECOND]
-    normal = np.cross(first, second)
-    length = np.linalg.norm(normal, axis=2)
-    product = np.linalg.norm(first, axis=2) * np.linalg.norm(second, axis=2)
+    normal = np.cross(half_axes[:, _FIRST], half_axes[:, _SECOND])
+    length = np.sqrt((normal * normal).sum(axis=2))
+    size = np.sqrt((half_axes * half_axes).sum(axis=2))
+    parallel = length <= _PARALLEL * size[:, _FIRST] * size[:, _SECOND]
     # Any direction bounds the zonotope truly, so "up" may stand in for the normal that parallel axes do not have.
-    normal = np.where((length > _PARALLEL * product)[..., None], normal, (0.0, 0.0, 1.0))
-    normal /= np.linalg.norm(normal, axis=2)[..., None]
-    normal *= np.where(normal[..., 2] < 0, -1.0, 1.0)[..., None]
+    normal[parallel], length[parallel] = (0.0, 0.0, 1.0), 1.0
+    normal[normal[..., 2] < 0] *= -1.0
 
-    middle = np.einsum("pfd,pd->pf", normal, center)
-    reach = np.abs(np.einsum("pfd,pad->pfa", normal, half_axes)).sum(axis=2)
+    middle = (normal @ center[:, :, None])[..., 0]
+    reach = np.abs(normal @ np.swapaxes(half_axes, 1, 2)).sum(axis=2)
     rise = normal[..., 2]
-    wall = rise < _PARALLEL
+    wall = rise < _PARALLEL * length
     slope = np.where(wall, 1.0, rise)
     enter = np.where(wall, -np.inf, (middle - reach) / slope).max(axis=1)
     leave = np.where(wall, np.inf, (middle + reach) / slope).min(axis=1)
-    beside = (wall & (np.abs(middle) > reach - _GRAZE)).any(axis=1)
+    beside = (wall & (np.abs(middle) > reach - _GRAZE * length)).any(axis=1)
     return np.where(beside | (enter > leave - _GRAZE), np.inf, enter)
 
 

@@ -1,8 +1,8 @@
 """A hand that is not quite steady: seed 0 is exact, every other seed lays each brick a little off.
 
 Off by a normal deviate, 0.3 mm in x and y and 0.3 deg in yaw, cut at three standard deviations. A draw depends on the
-scene's variant, the seed and the brick's index alone, so adding or playing other bricks changes nothing. It comes
-straight from a hash, by the inverse of the normal distribution: the same on every machine and with every library.
+scene's variant, the seed and the brick's index alone: not on the engine, the order of trials or what fell before. It
+comes straight from a hash, through the inverse of the normal distribution: the same on every machine, with any library.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TURN = math.radians(0.3)
 CUT = 3.0
 """Where the distributions are cut [standard deviations]."""
 _DRAWS = 100
-"""Draws after which a brick is said to have no room. Between planks 2 mm apart one draw in a thousand is refused."""
+"""Draws after which a brick is said to have no room. Between planks 2 mm apart the first is all but always good."""
 
 
 def with_hand(scene: Scene, seed: int) -> Scene:

@@ -1,6 +1,6 @@
 """The toy plank from which the scenes are built, and how a hand lays it flat or leans it.
 
-A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (554 kg/m3, pine).
+A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (557 kg/m3, pine).
 A plank's own x is its length, y its width and z its thickness.
 """
 
