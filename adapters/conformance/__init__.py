@@ -17,17 +17,13 @@ from adapters.conformance.rig import ConformanceError, Rig
 __all__ = ["CHECKS", "Check", "ConformanceError", "Rig"]
 
 
-def _always(capabilities: Capabilities) -> bool:
-    return True
-
-
 @dataclass(frozen=True, slots=True)
 class Check:
     """One promise of the contract."""
 
     measure: Callable[[Rig], None]
     """Raises ``ConformanceError`` if the promise is broken; its docstring is the promise."""
-    capable: Callable[[Capabilities], bool] = _always
+    capable: Callable[[Capabilities], bool] = lambda _: True
     """Whether an engine's interface allows the check at all."""
     as_shipped: bool = True
     """False for what is asked of set-up engines only, not of their defaults."""

@@ -121,7 +121,7 @@ def tumbles_as_if_never_frozen(rig: Rig) -> None:
 
 
 def wakes_to_live_again(rig: Rig) -> None:
-    """A woken brick is reported with its mass and its contacts again, and holds what lies on it."""
+    """A woken brick is reported with its mass and its contacts again, holds what lies on it, and slides when pushed."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
@@ -135,8 +135,13 @@ def wakes_to_live_again(rig: Rig) -> None:
     require(weights == {support: MASS, body: MASS}, f"masses of two woken bricks are {weights} kg, must be {MASS} each")
     touched = set(contacts.body_a.tolist()) | set(contacts.body_b.tolist())
     require({support, body} <= touched, f"contacts after waking touch {touched} only")
-    height = pose(simulation, body)[2]
-    require_between(1.4 * THICKNESS, height, 1.55 * THICKNESS, "height [m] of the upper of two woken bricks")
+    before = pose(simulation, body)
+    require_between(1.4 * THICKNESS, before[2], 1.55 * THICKNESS, "height [m] of the upper of two woken bricks")
+    simulation.push(body, (0.5 * MASS, 0.0, 0.0))
+    advance(simulation, 0.2)
+    # Braked at mu g = 4.4 m/s2 it slides 28 mm.
+    slid = pose(simulation, body)[0] - before[0]
+    require_between(0.02, slid, 0.04, "distance [m] that a woken brick slides when pushed to 0.5 m/s")
 
 
 def moves_a_frozen_brick(rig: Rig) -> None:

@@ -76,7 +76,7 @@ def moves_a_live_brick(rig: Rig) -> None:
     require_between(0.0, fallen, 1.01 * 9.81 * simulation.info.frame_s**2, "fall [m] within a frame of being moved")
 
 
-def _tumble(simulation: Simulation) -> bytes:
+def tumble(simulation: Simulation) -> bytes:
     """Every pose of a heap that falls, with freezes, wakes, a push and a removal on the way."""
     recorded = []
     bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
@@ -96,5 +96,5 @@ def _tumble(simulation: Simulation) -> bytes:
 
 def repeats_bit_for_bit(rig: Rig) -> None:
     """The same sequence of calls in two worlds gives the same poses, bit for bit."""
-    first, second = _tumble(rig.open()), _tumble(rig.open())
+    first, second = tumble(rig.open()), tumble(rig.open())
     require(first == second, "the same sequence of calls gave different poses")

@@ -1,0 +1,273 @@
+"""The checks are worth something only if they fail on a wrong adapter: each is shown adapters broken in one way."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pybullet
+import pytest
+
+from adapters._bullet import PROFILES, BulletSimulation, _Motions
+from adapters.base import Knob, Profile, Sleeping
+from adapters.conformance import CHECKS, ConformanceError, Rig
+from scenarios.model import Brick, World
+from stability_core.port import Contacts, FloatArray, IntArray, Masses
+
+CHECK = {check.name: check for check in CHECKS}
+
+
+class FlippedNormals(BulletSimulation):
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, normal=-contacts.normal)
+
+
+class SwappedVelocity(BulletSimulation):
+    """Velocity of a against b."""
+
+    def _fastest_approach(self, *args: Any) -> FloatArray:
+        return -super()._fastest_approach(*args)
+
+
+class VelocityAfterSolve(BulletSimulation):
+    def _step(self, seconds: float) -> None:
+        super()._step(seconds)
+        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        self._before = _Motions(bodies, self._positions(bodies)[None], *(v[None] for v in self._velocities(bodies)))
+
+
+class VelocityAfterGravity(BulletSimulation):
+    def _step(self, seconds: float) -> None:
+        super()._step(seconds)
+        if self._before is not None:
+            gravity = np.array(self.world.gravity) * seconds / self.info.profile.substeps
+            self._before = replace(self._before, linear=self._before.linear + gravity)
+
+
+class PointsInMillimetres(BulletSimulation):
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, point=1000 * contacts.point)
+
+
+class OnePointAPair(BulletSimulation):
+    def _listed(self) -> list[tuple[Any, ...]]:
+        return list({row[1:3]: row for row in super()._listed()}.values())
+
+
+class PositiveOverlap(BulletSimulation):
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, separation=-contacts.separation)
+
+
+class FrictionOfOneBody(BulletSimulation):
+    """Reports the square root of the pair's coefficient."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, friction=np.sqrt(contacts.friction))
+
+
+class NoContactsWithFrozen(BulletSimulation):
+    def _listed(self) -> list[tuple[Any, ...]]:
+        return [row for row in super()._listed() if not {self._bodies[row[1]], self._bodies[row[2]]} & self.frozen]
+
+
+class FrozenPairsListed(BulletSimulation):
+    def _listed(self) -> list[tuple[Any, ...]]:
+        return list(pybullet.getContactPoints(physicsClientId=self._client))
+
+
+class FlickeringContacts(BulletSimulation):
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._frame = itertools.count()
+
+    def _listed(self) -> list[tuple[Any, ...]]:
+        return [] if next(self._frame) % 7 == 6 else super()._listed()
+
+
+class ChangedBricks(BulletSimulation):
+    """Every body gets one more property."""
+
+    change: dict[str, float]
+
+    def _create(self, *args: Any) -> int:
+        handle = super()._create(*args)
+        pybullet.changeDynamics(handle, -1, **self.change, physicsClientId=self._client)
+        return handle
+
+
+class FrictionSquared(ChangedBricks):
+    change = {"lateralFriction": 0.45}  # noqa: RUF012
+
+
+class FrictionRooted(ChangedBricks):
+    change = {"lateralFriction": 0.45**0.25}  # noqa: RUF012
+
+
+class Damped(ChangedBricks):
+    change = {"linearDamping": 0.04}  # noqa: RUF012
+
+
+class Bouncing(ChangedBricks):
+    change = {"restitution": 0.7}  # noqa: RUF012
+
+
+class Sleepy(BulletSimulation):
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, world, "native", expected)
+
+
+class SlowToRecover(BulletSimulation):
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        knobs = {**profile.knobs, "contactERP": Knob(0.01, "recovers too slowly")}
+        super().__init__(replace(profile, knobs=knobs), world, sleeping, expected)
+
+
+class DriftingFreeze(BulletSimulation):
+    def _step(self, seconds: float) -> None:
+        super()._step(seconds)
+        for body in self.frozen:
+            (x, y, z), turn = pybullet.getBasePositionAndOrientation(self._handles[body], self._client)
+            pybullet.resetBasePositionAndOrientation(self._handles[body], (x, y, z + 1e-12), turn, self._client)
+
+
+class MerelyAsleep(BulletSimulation):
+    """The engine's own sleep, which the next touch ends."""
+
+    def _freeze(self, body: int) -> None:
+        self._stop(self._handles[body])
+        asleep = pybullet.ACTIVATION_STATE_SLEEP
+        pybullet.changeDynamics(self._handles[body], -1, activationState=asleep, physicsClientId=self._client)
+
+
+class SpeedKeptThroughFreeze(BulletSimulation):
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._kept: dict[int, Any] = {}
+
+    def _freeze(self, body: int) -> None:
+        self._kept[body] = pybullet.getBaseVelocity(self._handles[body], self._client)
+        super()._freeze(body)
+
+    def _thaw(self, body: int) -> None:
+        super()._thaw(body)
+        pybullet.resetBaseVelocity(self._handles[body], *self._kept.pop(body), self._client)
+
+
+class MassLostOnWaking(BulletSimulation):
+    def _thaw(self, body: int) -> None:
+        super()._thaw(body)
+        pybullet.changeDynamics(self._handles[body], -1, mass=1.0, physicsClientId=self._client)
+
+
+class InertiaLostOnWaking(BulletSimulation):
+    def _thaw(self, body: int) -> None:
+        super()._thaw(body)
+        inertia = (1e-5, 2e-5, 1e-5)
+        pybullet.changeDynamics(self._handles[body], -1, localInertiaDiagonal=inertia, physicsClientId=self._client)
+
+
+class NeverWakes(BulletSimulation):
+    def _thaw(self, body: int) -> None:
+        pass
+
+
+class GhostLeftBehind(BulletSimulation):
+    """A removed brick goes on stopping others."""
+
+    def _remove(self, body: int) -> None:
+        self._handles.pop(body)
+
+
+class MoveIgnored(BulletSimulation):
+    def _move(self, body: int, *args: Any) -> None:
+        self._stop(self._handles[body])
+
+
+class QuaternionsAsInBullet(BulletSimulation):
+    """(x, y, z, w)."""
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        positions, quaternions = super()._poses(bodies)
+        return positions, np.roll(quaternions, -1, axis=1)
+
+
+class RemovalToldTwice(BulletSimulation):
+    def _masses(self) -> Masses:
+        masses = super()._masses()
+        self._removed = list(masses.removed)
+        return masses
+
+
+class Shaken(BulletSimulation):
+    """Every world differs from the one before by a hair."""
+
+    _worlds = itertools.count()
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        pybullet.setGravity(0.0, 1e-9 * next(self._worlds), -9.81, self._client)
+
+
+BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
+    (FlippedNormals, ["reports_a_resting_brick", "reports_the_speed_of_impact"]),
+    (SwappedVelocity, ["reports_the_speed_of_impact"]),
+    (VelocityAfterSolve, ["reports_the_speed_of_impact"]),
+    (VelocityAfterGravity, ["reports_a_resting_brick_in_every_frame"]),
+    (PointsInMillimetres, ["reports_a_resting_brick"]),
+    (OnePointAPair, ["reports_a_resting_brick"]),
+    (PositiveOverlap, ["reports_the_overlap"]),
+    (FrictionOfOneBody, ["reports_a_resting_brick"]),
+    (NoContactsWithFrozen, ["reports_every_pair", "reports_a_resting_brick", "seats_on_frozen_bricks"]),
+    (FrozenPairsListed, ["reports_every_pair"]),
+    (FlickeringContacts, ["reports_a_resting_brick_in_every_frame"]),
+    (
+        FrictionSquared,
+        [
+            "slides_on_the_ground_above_the_friction_angle",
+            "slides_on_a_frozen_brick_above_the_friction_angle",
+            "slides_sideways_above_the_friction_angle",
+            "is_braked_by_friction_between_live_bricks",
+            "holds_an_inverted_v",
+        ],
+    ),
+    (
+        FrictionRooted,
+        ["slides_on_the_ground_above_the_friction_angle", "is_braked_by_friction_between_live_bricks"],
+    ),
+    (Damped, ["falls_freely", "moves_by_impulse_over_mass"]),
+    (Bouncing, ["does_not_bounce"]),
+    (Sleepy, ["falls_when_its_support_is_removed"]),
+    (SlowToRecover, ["seats_on_the_ground"]),
+    (DriftingFreeze, ["stays_frozen", "freezes_in_flight", "freezes_before_its_first_step"]),
+    (MerelyAsleep, ["stays_frozen", "carries_a_live_brick"]),
+    (SpeedKeptThroughFreeze, ["freezes_in_flight"]),
+    (MassLostOnWaking, ["tumbles_as_if_never_frozen"]),
+    (InertiaLostOnWaking, ["tumbles_as_if_never_frozen"]),
+    (NeverWakes, ["freezes_before_its_first_step", "wakes_to_live_again"]),
+    (GhostLeftBehind, ["removes_a_frozen_brick"]),
+    (MoveIgnored, ["moves_a_live_brick", "moves_a_frozen_brick"]),
+    (QuaternionsAsInBullet, ["keeps_poses_and_ids"]),
+    (RemovalToldTwice, ["reports_masses"]),
+    (Shaken, ["repeats_bit_for_bit"]),
+]
+
+
+@pytest.mark.parametrize(
+    ("simulation", "check"), [(simulation, check) for simulation, checks in BROKEN for check in checks]
+)
+def test_a_broken_adapter_is_caught(simulation: type[BulletSimulation], check: str) -> None:
+    rig = Rig(lambda world: simulation(PROFILES["game"], world, "off", ()), simulation.capabilities)
+    with pytest.raises(ConformanceError):
+        CHECK[check].run_in(rig)
+
+
+def test_every_check_is_known_to_catch_something() -> None:
+    caught = {check for _, checks in BROKEN for check in checks}
+    # What the shared base class checks for every adapter cannot be broken from within an adapter.
+    assert set(CHECK) - caught == {"refuses_bad_input"}
