@@ -91,9 +91,13 @@ _ARBITER = (
     | batch.ArbiterFields.POINT_B_2
     | batch.ArbiterFields.DISTANCE_2
 )
-_POSITION = batch.BodyFields.BODY_ID | batch.BodyFields.POSITION
-_POSE = _POSITION | batch.BodyFields.ANGLE
-_VELOCITY = batch.BodyFields.BODY_ID | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
+_STATE = (
+    batch.BodyFields.BODY_ID
+    | batch.BodyFields.POSITION
+    | batch.BodyFields.ANGLE
+    | batch.BodyFields.VELOCITY
+    | batch.BodyFields.ANGULAR_VELOCITY
+)
 
 
 class PymunkSimulation(Simulation):
@@ -128,6 +132,7 @@ class PymunkSimulation(Simulation):
 
         self._bodies: dict[int, pymunk.Body] = {}
         self._new_statics: list[int] = []
+        self._latest_state: FloatArray | None = None
         self._before = np.empty((0, 1, 3))  # velocities before each substep of the latest frame, by id
         self._buffer = batch.Buffer()
         ground = pymunk.Body(body_type=pymunk.Body.STATIC)
@@ -156,13 +161,18 @@ class PymunkSimulation(Simulation):
         rank = np.searchsorted(self._engine_ids, planar.id)
         self._engine_ids = np.insert(self._engine_ids, rank, planar.id)
         self._ids = np.insert(self._ids, rank, body)
-        self._depths = np.concatenate((self._depths[:-1], (brick.size[1], np.inf)))
+        depths = np.full(self._next_id + 1, np.inf)
+        depths[: len(self._depths) - 1] = self._depths[:-1]
+        depths[body] = brick.size[1]
+        self._depths = depths
+        self._latest_state = None
 
     def _remove(self, body: int) -> None:
         planar = self._bodies.pop(body)
         self._space.remove(*planar.shapes, planar)
         stays = self._ids != body
         self._engine_ids, self._ids = self._engine_ids[stays], self._ids[stays]
+        self._latest_state = None
 
     def _push(self, body: int, impulse: Vector) -> None:
         x, y, z = impulse
@@ -170,12 +180,14 @@ class PymunkSimulation(Simulation):
             raise ValueError(f"pymunk is planar: an impulse must lie in the x-z plane, got {impulse} N s")
         planar = self._bodies[body]
         planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
+        self._latest_state = None
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         planar = self._bodies[body]
         planar.position, planar.angle = _in_plane(position, quaternion)
         _halt(planar)
         self._space.reindex_shapes_for_body(planar)
+        self._latest_state = None
 
     def _step(self, seconds: float) -> None:
         self._forget_static_pairs()
@@ -183,8 +195,9 @@ class PymunkSimulation(Simulation):
         self._before = np.empty((substeps if self.is_observed else 0, self._next_id + 1, 3))
         for substep in range(substeps):
             if self.is_observed:
-                self._before[substep] = self._read(_VELOCITY, 3)
+                self._before[substep] = self._state[:, 3:]
             self._space.step(seconds / substeps)
+            self._latest_state = None
 
     def _forget_static_pairs(self) -> None:
         """Throw away the arbiters of newly frozen bodies, which the engine would keep, and list, for ever.
@@ -198,14 +211,19 @@ class PymunkSimulation(Simulation):
                 self._space.add(*shapes)
         self._new_statics.clear()
 
-    def _read(self, fields: batch.BodyFields, width: int) -> FloatArray:
-        """``width`` numbers of every body in engine units, row = id; the ground's row is the last, -1."""
-        self._buffer.clear()
-        batch.get_space_bodies(self._space, fields, self._buffer)
-        bodies, values = self._buffered(1, width)
-        rows = np.zeros((self._next_id + 1, width))
-        sort_by_id(self._engine_ids, self._ids, bodies[:, 0], values, rows)
-        return rows
+    @property
+    def _state(self) -> FloatArray:
+        """Place (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (n + 1, 6).
+
+        The row is the id; the ground's is the last, -1. Read once, until a step or a hand changes something.
+        """
+        if self._latest_state is None:
+            self._buffer.clear()
+            batch.get_space_bodies(self._space, _STATE, self._buffer)
+            bodies, values = self._buffered(1, 6)
+            self._latest_state = np.zeros((self._next_id + 1, 6))
+            sort_by_id(self._engine_ids, self._ids, bodies[:, 0], values, self._latest_state)
+        return self._latest_state
 
     def _buffered(self, integers: int, floats: int) -> tuple[IntArray, FloatArray]:
         """The buffer's contents, so many integers and floats a row; views, until the buffer is filled again."""
@@ -215,23 +233,23 @@ class PymunkSimulation(Simulation):
         )
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        poses = self._read(_POSE, 3)[bodies]
-        half = -poses[:, 2] / 2
+        state = self._state[bodies]
+        half = -state[:, 2] / 2
         quaternions = np.zeros((len(bodies), 4))
         quaternions[:, 0], quaternions[:, 2] = np.cos(half), np.sin(half)
-        return _lift(poses[:, :2] / UNITS_PER_METRE), quaternions
+        return _lift(state[:, :2] / UNITS_PER_METRE), quaternions
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        return _lift(self._read(_POSITION, 2)[bodies] / UNITS_PER_METRE)
+        return _lift(self._state[bodies, :2] / UNITS_PER_METRE)
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        velocities = self._read(_VELOCITY, 3)[bodies]
+        state = self._state[bodies]
         angular = np.zeros((len(bodies), 3))
-        angular[:, 1] = -velocities[:, 2]
-        return _lift(velocities[:, :2] / UNITS_PER_METRE), angular
+        angular[:, 1] = -state[:, 5]
+        return _lift(state[:, 3:5] / UNITS_PER_METRE), angular
 
     def _contacts(self) -> Contacts:
-        positions = self._read(_POSITION, 2)
+        state = self._state  # read first: it passes through the same buffer
         self._buffer.clear()
         batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
         arbiters, numbers = self._buffered(3, 12)
@@ -239,7 +257,7 @@ class PymunkSimulation(Simulation):
         is_live[list(self._live)] = True
         pairs, points, normals, separations, velocities = lift_contacts(
             self._engine_ids, self._ids, arbiters, numbers, is_live,
-            positions, self._before, self._depths, UNITS_PER_METRE,
+            state, self._before, self._depths, UNITS_PER_METRE,
         )  # fmt: skip
         friction = np.full(len(pairs), self.world.friction)
         return Contacts(pairs[:, 0], pairs[:, 1], points, normals, separations, velocities, friction)
@@ -249,6 +267,7 @@ class PymunkSimulation(Simulation):
         _halt(planar)
         planar.body_type = pymunk.Body.STATIC
         self._new_statics.append(body)
+        self._latest_state = None
 
     def _thaw(self, body: int) -> None:
         planar, brick = self._bodies[body], self.bricks[body]

@@ -38,7 +38,7 @@ def lift_contacts(
     arbiters: IntArray,
     numbers: FloatArray,
     is_live: np.ndarray[tuple[int], np.dtype[np.bool_]],
-    positions: FloatArray,
+    state: FloatArray,
     before: FloatArray,
     depths: FloatArray,
     units_per_metre: float,
@@ -51,7 +51,7 @@ def lift_contacts(
         arbiters: engine ids of a and b and the number of points, shape (m, 3).
         numbers: normal, then for two points each the place on a, the place on b, the distance, shape (m, 12).
         is_live: by our id, shape (n + 1,).
-        positions: centres by our id, shape (n + 1, 2).
+        state: by our id, the centre first, shape (n + 1, 6).
         before: velocity and spin before each substep by our id, shape (substeps, n + 1, 3).
         depths: extents along y [m] by our id, shape (n + 1,).
         units_per_metre: the engine's.
@@ -60,20 +60,20 @@ def lift_contacts(
         In SI units, k rows each: body ids (k, 2), points (k, 3), normals (k, 3), separations (k,), and velocities
         of b against a (k, 3) of the substep in which the two closed in fastest; NaN if none was recorded.
     """
-    pair_of = np.empty((len(arbiters), 2), np.int64)
-    order = np.empty(len(arbiters), np.int64)
+    bricks = len(is_live)
+    order, keys = np.empty(len(arbiters), np.int64), np.empty(len(arbiters), np.int64)
     live = 0
     size = 0
     for k in range(len(arbiters)):
         a = ids[np.searchsorted(engine_ids, arbiters[k, 0])]
         b = ids[np.searchsorted(engine_ids, arbiters[k, 1])]
-        pair_of[k, 0], pair_of[k, 1] = a, b
         if is_live[a] or is_live[b]:
+            key = (a + 1) * bricks + b + 1
             place = live  # insertion sort: the rows are few, and argsort takes seconds to compile
-            while place > 0 and _comes_before(a, b, pair_of[order[place - 1]]):
-                order[place] = order[place - 1]
+            while place > 0 and keys[place - 1] > key:
+                order[place], keys[place] = order[place - 1], keys[place - 1]
                 place -= 1
-            order[place] = k
+            order[place], keys[place] = k, key
             live += 1
             size += 2 * arbiters[k, 2]
 
@@ -81,14 +81,15 @@ def lift_contacts(
     points, normals, velocities = np.zeros((size, 3)), np.zeros((size, 3)), np.zeros((size, 3))
     separations = np.empty(size)
     row = 0
-    for k in order[:live]:
-        a, b = pair_of[k]
+    for place in range(live):
+        k = order[place]
+        a, b = keys[place] // bricks - 1, keys[place] % bricks - 1
         nx, nz = numbers[k, 0], numbers[k, 1]
         depth = min(depths[a], depths[b])
         for slot in range(arbiters[k, 2]):
             on_a_x, on_a_z, on_b_x, on_b_z, distance = numbers[k, 2 + 5 * slot : 7 + 5 * slot]
             x, z = (on_a_x + on_b_x) / 2, (on_a_z + on_b_z) / 2
-            vx, vz = _fastest_approach(a, b, x, z, nx, nz, positions, before)
+            vx, vz = _fastest_approach(a, b, x, z, nx, nz, state, before)
             for y in (-depth / 2, depth / 2):
                 pairs[row] = a, b
                 points[row] = x / units_per_metre, y, z / units_per_metre
@@ -100,21 +101,16 @@ def lift_contacts(
 
 
 @numba.njit(cache=True)
-def _comes_before(a: int, b: int, pair: IntArray) -> bool:
-    return a < pair[0] or (a == pair[0] and b < pair[1])
-
-
-@numba.njit(cache=True)
 def _fastest_approach(
-    a: int, b: int, x: float, z: float, nx: float, nz: float, positions: FloatArray, before: FloatArray
+    a: int, b: int, x: float, z: float, nx: float, nz: float, state: FloatArray, before: FloatArray
 ) -> tuple[float, float]:
     """Velocity of b against a at (x, z), of that substep in which they closed in fastest along (nx, nz)."""
     fastest, vx, vz = np.inf, np.nan, np.nan
     for substep in range(len(before)):
         of_a, of_b = before[substep, a], before[substep, b]
         # A spin w carries the arm (x, z) with velocity w (-z, x).
-        ux = of_b[0] - of_b[2] * (z - positions[b, 1]) - of_a[0] + of_a[2] * (z - positions[a, 1])
-        uz = of_b[1] + of_b[2] * (x - positions[b, 0]) - of_a[1] - of_a[2] * (x - positions[a, 0])
+        ux = of_b[0] - of_b[2] * (z - state[b, 1]) - of_a[0] + of_a[2] * (z - state[a, 1])
+        uz = of_b[1] + of_b[2] * (x - state[b, 0]) - of_a[1] - of_a[2] * (x - state[a, 0])
         closing = ux * nx + uz * nz
         if closing < fastest:
             fastest, vx, vz = closing, ux, uz
