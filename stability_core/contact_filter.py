@@ -11,7 +11,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, Bodies
 
 CONTACT = np.dtype(
@@ -80,7 +81,7 @@ def _speeds(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 
 
 @compiled
-def _keep(
+def keep_contacts(
     bodies: Bodies,
     body_a: IntArray,
     body_b: IntArray,
@@ -89,20 +90,34 @@ def _keep(
     separation: FloatArray,
     relative_velocity: FloatArray,
     friction: FloatArray,
-    impact_speed: float,
-    contact_gap: float,
-    level_tilt: float,
+    limits: Limits,
 ) -> tuple[ContactRows, IntArray]:
+    """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
+
+    Args:
+        bodies: the table, tracked for this frame.
+        body_a: first bodies, shape (n,); this and what follows as ``Contacts`` has it.
+        body_b: second bodies, shape (n,).
+        point: contact points [m], shape (n, 3).
+        normal: unit normals from a to b, shape (n, 3).
+        separation: signed distances [m], shape (n,).
+        relative_velocity: of b against a [m/s], shape (n, 3).
+        friction: Coulomb coefficients, shape (n,).
+        limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap``.
+
+    Returns:
+        The contacts that count, (k,) rows of ``CONTACT``; and the frozen bodies struck by an impact, (h,).
+    """
     n = len(body_a)
     kept = np.empty(n, CONTACT)
     struck = np.empty(2 * n, np.int64)
     size, hits = 0, 0
     for i in range(n):
         a, b = body_a[i], body_b[i]
-        if separation[i] > contact_gap:  # false for an unknown (NaN) separation: it counts as touch
+        if separation[i] > limits.contact_gap:  # false for an unknown (NaN) separation: it counts as touch
             continue
         approach, slip = _speeds(relative_velocity[i], normal[i])
-        if approach > impact_speed:
+        if approach > limits.impact_speed:
             for body in (a, b):
                 if body != GROUND and bodies[body].state == FROZEN:
                     struck[hits] = body
@@ -113,37 +128,7 @@ def _keep(
         for k in range(3):
             row.point[k], row.normal[k] = point[i, k], normal[i, k]
         size += 1
-        level = is_level(normal[i, 2], friction[i], level_tilt)
+        level = is_level(normal[i, 2], friction[i], limits.level_tilt)
         _note(bodies, a, b, -separation[i], slip, level)
         _note(bodies, b, a, -separation[i], slip, level)
     return kept[:size], struck[:hits]
-
-
-def keep_contacts(
-    bodies: Bodies, contacts: Contacts, *, impact_speed: float, contact_gap: float, level_tilt: float
-) -> tuple[ContactRows, IntArray]:
-    """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
-
-    Args:
-        bodies: the table, tracked for this frame.
-        contacts: as the port gave them, n rows.
-        impact_speed: approach speed [m/s] above which a contact is an impact and no support.
-        contact_gap: separation [m] above which a pair does not touch.
-        level_tilt: see ``is_level``.
-
-    Returns:
-        The contacts that count, (k,) rows of ``CONTACT``; and the frozen bodies struck by an impact, (h,).
-    """
-    return _keep(
-        bodies,
-        contacts.body_a,
-        contacts.body_b,
-        contacts.point,
-        contacts.normal,
-        contacts.separation,
-        contacts.relative_velocity,
-        contacts.friction,
-        impact_speed,
-        contact_gap,
-        level_tilt,
-    )

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from stability_core.checks import check_contacts, check_masses
-from stability_core.contact_filter import ContactRows, keep_contacts
+from stability_core.checks import FINE, NO_ROOM, check_shapes, fault_of
+from stability_core.contact_filter import ContactRows
+from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import lay_all, lift_all, supports_as_bits
-from stability_core.motion import count_frames, due, shifted_loads, track
 from stability_core.policies import POLICIES, Policy
-from stability_core.port import IntArray, StabilityPort
+from stability_core.port import Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
 from stability_core.stack import (
     ABSENT,
@@ -39,6 +40,28 @@ class Change:
     """Bodies woken in this frame, by rising id."""
     reasons: Mapping[int, str]
     """Why, for each of them."""
+
+
+class Seen(NamedTuple):
+    """What ``observe`` found in one frame."""
+
+    contacts: ContactRows
+    """Those that count."""
+    struck: IntArray
+    """Frozen bodies hit by an impact."""
+    at_rest: IntArray
+    """Live bodies due for the flat test."""
+    leaning: IntArray
+    """Live bodies due for the leaning test."""
+    lying: IntArray
+    """Live bodies that lie on the stack anew."""
+    gone: IntArray
+    """Live bodies that lie on it no more."""
+
+    @property
+    def is_quiet(self) -> bool:
+        """True if there is nothing to decide."""
+        return not any(map(len, self[1:]))
 
 
 UNCHANGED = Change((), (), {})
@@ -73,9 +96,12 @@ class StabilityExtension:
         self.settings = settings or Settings()
         self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
         self._graph: Graph = empty_graph()
+        self._limits = self.settings.limits()
         self._recent: deque[ContactRows] = deque(maxlen=max(1, self.settings.rest_frames))
         self._news: dict[int, str] = {}
         """Bodies woken by the host's words since the last update, with the reason."""
+        self._is_pending = False
+        """True if something changed since the last update that no contact tells of."""
 
     @property
     def frozen(self) -> IntArray:
@@ -114,44 +140,46 @@ class StabilityExtension:
         if not (np.isfinite(dt) and dt > 0.0):
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         contacts, masses = self.port.contacts(), self.port.masses()
-        check_contacts(contacts)
-        check_masses(masses)
-        live = masses.body
         self._forget(masses.removed)
-        self._make_room(live, contacts.body_a, contacts.body_b)
-
-        settings, bodies = self.settings, self._graph.bodies
-        track(bodies, live, masses.mass, masses.center_of_mass, dt)
-        kept, struck = keep_contacts(
-            bodies,
-            contacts,
-            impact_speed=settings.impact_speed,
-            contact_gap=settings.contact_gap,
-            level_tilt=settings.level_tilt,
-        )
-        self._recent.append(kept)
-        count_frames(
-            bodies,
-            live,
-            (settings.rest_speed, settings.rest_slip, settings.rest_penetration),
-            (settings.lean_speed, settings.lean_penetration),
-            settings.load_speed,
-            settings.moving_speed,
-            settings.calm_frames,
-        )
-        at_rest, leaning = due(bodies, live, settings.rest_frames, settings.lean_frames)
-        lying, gone = shifted_loads(bodies, live, settings.load_frames, settings.load_shift)
-        quiet = not (len(at_rest) or len(leaning) or len(lying) or len(gone) or len(struck))
-        if quiet and not self._news and not bodies["changed"].any():
+        seen = self._observe(contacts, masses, dt)
+        self._recent.append(seen.contacts)
+        if seen.is_quiet and not self._is_pending:
             return UNCHANGED
-        lift_all(self._graph, gone)
-        return self._settle(at_rest, leaning, lying, struck)
+        self._is_pending = False
+        return self._settle(seen)
 
-    def _settle(self, at_rest: IntArray, leaning: IntArray, lying: IntArray, struck: IntArray) -> Change:
+    def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> Seen:
+        """``observe`` with room for every body, or the error for what the port gave."""
+        check_shapes(contacts, masses)
+        fault, row = NO_ROOM, -1
+        while fault == NO_ROOM:
+            self._graph = grown(self._graph, row + 1, 0)
+            fault, row, *found = observe(
+                self._graph.bodies,
+                self._limits,
+                dt,
+                masses.body,
+                masses.mass,
+                masses.center_of_mass,
+                contacts.body_a,
+                contacts.body_b,
+                contacts.point,
+                contacts.normal,
+                contacts.separation,
+                contacts.relative_velocity,
+                contacts.friction,
+            )
+        if fault != FINE:
+            raise fault_of(fault, row, contacts, masses)
+        return Seen(*found)
+
+    def _settle(self, seen: Seen) -> Change:
         """Bring the stack up to date: lay patches, freeze what is stable, carry down, wake what is not."""
+        at_rest, leaning = seen.at_rest, seen.leaning
         leaning_only = np.setdiff1d(leaning, at_rest)
         tested = np.union1d(at_rest, leaning)
-        self._lay(np.setdiff1d(lying, tested), self.settings.load_frames)
+        lift_all(self._graph, seen.gone)
+        self._lay(np.setdiff1d(seen.lying, tested), self.settings.load_frames)
         self._lay(at_rest, self.settings.rest_frames)
         self._lay(leaning_only, self.settings.lean_frames)
         concerned = self._carry()
@@ -168,7 +196,7 @@ class StabilityExtension:
         for body in woken:
             self._wake(body)
         unbalanced = self.policy.unbalanced(self._graph, concerned)
-        for reason, roots in (("struck", struck), ("unbalanced", unbalanced)):
+        for reason, roots in (("struck", seen.struck), ("unbalanced", unbalanced)):
             for body in with_all_above(self._graph, roots).tolist():
                 if self._graph.bodies["state"][body] == FROZEN:
                     woken[body] = reason if body in roots else f"rested on what was {reason}"
@@ -211,6 +239,7 @@ class StabilityExtension:
         row["load_supported_by"] = supports_as_bits(self._graph, body)
 
     def _detach(self, body: int) -> None:
+        self._is_pending = True
         drop_supports(self._graph, body)
         drop_loads(self._graph, body)
 
@@ -221,11 +250,6 @@ class StabilityExtension:
                 self._detach(body)
                 self._graph.bodies["state"][body] = ABSENT
                 self._news.pop(body, None)
-
-    def _make_room(self, *ids: IntArray) -> None:
-        greatest = max((int(some.max()) for some in ids if len(some)), default=-1)
-        if greatest >= len(self._graph.bodies):
-            self._graph = grown(self._graph, greatest + 1, 0)
 
     def _seen(self, bodies: Iterable[int]) -> list[int]:
         wanted = list(bodies)

@@ -6,6 +6,7 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
+from stability_core.settings import Limits
 from stability_core.stack import ABSENT, LIVE, Bodies
 
 
@@ -38,43 +39,29 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
 
 
 @compiled
-def count_frames(
-    bodies: Bodies,
-    ids: IntArray,
-    rest: tuple[float, float, float],
-    lean: tuple[float, float],
-    load_speed: float,
-    moving_speed: float,
-    calm_frames: int,
-) -> None:
+def count_frames(bodies: Bodies, ids: IntArray, limits: Limits) -> None:
     """Count for how many frames in a row each live body has been at rest, by each of the three rules.
 
-    Args:
-        bodies: the table.
-        ids: the live bodies, shape (m,).
-        rest: greatest speed [m/s], slip [m/s] and penetration [m] of a body at rest.
-        lean: greatest speed [m/s] and penetration [m] of a body that leans.
-        load_speed: greatest speed [m/s] of a body that lies on its support.
-        moving_speed: speed [m/s] from which a woken body has moved.
-        calm_frames: frames at rest after which a woken body that did not move counts as settled.
+    Strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
         if body.state != LIVE:
             continue
         free = body.touches and not body.held
-        at_rest = free and body.speed <= rest[0] and body.slip <= rest[1] and body.depth <= rest[2]
-        leans = free and body.speed <= lean[0] and body.depth <= lean[1]
-        lies = body.supported_by != 0 and body.speed <= load_speed
+        at_rest = free and body.speed <= limits.rest_speed and body.slip <= limits.rest_slip
+        at_rest = at_rest and body.depth <= limits.rest_penetration
+        leans = free and body.speed <= limits.lean_speed and body.depth <= limits.lean_penetration
+        lies = body.supported_by != 0 and body.speed <= limits.load_speed
         body.rest_frames = body.rest_frames + 1 if at_rest else 0
         body.lean_frames = body.lean_frames + 1 if leans else 0
         body.load_frames = body.load_frames + 1 if lies else 0
-        if body.unsettled and (body.speed > moving_speed or body.lean_frames >= calm_frames):
+        if body.unsettled and (body.speed > limits.moving_speed or body.lean_frames >= limits.calm_frames):
             body.unsettled = False
 
 
 @compiled
-def due(bodies: Bodies, ids: IntArray, rest_frames: int, lean_frames: int) -> tuple[IntArray, IntArray]:
+def due(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArray]:
     """The bodies whose stability must be decided now: (at rest, at rest by the rule for leaning).
 
     A body that was refused is asked again after as many frames as it needed the first time.
@@ -85,17 +72,17 @@ def due(bodies: Bodies, ids: IntArray, rest_frames: int, lean_frames: int) -> tu
         body = bodies[ids[i]]
         if body.state != LIVE or body.unsettled or body.held:
             continue
-        if body.rest_frames > 0 and body.rest_frames % rest_frames == 0:
+        if body.rest_frames > 0 and body.rest_frames % limits.rest_frames == 0:
             at_rest[n] = ids[i]
             n += 1
-        if body.lean_frames > 0 and body.lean_frames % lean_frames == 0:
+        if body.lean_frames > 0 and body.lean_frames % limits.lean_frames == 0:
             leaning[m] = ids[i]
             m += 1
     return at_rest[:n], leaning[:m]
 
 
 @compiled
-def shifted_loads(bodies: Bodies, ids: IntArray, load_frames: int, load_shift: float) -> tuple[IntArray, IntArray]:
+def shifted_loads(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArray]:
     """The live bodies whose patches no longer tell what they rest on: (lying on it anew, lying on it no more)."""
     lying, gone = np.empty(len(ids), np.int64), np.empty(len(ids), np.int64)
     n, m = 0, 0
@@ -106,11 +93,11 @@ def shifted_loads(bodies: Bodies, ids: IntArray, load_frames: int, load_shift: f
         moved = 0.0
         for k in range(3):
             moved += (body.center[k] - body.load_center[k]) ** 2
-        stale = body.supported_by != body.load_supported_by or moved > load_shift**2
-        if body.load_frames >= load_frames and (stale or not body.is_load):
+        stale = body.supported_by != body.load_supported_by or moved > limits.load_shift**2
+        if body.load_frames >= limits.load_frames and (stale or not body.is_load):
             lying[n] = ids[i]
             n += 1
-        elif body.load_frames < load_frames and body.is_load:
+        elif body.load_frames < limits.load_frames and body.is_load:
             gone[m] = ids[i]
             m += 1
     return lying[:n], gone[:m]

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import astuple, dataclass, field, fields
+from typing import Any, TypeAlias
+
+import numpy as np
+
+Limits: TypeAlias = Any
+"""One row of a structured array with the fields of ``Settings``: how the kernels read them."""
 
 
 def _setting(default: float, unit: str, reason: str) -> Any:
@@ -70,3 +75,9 @@ class Settings:
             value = getattr(self, item.name)
             if not (math.isfinite(value) and value >= 0):
                 raise ValueError(f"setting {item.name} must be finite and not negative, got {value}")
+
+    def limits(self) -> Limits:
+        """The settings as a structured array of shape (1,), for the kernels."""
+        kinds = {"int": "i8", "float": "f8"}
+        columns = [(item.name, kinds[str(item.type)]) for item in fields(self)]
+        return np.array([astuple(self)], np.dtype(columns, align=True))

@@ -63,7 +63,8 @@ def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
         distance = np.hypot(hull[i, 0] - point[0], hull[i, 1] - point[1])
         if distance < least:
             best, least = i, distance
-    return hull[best].copy()
+    nearest: FloatArray = hull[best].copy()
+    return nearest
 
 
 @compiled

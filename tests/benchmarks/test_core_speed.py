@@ -1,0 +1,97 @@
+"""What the core costs: run with ``uv run pytest tests/benchmarks --benchmark-enable``."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stability_core import GROUND, Contacts, Masses, StabilityExtension
+
+SIZE = np.array([117.0, 23.4, 7.8]) * 1e-3
+CORNERS = np.array([(x, y, 0.0) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]) * SIZE
+DT = 1 / 60
+NO_MASS = Masses(np.empty(0, np.int64), np.empty(0), np.empty((0, 3)))
+
+
+class ColumnPort:
+    """A straight column of planks, built to ``height`` and frozen, and one live plank on top of it."""
+
+    def __init__(self, height: int) -> None:
+        self.height = height
+        self.frozen: set[int] = set()
+        self.place(0)
+
+    def place(self, body: int) -> None:
+        """Put the next plank on top; all arrays are made here, so that the port costs the core nothing."""
+        n = len(CORNERS)
+        self.live = body
+        self.touch = Contacts(
+            np.full(n, body - 1 if body else GROUND),
+            np.full(n, body),
+            CORNERS + np.array([0.0, 0.0, body * SIZE[2]]),
+            np.tile([0.0, 0.0, 1.0], (n, 1)),
+            np.zeros(n),
+            np.zeros((n, 3)),
+            np.full(n, 0.45),
+        )
+        self.weight = Masses(np.array([body]), np.array([0.0119]), np.array([[0.0, 0.0, (body + 0.5) * SIZE[2]]]))
+
+    def contacts(self) -> Contacts:
+        return Contacts.empty() if self.live in self.frozen else self.touch
+
+    def masses(self) -> Masses:
+        return NO_MASS if self.live in self.frozen else self.weight
+
+    def sleep(self, bodies: list[int]) -> None:
+        self.frozen.update(bodies)
+
+    def wake(self, bodies: list[int]) -> None:
+        self.frozen.difference_update(bodies)
+
+
+class RestlessPort(ColumnPort):
+    """The live plank on top slides to and fro, too fast to freeze or to count as a load."""
+
+    def masses(self) -> Masses:
+        masses = super().masses()
+        if self.live == self.height:
+            masses.center_of_mass[0, 0] = 0.002 - masses.center_of_mass[0, 0]
+        return masses
+
+
+def built(port: ColumnPort, policy: str) -> StabilityExtension:
+    extension = StabilityExtension(port, policy)
+    while len(port.frozen) < port.height:
+        extension.update(DT)
+        if port.live in port.frozen:
+            port.place(port.live + 1)
+    extension.update(DT)
+    return extension
+
+
+@pytest.mark.parametrize("frozen", [100, 1000])
+@pytest.mark.parametrize("policy", ["paper", "at_rest"])
+def test_quiet_frame(benchmark, policy, frozen):
+    """One live brick that touches the stack, nothing to decide: the core's part of almost every frame."""
+    port = RestlessPort(frozen)
+    extension = built(port, policy)
+    change = benchmark(extension.update, DT)
+    assert not change.frozen
+    assert not change.woken
+    assert len(port.frozen) == frozen
+
+
+@pytest.mark.parametrize("frozen", [100, 1000])
+def test_freezing_one_more(benchmark, frozen):
+    """The frame in which a plank joins a column: the load is carried down to the ground."""
+    port = ColumnPort(frozen)
+    extension = built(port, "paper")
+
+    def until_due():
+        extension.update(DT)
+        while not extension.update(DT).frozen:
+            pass
+        port.place(port.live + 1)
+
+    benchmark.pedantic(until_due, rounds=20, iterations=1)
+    assert len(port.frozen) >= frozen + 1
