@@ -10,7 +10,7 @@ import pytest
 
 from scenarios.geometry import Boxes, overlap_in_plan
 from scenarios.hand import CUT, SHIFT, TURN, deviates, with_hand
-from scenarios.model import Expectation, Place, Push, Remove, Scene, World
+from scenarios.model import Brick, Expectation, Place, Push, Remove, Scene, World
 from scenarios.planks import lay, lean
 from scenarios.registry import SCENARIOS, build
 
@@ -111,8 +111,10 @@ def test_a_brick_without_room_is_an_error_that_names_it():
 
 def test_a_group_moves_as_one_rigid_body():
     pair = (lean(-0.04, theta=1.2, toward=1, level=1), lean(0.04, theta=1.2, toward=-1, level=1))
-    (moved,) = with_hand(scene(Place(0, pair)), 3).actions
-    before, after = Boxes.of(pair).corners.reshape(-1, 3), Boxes.of(moved.bricks).corners.reshape(-1, 3)
+    rolled = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.1, 0.05), (0.8, 0.6, 0.0, 0.0))
+    group = (*pair, rolled)
+    (moved,) = with_hand(scene(Place(0, group)), 3).actions
+    before, after = Boxes.of(group).corners.reshape(-1, 3), Boxes.of(moved.bricks).corners.reshape(-1, 3)
 
     def distances(points):
         return np.linalg.norm(points[:, None] - points[None], axis=2)
