@@ -1,0 +1,60 @@
+"""What can be run, printed from the registries themselves."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+
+from adapters import ENGINES, EngineNotInstalledError, capabilities, profiles
+from bench.policies import BENCH_POLICIES
+from bench.studies import load_study, study_names
+from scenarios.registry import SCENARIOS, build
+
+
+def print_catalogue(console: Console) -> None:
+    """Print scenarios, engines with their profiles, policies and studies."""
+    for table in (_scenarios(), _engines(), _policies(), _studies()):
+        console.print(table)
+        console.print()
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def _scenarios() -> Table:
+    table = _table("Scenarios", "name", "must, by theory", "theory", "look for")
+    for name, scenario in SCENARIOS.items():
+        scene = build(name)
+        with_parameters = ", ".join(f"{key}={value}" for key, value in scenario.parameters.items())
+        table.add_row(f"{name}\n({with_parameters})", str(scene.expectation), scene.expectation.theory, scene.look_for)
+    return table
+
+
+def _engines() -> Table:
+    table = _table("Engines", "name", "plays", "profiles")
+    for name in ENGINES:
+        try:
+            plays = "planar scenes" if capabilities(name).planar else "all scenes"
+            listed = "\n".join(f"{profile.name}: {profile.description}" for profile in profiles(name).values())
+        except EngineNotInstalledError as error:
+            plays, listed = "not installed", str(error)
+        table.add_row(name, plays, listed)
+    return table
+
+
+def _policies() -> Table:
+    table = _table("Policies", "name", "what it is")
+    for name, policy in BENCH_POLICIES.items():
+        table.add_row(name, policy.description)
+    return table
+
+
+def _studies() -> Table:
+    table = _table("Studies", "name", "what it is")
+    for name in study_names():
+        table.add_row(name, load_study(name).description)
+    return table

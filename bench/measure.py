@@ -1,0 +1,179 @@
+"""Is it still standing, and how well? Pure functions of planned and actual poses.
+
+A brick is in place while it lies within a plank's thickness sideways of where it was let go and within
+15 degrees of tilt, and its level has not sunk by half a thickness into the level below. The three ways to
+fail are told apart, because a heap that sinks upright has not toppled and a heap that topples has not sunk.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.records import CollapseKind, Status, Verdict
+from scenarios.model import Brick, Expectation
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+TILT_LIMIT = math.radians(15)
+"""A plank that leans this far off its plan [rad] no longer carries what was planned to lie on it."""
+SINK_LIMIT = 0.5
+"""Relative sink between neighbouring levels, in thicknesses of a brick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Where a set of bricks ought to be; row i of every array belongs to brick i."""
+
+    position: FloatArray
+    """Planned centres [m], shape (n, 3)."""
+    quaternion: FloatArray
+    """Planned orientations (w, x, y, z), shape (n, 4)."""
+    size: FloatArray
+    """Edge lengths [m], shape (n, 3)."""
+    level: npt.NDArray[np.int64]
+    """Levels from 1, shape (n,)."""
+
+    @classmethod
+    def of(cls, bricks: Sequence[Brick]) -> Plan:
+        """The plan of bricks as a scene tells it."""
+        return cls(
+            np.array([brick.position for brick in bricks], np.float64).reshape(-1, 3),
+            np.array([brick.quaternion for brick in bricks], np.float64).reshape(-1, 4),
+            np.array([brick.size for brick in bricks], np.float64).reshape(-1, 3),
+            np.array([brick.level for brick in bricks], np.int64),
+        )
+
+    @property
+    def thickness(self) -> FloatArray:
+        """Least edge of each brick [m], shape (n,)."""
+        thickness: FloatArray = self.size.min(axis=1)
+        return thickness
+
+
+@dataclass(frozen=True, slots=True)
+class Faults:
+    """Which bricks are out of place, and how; boolean arrays of shape (n,)."""
+
+    topple: BoolArray
+    slide: BoolArray
+    sink: BoolArray
+
+    @property
+    def any(self) -> BoolArray:
+        """Out of place in whichever way."""
+        return self.topple | self.slide | self.sink
+
+    @property
+    def kind(self) -> CollapseKind | None:
+        """The gravest way in which a brick is out of place; None if all are in place."""
+        if self.topple.any():
+            return "topple"
+        if self.slide.any():
+            return "slide"
+        return "sink" if self.sink.any() else None
+
+
+def sideways(plan: Plan, position: FloatArray) -> FloatArray:
+    """Horizontal distance [m] of each brick from where it was let go, shape (n,)."""
+    offset = position[:, :2] - plan.position[:, :2]
+    distance: FloatArray = np.hypot(offset[:, 0], offset[:, 1])
+    return distance
+
+
+def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
+    """Angle [rad] by which the vertical of each brick has turned from its plan, shape (n,); yaw is no tilt."""
+    w, x, y, z = quaternion.T
+    pw, px, py, pz = plan.quaternion.T
+    # vector part of q * conj(planned): only its horizontal components turn the vertical
+    rx = -w * px + x * pw - y * pz + z * py
+    ry = -w * py + x * pz + y * pw - z * px
+    angle: FloatArray = 2 * np.arcsin(np.clip(np.hypot(rx, ry), 0, 1))
+    return angle
+
+
+def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
+    """How far [m] each brick's level has sunk into the level below, shape (n,); the ground does not sink.
+
+    The mean of a level is compared: a tower that leans as one lowers one side of a level and lifts the other,
+    and that is a lean, not a sink.
+    """
+    if not len(position):
+        return np.empty(0)
+    rise = position[:, 2] - plan.position[:, 2]
+    count = np.bincount(plan.level)
+    total = np.bincount(plan.level, rise)
+    sunk, below = np.zeros(len(count)), 0.0
+    for level in range(1, len(count)):
+        if count[level]:
+            here = total[level] / count[level]
+            sunk[level], below = below - here, here
+    return sunk[plan.level]
+
+
+def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
+    """Which bricks are out of place, and how."""
+    thickness = plan.thickness
+    return Faults(
+        topple=tilt(plan, quaternion) > TILT_LIMIT,
+        slide=sideways(plan, position) > thickness,
+        sink=relative_sink(plan, position) > SINK_LIMIT * thickness,
+    )
+
+
+def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
+    """True while every brick is in place."""
+    return not faults(plan, position, quaternion).any.any()
+
+
+def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]) -> int:
+    """The highest of the ``landed`` levels that is in place together with every level below it; 0 if none."""
+    broken = plan.level[out_of_place]
+    reach = int(broken.min()) - 1 if len(broken) else math.inf
+    return max((level for level in landed if level <= reach), default=0)
+
+
+def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) -> float:
+    """Height [m] of the highest corner of a level's bricks."""
+    of_level = plan.level == level
+    w, x, y, z = quaternion[of_level].T
+    third_row = np.abs(np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1))
+    half_height = 0.5 * (third_row * plan.size[of_level]).sum(axis=1)
+    return float((position[of_level, 2] + half_height).max())
+
+
+def sink(plan: Plan, position: FloatArray, level: int) -> float:
+    """How far [m] a level's bricks lie below their ideal height, on average."""
+    of_level = plan.level == level
+    return float((plan.position[of_level, 2] - position[of_level, 2]).mean())
+
+
+def creep(before: FloatArray, after: FloatArray, seconds: float) -> float:
+    """Fastest mean motion [m/s] of a brick between two sets of positions (n, 3)."""
+    return float(np.linalg.norm(after - before, axis=1).max() / seconds)
+
+
+def verdict(expectation: Expectation, status: Status, collapse_level: int | None, kind: CollapseKind | None) -> Verdict:
+    """Was the outcome what theory demands?
+
+    Standing is right if the trial ran to its end; falling is right only at the level itself, by toppling or
+    sliding. A trial that did not get to its end, and one that sank where it had to fall, has failed.
+    """
+    if expectation.outcome == "study" or status == "unsupported":
+        return "none"
+    if status not in {"completed", "collapsed"}:
+        return "failed"
+    if expectation.outcome == "stand":
+        return "right" if status == "completed" else "false_collapse"
+    if expectation.level is None:
+        raise ValueError("a scene that must fall names the level at which it does")
+    if collapse_level is None or collapse_level > expectation.level:
+        return "false_stand"
+    if collapse_level < expectation.level:
+        return "false_collapse"
+    return "failed" if kind == "sink" else "right"

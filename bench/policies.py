@@ -1,0 +1,27 @@
+"""Every policy that a trial can be run with, by one name: the engine's own sleeping, or a policy of the core."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from adapters.base import Sleeping
+from stability_core import POLICIES
+
+
+@dataclass(frozen=True, slots=True)
+class BenchPolicy:
+    """How the engine sleeps, and which policy of the core decides, if any."""
+
+    sleeping: Sleeping
+    core: str | None
+    """Name in ``stability_core.POLICIES``; None runs the engine alone."""
+    description: str
+
+
+BENCH_POLICIES: Mapping[str, BenchPolicy] = {
+    "none": BenchPolicy("off", None, "the engine alone, its own sleeping off"),
+    "native": BenchPolicy("native", None, "the engine alone, its own sleeping as shipped"),
+    "raised": BenchPolicy("raised", None, "the engine alone, its sleeping threshold raised"),
+    **{name: BenchPolicy("off", name, f"the stability core with its policy '{name}'") for name in POLICIES},
+}

@@ -1,0 +1,175 @@
+"""Studies: which engines build which scenes under which policies, and for how long they may take.
+
+A study is a TOML file; those beside this one go by their names. Every name in it is checked before anything runs, and
+an error names the file, the field and what may stand there.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from itertools import product
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    StrictFloat,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+    model_validator,
+)
+
+from adapters import ENGINES, profiles
+from bench.policies import BENCH_POLICIES
+from scenarios.registry import SCENARIOS, build
+from stability_core.lookup import UnknownNameError, look_up, unknown_name
+
+FOLDER = Path(__file__).parent / "studies"
+
+Value: TypeAlias = StrictInt | StrictFloat | StrictStr
+
+
+class StudyError(ValueError):
+    """A study that cannot be run; the message names the file, the field and the fix."""
+
+
+def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
+    def check(name: str) -> str:
+        try:
+            look_up(kind, name, table)
+        except UnknownNameError as error:
+            raise ValueError(str(error)) from error
+        return name
+
+    return AfterValidator(check)
+
+
+def _without_twins(names: list[str]) -> list[str]:
+    twins = sorted({name for name in names if names.count(name) > 1})
+    if twins:
+        raise ValueError(f"named twice: {', '.join(twins)}")
+    return names
+
+
+EngineName = Annotated[str, _known("engine", ENGINES)]
+PolicyName = Annotated[str, _known("policy", BENCH_POLICIES)]
+ScenarioName = Annotated[str, _known("scenario", SCENARIOS)]
+Distinct = AfterValidator(_without_twins)
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class ChosenScenario(_Model):
+    """A scenario of a study, with its parameters; a list of values makes a variant of each."""
+
+    name: ScenarioName
+    parameters: Mapping[str, Value | list[Value]] = {}
+
+    def variants(self) -> Iterator[dict[str, Value]]:
+        """The parameters of every variant: all combinations of the listed values."""
+        choices = [value if isinstance(value, list) else [value] for value in self.parameters.values()]
+        for values in product(*choices):
+            yield dict(zip(self.parameters, values, strict=True))
+
+    @model_validator(mode="after")
+    def _can_be_built(self) -> ChosenScenario:
+        for parameters in self.variants():
+            try:
+                build(self.name, **parameters)
+            except (LookupError, TypeError) as error:
+                raise ValueError(str(error)) from error
+        return self
+
+
+class Limits(_Model):
+    """What ends a trial that does not end by itself."""
+
+    trial_wall_s: float = Field(default=60.0, gt=0)
+    """Wall time [s] after which a trial stops and is censored."""
+    ratio: bool = True
+    """Whether trials with an extension also measure the frame time without it on the same stack."""
+
+
+class Study(_Model):
+    """A plan for comparing engines and policies."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
+    description: str = ""
+    engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
+    profiles: Annotated[list[str], Distinct] = Field(default=["game"], min_length=1)
+    policies: Annotated[list[PolicyName], Distinct] = Field(min_length=1)
+    scenario: list[ChosenScenario] = Field(min_length=1)
+    seeds: int = Field(default=1, ge=1)
+    """Seeds 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
+    repeats: int = Field(default=1, ge=1)
+    limits: Limits = Limits()
+
+    @model_validator(mode="after")
+    def _engines_have_the_profiles(self) -> Study:
+        for engine, profile in product(self.engines, self.profiles):
+            try:
+                look_up(f"profile of engine {engine}", profile, profiles(engine))
+            except UnknownNameError as error:
+                raise ValueError(str(error)) from error
+        return self
+
+
+def study_names() -> list[str]:
+    """Names of the studies that come with the suite."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def load_study(name: str) -> Study:
+    """The study that comes with the suite under this name, or that lies in the TOML file ``name``.
+
+    Raises:
+        UnknownNameError: if there is neither.
+        StudyError: if the file is no valid study.
+        EngineNotInstalledError: if the package of one of its engines is missing.
+    """
+    if name in study_names():
+        path = FOLDER / f"{name}.toml"
+    elif name.endswith(".toml"):
+        path = Path(name)
+    else:
+        raise unknown_name("study", name, [*study_names(), "or a file FILE.toml"])
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: not valid TOML: {error}") from error
+    return check_study(content, str(path))
+
+
+def check_study(content: Mapping[str, object], source: str) -> Study:
+    """A study from its fields; ``source`` tells in errors where they come from.
+
+    Raises:
+        StudyError: naming the source, the field and what may stand there.
+        EngineNotInstalledError: if the package of one of its engines is missing.
+    """
+    try:
+        return Study.model_validate(content)
+    except ValidationError as error:
+        complaints = [_complaint(dict(detail)) for detail in error.errors(include_url=False)]
+        raise StudyError("\n".join(f"{source}: {complaint}" for complaint in dict.fromkeys(complaints))) from error
+
+
+def _complaint(detail: dict[str, object]) -> str:
+    location = detail["loc"]
+    assert isinstance(location, tuple)
+    parts = [part for part in location if isinstance(part, int) or not part.startswith(("list[", "function-"))]
+    field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
+    if detail["type"] == "extra_forbidden":
+        owner = Limits if "limits" in parts else ChosenScenario if "scenario" in parts else Study
+        return str(unknown_name("field", field.rpartition(".")[2], owner.model_fields))
+    message = str(detail["msg"]).removeprefix("Value error, ")
+    return f"field '{field}': {message}" if field else message

@@ -1,0 +1,56 @@
+"""A port that tells the time spent in it, so that the core's own time is known without the core reading a clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from time import perf_counter
+
+from stability_core.port import Contacts, Masses, StabilityPort
+
+
+class TimedPort:
+    """Passes every call on to ``port`` and adds up its time since the last ``reset``."""
+
+    __slots__ = ("_clock", "_port", "contact_points", "readback_s", "steering_s")
+
+    def __init__(self, port: StabilityPort, clock: Callable[[], float] = perf_counter) -> None:
+        """Time ``port`` with ``clock``, which tells seconds."""
+        self._port = port
+        self._clock = clock
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin a new frame."""
+        self.readback_s = 0.0
+        """Time [s] in ``contacts`` and ``masses``."""
+        self.steering_s = 0.0
+        """Time [s] in ``sleep`` and ``wake``."""
+        self.contact_points = 0
+        """Number of contact points read."""
+
+    def contacts(self) -> Contacts:
+        """Every contact that touches a live body after the latest step."""
+        begin = self._clock()
+        contacts = self._port.contacts()
+        self.readback_s += self._clock() - begin
+        self.contact_points += len(contacts)
+        return contacts
+
+    def masses(self) -> Masses:
+        """The live bodies as they are after the latest step."""
+        begin = self._clock()
+        masses = self._port.masses()
+        self.readback_s += self._clock() - begin
+        return masses
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are."""
+        begin = self._clock()
+        self._port.sleep(bodies)
+        self.steering_s += self._clock() - begin
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Hand frozen bodies back to the engine."""
+        begin = self._clock()
+        self._port.wake(bodies)
+        self.steering_s += self._clock() - begin

@@ -1,0 +1,102 @@
+"""Watches a stack through a trial: how high it stood, when and how it collapsed, how far it sank and crept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from bench import measure
+from bench.measure import FloatArray, Plan
+from reports.records import CollapseKind
+
+LANDING_S = 0.9
+"""A level counts once its last brick was let go so long ago [s]: just before the next brick comes, a second
+after it, so that a level that falls when its last brick lands never counts as reached."""
+AFTERMATH_S = 1.0
+"""How long [s] a trial goes on after a collapse is first seen: time enough to tell a topple from a slide."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A stack as it was last seen intact, before the next level was begun."""
+
+    level: int
+    height_m: float
+    sink_m: float
+    drift_m: float
+
+
+@dataclass(slots=True)
+class Collapse:
+    """A collapse as it was first seen, and how it went on."""
+
+    time: float
+    """When it was first seen [s]."""
+    level: int
+    """Levels placed at that time."""
+    kind: CollapseKind
+
+
+class StackWatch:
+    """Takes in the poses after every frame. Everything here is simulated time."""
+
+    def __init__(self, watch_from_s: float) -> None:
+        """Creep is measured from ``watch_from_s`` [s] on: the last action, and time for it to land."""
+        self._watch_from_s = watch_from_s
+        self._first: tuple[float, FloatArray] | None = None
+        self._latest: tuple[float, FloatArray] | None = None
+        self.standing: Standing | None = None
+        self.collapse: Collapse | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """True when the aftermath of a collapse has been watched."""
+        if self.collapse is None or self._latest is None:
+            return False
+        return self._latest[0] - self.collapse.time >= AFTERMATH_S
+
+    @property
+    def creep_m_s(self) -> float | None:
+        """Fastest mean motion [m/s] of a brick over the time of watching; None if the stack fell or it never came."""
+        if self.collapse or self._first is None or self._latest is None or self._latest[0] == self._first[0]:
+            return None
+        (begin, before), (end, after) = self._first, self._latest
+        return measure.creep(before, after, end - begin)
+
+    def see(
+        self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
+    ) -> None:
+        """Take in one frame.
+
+        A level is measured until the next one is begun: later it may already be on its way down.
+
+        Args:
+            time: simulated time at the end of the frame [s].
+            plan: of the bricks now in the world.
+            position: their centres [m], shape (n, 3).
+            quaternion: their orientations, shape (n, 4).
+            placed: the levels that are complete, and when [s] the last brick of each was let go.
+        """
+        self._latest = time, position
+        if self._first is None and time >= self._watch_from_s:
+            self._first = time, position
+        faults = measure.faults(plan, position, quaternion)
+        kind = faults.kind
+        if kind is None and self.collapse is None:
+            landed = [level for level, released in placed.items() if time - released >= LANDING_S]
+            level = measure.levels_standing(plan, faults.any, landed)
+            if level and (self.standing is None or level > self.standing.level or level == plan.level.max()):
+                self.standing = Standing(
+                    level,
+                    measure.top(plan, position, quaternion, level),
+                    measure.sink(plan, position, level),
+                    float(measure.sideways(plan, position).max()),
+                )
+        elif kind is not None:
+            self._see_collapse(time, kind, len(placed))
+
+    def _see_collapse(self, time: float, kind: CollapseKind, level: int) -> None:
+        if self.collapse is None:
+            self.collapse = Collapse(time, level, kind)
+        elif kind == "topple" or self.collapse.kind == "sink":
+            self.collapse.kind = kind
