@@ -257,8 +257,10 @@ class MujocoSimulation(Simulation):
         if len(speculative):  # a force before touch; the engine invents the distance that makes it stop the brick
             separation[speculative] = np.nan
             velocity[speculative] += self._fall(geoms[speculative])
+        body_a, body_b = self._body_of_geom[geoms].T
         return Contacts(
-            *self._body_of_geom[geoms].T,
+            body_a,
+            body_b,
             found.pos[rows],
             normals,
             separation,
@@ -307,7 +309,11 @@ class MujocoSimulation(Simulation):
         """What gravity adds to relative velocities (n, 3) [m/s] in one substep: those of bodies yet to touch."""
         falls = self._is_live_geom[geoms].astype(np.float64)
         option = self._engine.model.opt
-        return (falls[:, 1:] - falls[:, :1]) * option.gravity * option.timestep
+        gained: FloatArray = option.gravity * option.timestep
+        return (falls[:, 1:] - falls[:, :1]) * gained
+
+
+_LEVI_CIVITA = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 0, 1)
 
 
 def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -316,7 +322,7 @@ def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """As ``numpy.cross`` over the last axis, several times as fast for a few rows."""
-    return a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]]
+    return np.asarray(np.einsum("ijk,...j,...k->...i", _LEVI_CIVITA, a, b))
 
 
 def _rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
