@@ -54,10 +54,10 @@ class Rig:
         self._opened: list[Simulation] = []
 
     def open(self, friction: float = 0.45, gravity: Vector = (0.0, 0.0, -GRAVITY)) -> Simulation:
-        """An empty world that has been handed to a core: its port was asked for."""
+        """An empty world that a core watches: asked for its port, an engine records contact velocities."""
         simulation = self._open_world(World(friction, gravity))
         self._opened.append(simulation)
-        assert simulation.port is not None
+        require(len(simulation.port.masses().body) == 0, "a new world must be empty")
         return simulation
 
     def close(self) -> None:
