@@ -1,0 +1,111 @@
+"""Studies: the plan that they make, and errors that name the file, the field and the fix."""
+
+import pytest
+
+from bench.plan import plan_trials
+from bench.policies import BENCH_POLICIES
+from bench.results import _to_toml
+from bench.selection import Selection, selected
+from bench.studies import StudyError, check_study, load_study, study_names
+from scenarios.model import Scene
+from stability_core.lookup import UnknownNameError
+
+VALID = {
+    "name": "test",
+    "engines": ["bullet"],
+    "policies": ["none", "paper"],
+    "scenario": [{"name": "card_house", "parameters": {"storeys": [1, 2]}}, {"name": "leaning_tower"}],
+}
+
+
+@pytest.mark.parametrize("name", study_names())
+def test_every_study_that_comes_with_the_suite_is_valid_and_its_trials_have_ids_of_their_own(name: str) -> None:
+    ids = [trial.id for trial in plan_trials(load_study(name))]
+    assert ids
+    assert len(set(ids)) == len(ids)
+
+
+def test_the_paper_study_has_a_side_that_must_stand_and_one_that_must_fall() -> None:
+    scenes: list[Scene] = [trial.build_scene() for trial in plan_trials(load_study("paper"))]
+    assert {scene.expectation.outcome for scene in scenes} == {"stand", "fall"}
+
+
+def test_listed_values_make_a_variant_each() -> None:
+    trials = plan_trials(check_study(VALID, "test"))
+    assert [trial.id for trial in trials] == [
+        "bullet.game.card_house.none.s0.r0",
+        "bullet.game.card_house.paper.s0.r0",
+        "bullet.game.card_house-2.none.s0.r0",
+        "bullet.game.card_house-2.paper.s0.r0",
+        "bullet.game.leaning_tower.none.s0.r0",
+        "bullet.game.leaning_tower.paper.s0.r0",
+    ]
+
+
+def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
+    trials = plan_trials(check_study(VALID | {"seeds": 3, "repeats": 2}, "test"))
+    assert len(trials) == 6 * 3 * 2
+    exact, by_hand = (next(trial.build_scene() for trial in trials if trial.seed == seed) for seed in (0, 1))
+    assert exact.bricks != by_hand.bricks
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"engines": ["bulet"]}, "field 'engines[0]': unknown engine 'bulet'; did you mean 'bullet'? Available: bullet,"),
+        ({"policies": ["papr"]}, "field 'policies[0]': unknown policy 'papr'; did you mean 'paper'?"),
+        ({"scenario": [{"name": "four_stak"}]}, "field 'scenario[0].name': unknown scenario 'four_stak'; did you mean"),
+        (
+            {"scenario": [{"name": "four_stack", "parameters": {"level": 3}}]},
+            "field 'scenario[0]': unknown parameter of four_stack 'level'; did you mean 'levels'?",
+        ),
+        (
+            {"scenario": [{"name": "four_stack", "parameters": {"levels": 0}}]},
+            "field 'scenario[0]': scenario four_stack: levels must be a whole number from 1",
+        ),
+        ({"profiles": ["gam"]}, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
+        ({"sceds": 3}, "unknown field 'sceds'; did you mean 'seeds'?"),
+        ({"limits": {"trial_wal_s": 3}}, "unknown field 'trial_wal_s'; did you mean 'trial_wall_s'?"),
+        ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': Input should be greater than 0"),
+        ({"seeds": 0}, "field 'seeds': Input should be greater than or equal to 1"),
+        ({"engines": []}, "field 'engines': List should have at least 1 item"),
+        ({"engines": ["bullet", "bullet"]}, "field 'engines': named twice: bullet"),
+        ({"name": "../x"}, "field 'name': String should match pattern"),
+    ],
+)
+def test_an_invalid_study_names_the_file_the_field_and_the_fix(change: dict[str, object], complaint: str) -> None:
+    with pytest.raises(StudyError) as error:
+        check_study(VALID | change, "my.toml")
+    assert str(error.value).startswith("my.toml: ")
+    assert complaint in str(error.value)
+
+
+def test_a_file_that_is_no_toml_is_named_with_the_line(tmp_path) -> None:
+    file = tmp_path / "broken.toml"
+    file.write_text("name = \n")
+    with pytest.raises(StudyError, match=r"broken\.toml: not valid TOML.*line 1"):
+        load_study(str(file))
+    with pytest.raises(StudyError, match="cannot be read"):
+        load_study(str(tmp_path / "missing.toml"))
+    with pytest.raises(UnknownNameError, match="did you mean 'paper'"):
+        load_study("papr")
+
+
+def test_the_resolved_study_reads_back_as_it_was(tmp_path) -> None:
+    study = check_study(VALID | {"description": 'quotes " and umlauts ü'}, "test")
+    file = tmp_path / "study.toml"
+    file.write_text(_to_toml(study), encoding="utf-8")
+    assert load_study(str(file)) == study
+
+
+def test_a_selection_narrows_a_study_and_keeps_its_parameters() -> None:
+    study = selected(check_study(VALID, "test"), Selection(scenarios=["card_house", "brick_wall"], policies=["paper"]))
+    assert [trial.scene for trial in plan_trials(study)] == ["card_house", "card_house-2", "brick_wall"]
+    assert study.policies == ["paper"]
+    with pytest.raises(UnknownNameError, match="did you mean 'bullet'"):
+        selected(study, Selection(engines=["bulet"]))
+
+
+def test_none_native_and_raised_run_the_engine_alone() -> None:
+    assert {name for name, policy in BENCH_POLICIES.items() if policy.core is None} == {"none", "native", "raised"}
+    assert all(policy.sleeping == "off" for policy in BENCH_POLICIES.values() if policy.core is not None)
