@@ -45,6 +45,9 @@ def lift_contacts(
 ) -> Rows:
     """Contacts that touch a live body, in the order of our ids; each point becomes a line across the depth.
 
+    Chipmunk swaps a pair's bodies from step to step: here a is always the one with the lower id. Between corners
+    that coincide to the last bit it finds a normal of length zero, and no force: such a pair is left out.
+
     Args:
         engine_ids: every engine id, sorted.
         ids: our id of each; the ground's is -1 and so finds the last row of what follows.
@@ -67,8 +70,9 @@ def lift_contacts(
     for k in range(len(arbiters)):
         a = ids[np.searchsorted(engine_ids, arbiters[k, 0])]
         b = ids[np.searchsorted(engine_ids, arbiters[k, 1])]
-        if is_live[a] or is_live[b]:
-            key = (a + 1) * bricks + b + 1
+        has_normal = numbers[k, 0] != 0.0 or numbers[k, 1] != 0.0
+        if has_normal and (is_live[a] or is_live[b]):
+            key = (min(a, b) + 1) * bricks + max(a, b) + 1
             place = live  # insertion sort: the rows are few, and argsort takes seconds to compile
             while place > 0 and keys[place - 1] > key:
                 order[place], keys[place] = order[place - 1], keys[place - 1]
@@ -84,7 +88,8 @@ def lift_contacts(
     for place in range(live):
         k = order[place]
         a, b = keys[place] // bricks - 1, keys[place] % bricks - 1
-        nx, nz = numbers[k, 0], numbers[k, 1]
+        turn = 1.0 if ids[np.searchsorted(engine_ids, arbiters[k, 0])] == a else -1.0
+        nx, nz = turn * numbers[k, 0], turn * numbers[k, 1]
         depth = min(depths[a], depths[b])
         for slot in range(arbiters[k, 2]):
             on_a_x, on_a_z, on_b_x, on_b_z, distance = numbers[k, 2 + 5 * slot : 7 + 5 * slot]

@@ -8,6 +8,7 @@ from pymunk import batch
 
 from adapters import open_engine
 from adapters._pymunk import PROFILES, PymunkSimulation
+from adapters._pymunk_arrays import lift_contacts
 from scenarios.model import Brick, Quaternion, Vector, World
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
@@ -116,6 +117,24 @@ def test_contacts_come_in_the_order_of_ids() -> None:
     pairs = list(zip(contacts.body_a, contacts.body_b, strict=True))
     assert len(set(pairs)) == 20
     assert pairs == sorted(pairs)
+
+
+def test_swapped_pairs_are_turned_round_and_pairs_without_a_normal_left_out() -> None:
+    """Bodies 0 and 1 close in at 3 units/s along z; Chipmunk lists the pair as (1, 0), and once more as nothing."""
+    engine_ids, ids = np.array([10, 20, 30]), np.array([1, -1, 0])
+    arbiters = np.array([[10, 30, 1], [20, 30, 1]])
+    point = [0.0, 4.0, 0.0, 5.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    numbers = np.array([[0.0, -1.0, *point], [-0.0, 0.0, *point]])
+    state, before = np.zeros((3, 6)), np.zeros((1, 3, 3))
+    before[0, 1] = (0.0, -3.0, 0.0)
+    pairs, points, normals, separations, velocities = lift_contacts(
+        engine_ids, ids, arbiters, numbers, np.array([True, False, False]), state, before, np.full(3, 0.02), 1000.0
+    )
+    np.testing.assert_array_equal(pairs, [(0, 1)] * 2)
+    np.testing.assert_allclose(points, [(0, -0.01, 0.0045), (0, 0.01, 0.0045)])
+    np.testing.assert_array_equal(normals, [(0, 0, 1)] * 2)
+    np.testing.assert_allclose(separations, -0.001)
+    np.testing.assert_allclose(velocities, [(0, 0, -0.003)] * 2)
 
 
 # -- what a frozen body leaves behind ------------------------------------------------------------------
