@@ -12,13 +12,14 @@ both are set by hand. Static bodies also keep the push that was to cure their ov
 move them when woken; an integration over no time at all clears it.
 
 Contacts: pairs that overlap, two points at most, none across a gap: a brick at rest overlaps by the slop and
-stays listed. The arbiters of two static bodies are never thrown away, but their points soon lie in memory that
-other contacts reuse; so nothing is read of a body that was not live in the latest step. Arbiters come in the
-order of memory addresses: they are sorted, or two runs would differ. Each point stands for a line across the
-bricks' depth and is handed to the core as that line's two ends.
+stays listed. The arbiters of two static bodies are kept for ever, with points in memory that other contacts
+soon reuse: taking a newly frozen body's shape out and in again drops them. Arbiters, and ``Body.id``, follow
+memory addresses: they are sorted, or two runs would differ. Each point stands for a line across the bricks'
+depth and is handed to the core as that line's two ends.
 
-Friction: the pair's is the product of both shapes', so each has the square root. ``Body.sleep()`` on part of an
-island corrupts memory, and so does a change of type in a callback: neither is used.
+Friction: the pair's is the product of both shapes', so each has the square root.
+
+Traps: ``Body.sleep()`` on part of an island corrupts memory; a change of type in a callback aborts the process.
 """
 
 from __future__ import annotations
@@ -50,12 +51,8 @@ PROFILES: Mapping[str, Profile] = {
         "one step a frame: a dropped plank seats within half a second",
         substeps=1,
         knobs={
-            "collision_slop": Knob(
-                0.05, "[mm] a seated plank must overlap by less than 0.2; less makes piles restless"
-            ),
-            "iterations": Knob(
-                20, "10 as shipped let an inverted V at 75 deg slip after 0.3 s; costs a tenth more"
-            ),
+            "collision_slop": Knob(0.05, "[mm] seated planks may overlap by 0.2 at most; less makes piles restless"),
+            "iterations": Knob(20, "10 as shipped let an inverted V at 75 deg slip after 0.3 s; costs a tenth more"),
         },
         tuned_by="Stillstack: seating, inverted V, columns and ladders of planks",
     ),
