@@ -1,0 +1,137 @@
+"""The command line: bad input ends with status 2 and its fix, and writes nothing; a run keeps what it has finished."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from bench.__main__ import app
+from reports.frames import read_frames
+from reports.records import read_records
+
+ROOT = Path(__file__).parents[2]
+STUDY = """
+name = "tiny"
+engines = ["bullet"]
+policies = ["none", "paper"]
+
+[[scenario]]
+name = "four_stack"
+parameters = { levels = 2 }
+"""
+
+
+def call(*arguments: str, status: int) -> str:
+    result = CliRunner().invoke(app, list(arguments))
+    assert result.exit_code == status, result.output
+    return " ".join(result.output.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["run", "smok"], "unknown study 'smok'; did you mean 'smoke'?"),
+        (["run", "--engine", "bulet"], "unknown engine 'bulet'; did you mean 'bullet'?"),
+        (["run", "--scenario", "four_stak"], "unknown scenario 'four_stak'; did you mean 'four_stack'?"),
+        (["run", "--policy", "papr"], "unknown policy 'papr'; did you mean 'paper'?"),
+        (["run", "--profile", "gam"], "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
+        (["run", "--seeds", "0"], "greater than or equal to 1"),
+        (["run", "--jobs", "0"], "greater than or equal to 1"),
+        (["run", "missing.toml"], "missing.toml: cannot be read"),
+        (["report", "missing"], "trials.jsonl: cannot be read"),
+        (["check", "bulet"], "unknown engine 'bulet'; did you mean 'bullet'?"),
+    ],
+)
+def test_bad_input_names_the_fix_and_writes_nothing(arguments, complaint, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert complaint in call(*arguments, status=2)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    assert "is not a folder: choose another with --out" in call("run", "ci", "--out", str(file / "x"), status=2)
+
+
+def test_a_folder_that_holds_trials_is_refused_unless_they_are_to_be_replaced(tmp_path) -> None:
+    (tmp_path / "trials.jsonl").touch()
+    assert "already holds trials" in call("run", "ci", "--out", str(tmp_path), status=2)
+    assert "6 trials" in call("run", "ci", "--out", str(tmp_path), "--fresh", "--dry-run", status=0)
+
+
+def test_a_dry_run_lists_the_trials_and_writes_nothing(tmp_path) -> None:
+    told = call("run", "ci", "--policy", "paper", "--out", str(tmp_path / "x"), "--dry-run", status=0)
+    assert told.startswith("bullet.game.four_stack-3.paper.s0.r0 bullet.game.leaning_tower.paper.s0.r0")
+    assert not (tmp_path / "x").exists()
+
+
+def test_the_list_tells_scenarios_with_theory_engines_policies_and_studies() -> None:
+    told = call("list", status=0)
+    for word in ("four_stack", "falls at 9", "bullet", "planar scenes", "at_rest", "native", "smoke"):
+        assert word in told
+
+
+def bench(*arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "bench", *arguments],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_tiny_study_leaves_records_frames_and_tables(tmp_path) -> None:
+    """Two levels of a 4-stack on a real engine: both trials stand, and the stack ends frozen and cheaper to simulate."""
+    study = tmp_path / "tiny.toml"
+    study.write_text(STUDY)
+    out = tmp_path / "out"
+    process = bench("run", str(study), "--out", str(out))
+    told, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    assert "[2/2] bullet.game.four_stack-2.paper.s0.r0: completed, 2 of 2 levels" in errors
+    assert "2 trials are kept in" in errors
+    assert "2/2 ✓" in told
+
+    plain, steered = read_records(out / "trials.jsonl")
+    assert [one.verdict for one in (plain, steered)] == ["right", "right"]
+    assert plain.core_ms is None
+    assert steered.core_ms is not None
+    assert steered.frame_ratio_level == 2
+    assert steered.frame_ratio is not None
+    for one in (plain, steered):
+        rows = read_frames(out / "frames" / f"{one.trial}.parquet")
+        assert len(rows) == round(one.simulated_s * 60)
+        assert rows[-1].live == (8 if one is plain else 0)
+    environment = json.loads((out / "environment.json").read_text())
+    assert environment["engines"]["bullet"]["capabilities"]["planar"] is False
+    tables = (out / "report" / "tables.md").read_text()
+    assert "four_stack-2" in tables
+    assert len((out / "report" / "trials.csv").read_text().splitlines()) == 3
+
+    (out / "report" / "tables.md").unlink()
+    call("report", str(out), status=0)
+    assert (out / "report" / "tables.md").read_text() == tables
+
+
+def test_an_interrupt_keeps_every_finished_trial_and_ends_with_status_130(tmp_path) -> None:
+    out = tmp_path / "out"
+    process = bench("run", "ci", "--policy", "none", "--scenario", "plank_tower", "--seeds", "50", "--out", str(out))
+    trials = out / "trials.jsonl"
+    deadline = time.monotonic() + 90
+    while not (trials.exists() and trials.read_bytes().count(b"\n")):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    kept = len(read_records(trials))
+    assert process.returncode == 130
+    assert f"interrupted: {kept} of 50 trials are kept" in " ".join(errors.split())
