@@ -64,7 +64,7 @@ def count_frames(bodies: Bodies, ids: IntArray, limits: Limits) -> None:
 def due(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArray]:
     """The bodies whose stability must be decided now: (at rest, at rest by the rule for leaning).
 
-    A body that was refused is asked again after as many frames as it needed the first time.
+    A body that was refused is asked again after ``rest_frames`` more.
     """
     at_rest, leaning = np.empty(len(ids), np.int64), np.empty(len(ids), np.int64)
     n, m = 0, 0
@@ -72,10 +72,12 @@ def due(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArr
         body = bodies[ids[i]]
         if body.state != LIVE or body.unsettled or body.held:
             continue
-        if body.rest_frames > 0 and body.rest_frames % limits.rest_frames == 0:
+        rested = body.rest_frames - limits.rest_frames
+        if rested >= 0 and rested % limits.rest_frames == 0:
             at_rest[n] = ids[i]
             n += 1
-        if body.lean_frames > 0 and body.lean_frames % limits.lean_frames == 0:
+        leaned = body.lean_frames - limits.lean_frames
+        if leaned >= 0 and leaned % limits.rest_frames == 0:
             leaning[m] = ids[i]
             m += 1
     return at_rest[:n], leaning[:m]
