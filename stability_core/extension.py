@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -175,27 +175,23 @@ class StabilityExtension:
 
     def _settle(self, seen: Seen) -> Change:
         """Bring the stack up to date: lay patches, freeze what is stable, carry down, wake what is not."""
-        at_rest, leaning = seen.at_rest, seen.leaning
-        leaning_only = np.setdiff1d(leaning, at_rest)
-        tested = np.union1d(at_rest, leaning)
+        at_rest, leaning = set(seen.at_rest.tolist()), set(seen.leaning.tolist())
         lift_all(self._graph, seen.gone)
-        self._lay(np.setdiff1d(seen.lying, tested), self.settings.load_frames)
+        self._lay(set(seen.lying.tolist()) - at_rest - leaning, self.settings.load_frames)
         self._lay(at_rest, self.settings.rest_frames)
-        self._lay(leaning_only, self.settings.lean_frames)
-        concerned = self._carry()
+        self._lay(leaning - at_rest, self.settings.lean_frames)
+        concerned = set(self._carry())
 
-        frozen = self.policy.accept(self._graph, self._by_height(at_rest), self._by_height(leaning))
-        accepted = np.fromiter(frozen, np.int64, len(frozen))
-        self._lay(np.intersect1d(at_rest, accepted), self.settings.rest_frames)
-        self._lay(np.intersect1d(leaning_only, accepted), self.settings.lean_frames)
-        refused = np.setdiff1d(leaning_only, accepted)
-        lift_all(self._graph, refused[self._graph.bodies["load_frames"][refused] < self.settings.load_frames])
-        concerned = np.union1d(concerned, self._carry())
+        frozen = self.policy.accept(self._graph, self._by_height(seen.at_rest), self._by_height(seen.leaning))
+        self._lay(at_rest & frozen.keys(), self.settings.rest_frames)
+        self._lay((leaning - at_rest) & frozen.keys(), self.settings.lean_frames)
+        self._lift_passing(leaning - at_rest - frozen.keys())
+        concerned.update(self._carry())
 
         woken, self._news = self._news, {}
         for body in woken:
             self._wake(body)
-        unbalanced = self.policy.unbalanced(self._graph, concerned)
+        unbalanced = self.policy.unbalanced(self._graph, np.array(sorted(concerned), np.int64))
         for reason, roots in (("struck", seen.struck), ("unbalanced", unbalanced)):
             for body in with_all_above(self._graph, roots).tolist():
                 if self._graph.bodies["state"][body] == FROZEN:
@@ -213,18 +209,23 @@ class StabilityExtension:
             self.port.wake(awake)
         return Change(tuple(asleep), tuple(awake), {body: (frozen | woken)[body] for body in asleep + awake})
 
-    def _lay(self, ids: IntArray, frames: int) -> None:
+    def _lay(self, ids: Set[int], frames: int) -> None:
         """Lay the patches of ``ids`` from the contacts of the last ``frames`` frames."""
-        if not len(ids):
-            return
-        rows = np.concatenate(list(self._recent)[-frames:])
-        self._graph = grown(self._graph, 0, len(rows))
-        lay_all(self._graph, rows, ids, self.settings.level_tilt)
+        if ids:
+            rows = np.concatenate(list(self._recent)[-frames:])
+            self._graph = grown(self._graph, 0, len(rows))
+            lay_all(self._graph, rows, np.array(sorted(ids), np.int64), self.settings.level_tilt)
 
-    def _carry(self) -> IntArray:
+    def _lift_passing(self, refused: Set[int]) -> None:
+        """Patches laid for a test alone go again: a body that only passes by is no load."""
+        passing = [body for body in refused if self._graph.bodies["load_frames"][body] < self.settings.load_frames]
+        lift_all(self._graph, np.array(passing, np.int64))
+
+    def _carry(self) -> list[int]:
         changed = np.flatnonzero(self._graph.bodies["changed"])
         self._graph.bodies["changed"][changed] = False
-        return self.policy.carry(self._graph, changed) if len(changed) else changed
+        concerned: list[int] = self.policy.carry(self._graph, changed).tolist() if len(changed) else []
+        return concerned
 
     def _by_height(self, ids: IntArray) -> IntArray:
         return ids[np.argsort(self._graph.bodies["center"][ids, 2], kind="stable")]
