@@ -15,7 +15,7 @@ from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import lay_all, lift_all, supports_as_bits
 from stability_core.policies import POLICIES, Policy
-from stability_core.port import Contacts, IntArray, Masses, StabilityPort
+from stability_core.port import Contacts, FloatArray, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
 from stability_core.stack import (
     ABSENT,
@@ -62,6 +62,16 @@ class Seen(NamedTuple):
     def is_quiet(self) -> bool:
         """True if there is nothing to decide."""
         return not any(map(len, self[1:]))
+
+
+def _ids(array: IntArray) -> IntArray:
+    """As the kernels are compiled for it, whatever layout an adapter reads from its engine."""
+    return np.ascontiguousarray(array, np.int64)
+
+
+def _numbers(array: FloatArray) -> FloatArray:
+    """As the kernels are compiled for it, whatever layout an adapter reads from its engine."""
+    return np.ascontiguousarray(array, np.float64)
 
 
 UNCHANGED = Change((), (), {})
@@ -158,16 +168,16 @@ class StabilityExtension:
                 self._graph.bodies,
                 self._limits,
                 dt,
-                masses.body,
-                masses.mass,
-                masses.center_of_mass,
-                contacts.body_a,
-                contacts.body_b,
-                contacts.point,
-                contacts.normal,
-                contacts.separation,
-                contacts.relative_velocity,
-                contacts.friction,
+                _ids(masses.body),
+                _ids(contacts.body_a),
+                _ids(contacts.body_b),
+                _numbers(masses.mass),
+                _numbers(masses.center_of_mass),
+                _numbers(contacts.point),
+                _numbers(contacts.normal),
+                _numbers(contacts.separation),
+                _numbers(contacts.relative_velocity),
+                _numbers(contacts.friction),
             )
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)

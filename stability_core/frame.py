@@ -35,10 +35,10 @@ def observe(
     limits: Limits,
     dt: float,
     body: IntArray,
-    mass: FloatArray,
-    center: FloatArray,
     body_a: IntArray,
     body_b: IntArray,
+    mass: FloatArray,
+    center: FloatArray,
     point: FloatArray,
     normal: FloatArray,
     separation: FloatArray,
@@ -52,11 +52,11 @@ def observe(
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
         body: the live bodies, shape (m,).
-        mass: their masses [kg], shape (m,).
-        center: their centres of mass [m], shape (m, 3).
-        body_a: first bodies of the contacts, shape (n,); this and what follows as ``Contacts`` has it.
+        body_a: first bodies of the contacts, shape (n,).
         body_b: second bodies, shape (n,).
-        point: contact points [m], shape (n, 3).
+        mass: masses of the live bodies [kg], shape (m,).
+        center: their centres of mass [m], shape (m, 3).
+        point: contact points [m], shape (n, 3); this and what follows as ``Contacts`` has it.
         normal: unit normals from a to b, shape (n, 3).
         separation: signed distances [m], shape (n,).
         relative_velocity: of b against a [m/s], shape (n, 3).

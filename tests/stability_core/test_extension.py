@@ -421,3 +421,29 @@ def test_malformed_input_is_refused_with_its_row(port, contacts, masses, message
 def test_a_setting_must_make_sense():
     with pytest.raises(ValueError, match="rest_speed must be finite and not negative"):
         Settings(rest_speed=-1.0)
+
+
+def test_any_layout_and_number_type_of_the_ports_arrays_will_do(port):
+    """Engines hand out slices, columns and single precision; the kernels are compiled for one layout only."""
+    column(port, 1)
+    given, weights = port.contacts, port.masses
+
+    def contacts() -> Contacts:
+        plain = given()
+        return Contacts(
+            plain.body_a.astype(np.int32),
+            np.repeat(plain.body_b, 2)[::2],
+            np.asfortranarray(plain.point),
+            np.hstack([plain.normal, plain.normal])[:, :3],
+            plain.separation.astype(np.float32),
+            np.asfortranarray(plain.relative_velocity),
+            np.broadcast_to(np.float64(0.45), len(plain)),
+        )
+
+    def masses() -> Masses:
+        plain = weights()
+        return Masses(plain.body.astype(np.uint16), plain.mass, np.asfortranarray(plain.center_of_mass))
+
+    port.contacts, port.masses = contacts, masses
+    run(StabilityExtension(port), SETTINGS.rest_frames + 1)
+    assert port.frozen == {0}
