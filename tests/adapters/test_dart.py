@@ -7,6 +7,7 @@ import pytest
 
 from adapters import open_engine
 from adapters._dart import _coordinates, _Motion, _quaternions
+from adapters.base import Sleeping
 from scenarios.model import Brick, Quaternion
 
 PLANK = (0.117, 0.0234, 0.0078)
@@ -41,6 +42,24 @@ def test_contacts_of_the_latest_step_outlive_the_removal_of_another_brick() -> N
     contacts = port.contacts()
     assert len(contacts) == 4
     assert set(contacts.body_a.tolist()) | set(contacts.body_b.tolist()) == {-1, stays}
+    simulation.close()
+
+
+@pytest.mark.parametrize("sleeping", ["native", "raised"])
+def test_the_engines_own_sleeping_stops_a_pile_at_rest(sleeping: Sleeping) -> None:
+    """After 2 s at rest, well beyond DART's half second, nothing moves by a single bit; a push still wakes it."""
+    simulation = open_engine("dart", "default", sleeping=sleeping)
+    for level in (1, 2):
+        simulation.spawn(plank(0.0, level))
+    for _ in range(120):
+        simulation.step(FRAME)
+    asleep = simulation.poses()[1]
+    for _ in range(10):
+        simulation.step(FRAME)
+    np.testing.assert_array_equal(simulation.poses()[1], asleep)
+    simulation.push(1, (0.01, 0.0, 0.0))
+    simulation.step(FRAME)
+    assert simulation.poses()[1][1, 0] > 5e-3
     simulation.close()
 
 
