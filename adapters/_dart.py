@@ -19,9 +19,9 @@ Traps:
   with the cube of the contacts. Its relative tolerance is in effect absolute [N s], for impulses below 1 N s.
 - With DART's own collision detector the matrix-free solver is not repeatable on tens of bricks: the same contacts in
   the same order give impulses that differ within the tolerance, as memory happens to lie. FCL's and Bullet's were
-  repeatable, but their normals tilt, and with them the friction box: a brick stuck 1 deg above the friction angle.
-- DART's own sleeping engages under ``default`` after its half second; under the matrix-free solver a pile that rests at
-  a fiftieth of the speed threshold was still awake after 3 s.
+  repeatable, but there a brick on a frozen one stuck 1 deg above the friction angle (a turned friction box?).
+- DART's own sleeping engages under ``default`` after its half second; under the matrix-free solver a pile that rests
+  below both speed thresholds was still awake after 3 s.
 - The Python wrapper of a collision object goes by its address. One that is kept beyond its skeleton answers for
   whatever is made there next, so ``_remove`` forgets it first, together with the contacts that still point to it.
 """
