@@ -25,6 +25,10 @@ from reports.frames import FrameRow
 from reports.records import Status, TrialRecord
 from scenarios.model import Scene
 
+UNTIMED_FRAMES = 5
+"""Left out of every timing: in them the engine builds its caches, the first brick lands, and whatever is compiled for
+the first contacts is compiled."""
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -147,8 +151,8 @@ def _seen(play: Play) -> dict[str, Any]:
 
 
 def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
-    """Times of all frames but the first, which builds the engine's caches."""
-    timed = rows[1:]
+    """Times of all frames but the first ones."""
+    timed = rows[UNTIMED_FRAMES:]
     if not timed:
         return {}
     frame_ms = np.array([row.frame_ms for row in timed])
@@ -179,7 +183,7 @@ def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
         return {"frame_ratio_level": level, "frame_ratio_message": awake.message}
-    steered_ms = statistics.fmean(row.frame_ms for row in play.frames_of(level) if row.frame > 0)
+    steered_ms = statistics.fmean(row.frame_ms for row in play.frames_of(level) if row.frame >= UNTIMED_FRAMES)
     return {"frame_ratio_level": level, "frame_ratio": steered_ms / awake.frame_ms}
 
 

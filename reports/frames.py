@@ -14,7 +14,7 @@ class FrameRow(NamedTuple):
     """One frame. Null columns belong to trials without an extension."""
 
     frame: int
-    """Number of the frame, from 0. The first one builds the engine's caches: leave it out of timings."""
+    """Number of the frame, from 0. The first five are left out of a record's timings."""
     time_s: float
     """Simulated time at the end of the frame [s]."""
     level: int

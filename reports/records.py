@@ -73,7 +73,7 @@ class TrialRecord(BaseModel):
     creep_m_s: float | None = None
     """Fastest mean motion [m/s] of a brick over the time of watching; null if the stack did not stand through it."""
     frame_ms_p50: float | None = None
-    """Median time [ms] of a frame: engine, read-back, core and port calls. The first frame is left out."""
+    """Median time [ms] of a frame: engine, read-back, core and port calls. The first five frames are left out."""
     frame_ms_p95: float | None = None
     frame_ms_p99: float | None = None
     frame_ms_max: float | None = None

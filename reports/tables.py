@@ -70,7 +70,9 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
     right = sum(trial.verdict == "right" for trial in judged)
     if len(trials) == 1:
         return f"{_end(trials[0])}{' ✓' if right else ' ✗' if judged else ''}"
-    levels = sorted(trial.height_levels for trial in trials)
+    levels = sorted(trial.height_levels for trial in trials if trial.status not in _WENT_WRONG)
+    if not levels:
+        return _WENT_WRONG[trials[0].status]
     at_least = "≥" if any(trial.status in CENSORED for trial in trials) else ""
     reached = f"{at_least}{_plain(statistics.median(levels))} ({levels[0]}-{levels[-1]})/{trials[0].levels_planned}"
     return f"{reached} {right}/{len(judged)} ✓" if judged else reached
@@ -121,7 +123,7 @@ def _timings(records: Sequence[TrialRecord]) -> Table:
                 _ratio(trials),
             )
         )
-    header = ("scene", "engine", "policy", "p50", "p99", "engine", "read", "core", "port", "ratio at level")
+    header = ("scene", "engine", "policy", "p50", "p99", "step", "read", "core", "port", "ratio at level")
     notes = (
         "Times in ms a frame: median and 99th percentile of whole frames; means of the engine's step, of reading "
         "contacts, of the core and of freezing and waking. Trials differ in height: compare heights first.",

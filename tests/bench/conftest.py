@@ -18,7 +18,7 @@ class FakeSimulation(Simulation):
     capabilities: ClassVar[Capabilities] = Capabilities("none", True, "reported", False, "exact", False, "none", "yes")
     profiles: ClassVar[Mapping[str, Profile]] = {"game": Profile("game", "", 1)}
 
-    def __init__(self, on_step=lambda simulation, step: None) -> None:
+    def __init__(self, on_step=lambda *_: None) -> None:
         super().__init__(self.profiles["game"], World(), "off", ())
         self.pose: dict[int, tuple[Vector, Quaternion]] = {}
         self.steps = 0

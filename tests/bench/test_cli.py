@@ -89,7 +89,7 @@ def bench(*arguments: str) -> subprocess.Popen[str]:
 
 
 def test_a_tiny_study_leaves_records_frames_and_tables(tmp_path) -> None:
-    """Two levels of a 4-stack on a real engine: both trials stand, and the stack ends frozen and cheaper to simulate."""
+    """Two levels of a 4-stack on a real engine: both trials stand, and the steered one ends frozen."""
     study = tmp_path / "tiny.toml"
     study.write_text(STUDY)
     out = tmp_path / "out"

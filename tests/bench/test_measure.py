@@ -69,7 +69,7 @@ def test_sink_is_measured_between_neighbouring_levels() -> None:
     assert measure.relative_sink(PLAN, spread) == pytest.approx(0.4 * THICKNESS)
     assert measure.intact(PLAN, spread, PLAN.quaternion)
 
-    into_the_second = PLAN.position + [[0, 0, 0], [0, 0, 0], [0, 0, -0.51 * THICKNESS]]
+    into_the_second = PLAN.position + np.array([[0, 0, 0], [0, 0, 0], [0, 0, -0.51 * THICKNESS]])
     faults = measure.faults(PLAN, into_the_second, PLAN.quaternion)
     assert faults.kind == "sink"
     assert faults.any.tolist() == [False, False, True]
@@ -115,7 +115,7 @@ def test_sink_of_a_level_is_the_mean_over_its_bricks() -> None:
 
 
 def test_creep_is_the_fastest_mean_motion() -> None:
-    after = PLAN.position + [[0, 0, 0], [3e-3, 0, -4e-3], [1e-3, 0, 0]]
+    after = PLAN.position + np.array([[0, 0, 0], [3e-3, 0, -4e-3], [1e-3, 0, 0]])
     assert measure.creep(PLAN.position, after, 5.0) == pytest.approx(1e-3)
 
 

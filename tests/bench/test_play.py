@@ -19,7 +19,7 @@ def scene_of(*actions: Place | Remove | Push) -> Scene:
 
 
 def play(scene: Scene, simulation, wall_limit_s: float = 60.0) -> Play:
-    return Play(scene, simulation, None, wall_limit_s, lambda progress: None)
+    return Play(scene, simulation, None, wall_limit_s, lambda _: None)
 
 
 def test_a_brick_is_let_go_a_clearance_above_its_actual_support(fake_engine) -> None:

@@ -10,7 +10,7 @@ from bench import runner
 from bench.plan import Trial
 from bench.studies import Limits
 
-WORKERS = '''
+WORKERS = """
 import os
 import time
 
@@ -34,7 +34,7 @@ def raise_memory_error(trial, limits, environment, writer, log):
 
 def tell_parent():
     return os.getppid()
-'''
+"""
 SCENE = ("leaning_tower", "leaning_tower", {"levels": 2})
 
 
@@ -48,6 +48,12 @@ class Silent:
     def progressed(self, trial, progress) -> None: ...
 
     def finished(self, trial, record) -> None: ...
+
+
+@pytest.fixture(scope="module", autouse=True)
+def server() -> None:
+    """The harness is loaded once, by the server from which the trials are forked."""
+    runner.get_ready([])
 
 
 @pytest.fixture

@@ -52,7 +52,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        ({"engines": ["bulet"]}, "field 'engines[0]': unknown engine 'bulet'; did you mean 'bullet'? Available: bullet,"),
+        ({"engines": ["bulet"]}, "field 'engines[0]': unknown engine 'bulet'; did you mean 'bullet'? Available:"),
         ({"policies": ["papr"]}, "field 'policies[0]': unknown policy 'papr'; did you mean 'paper'?"),
         ({"scenario": [{"name": "four_stak"}]}, "field 'scenario[0].name': unknown scenario 'four_stak'; did you mean"),
         (

@@ -46,7 +46,7 @@ def test_a_level_is_measured_until_the_next_is_begun() -> None:
     watch = StackWatch(watch_from_s=99)
     build(watch, 2)
     three = Plan.of(TOWER[:3])
-    watch.see(2 + FRAME_S, three, three.position + [5e-3, 0, 0], three.quaternion, {1: 0.0, 2: 1.0, 3: 2.0})
+    watch.see(2 + FRAME_S, three, three.position + np.array([5e-3, 0, 0]), three.quaternion, {1: 0.0, 2: 1.0, 3: 2.0})
     assert watch.standing is not None
     assert (watch.standing.level, watch.standing.drift_m) == (2, 0.0)
 
@@ -70,5 +70,5 @@ def test_creep_is_measured_over_the_time_of_watching_only() -> None:
     watch = StackWatch(watch_from_s=2.0)
     plan = Plan.of(TOWER[:1])
     for time, x in ((1.0, 5e-3), (2.0, 0.0), (4.0, 1e-3)):
-        watch.see(time, plan, plan.position + [x, 0, 0], plan.quaternion, {1: 0.0})
+        watch.see(time, plan, plan.position + np.array([x, 0, 0]), plan.quaternion, {1: 0.0})
     assert watch.creep_m_s == pytest.approx(0.5e-3)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import pytest
 from pydantic import ValidationError
@@ -10,12 +11,13 @@ from reports.frames import FrameRow, read_frames, write_frames
 from reports.records import RecordError, RecordWarning, RecordWriter, TrialRecord, read_records
 from scenarios.model import Expectation
 
-DESIGNED = (
+DESIGNED = re.findall(
+    r"\w+",
     "format, trial, engine, engine_version, profile, unit_scale, scenario, scene, parameters, policy, seed, repeat, "
     "status, message, levels_placed, height_levels, height_m, collapse_level, sink_m, drift_m, creep_m_s, "
     "frame_ms_p50, frame_ms_p95, frame_ms_p99, frame_ms_max, engine_ms, readback_ms, core_ms, port_ms, frame_ratio, "
-    "wakes, refreezes, longest_live_s, realtime_factor, pose_hash, expectation, verdict, environment"
-).split(", ")
+    "wakes, refreezes, longest_live_s, realtime_factor, pose_hash, expectation, verdict, environment",
+)
 
 
 def record(**fields) -> TrialRecord:
