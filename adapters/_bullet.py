@@ -24,11 +24,14 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import pybullet
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+with silenced_stderr():  # it announces when it was built
+    import pybullet
 
 GROUND_HALF_EXTENTS = (2.0, 2.0, 0.5)
 """Half the ground's edges [m]: room for any scene of planks, and thick enough that nothing falls through."""
@@ -43,7 +46,7 @@ _WARM_START: Mapping[str, Knob] = {
 PROFILES: Mapping[str, Profile] = {
     profile.name: profile
     for profile in (
-        Profile("default", "as shipped: 50 iterations, four steps of 1/240 s a frame", substeps=4),
+        Profile("default", "as shipped, on rigid bodies: 50 iterations, four steps of 1/240 s a frame", substeps=4),
         Profile(
             "game",
             "one step a frame, penetration recovered apart from speed",
