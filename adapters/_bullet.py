@@ -5,8 +5,8 @@ a bit, and two frozen bodies are not even collided. Thawing gives the mass back,
 gravity anew. (A body created with mass 0 would never get gravity: bricks are created with theirs.)
 
 Contacts are those that the latest step solved, found at the pose from which it started. Bullet lists penetrating points
-only, often three of a face's four corners; the adapter adds those that nearly touch. Bullet tells no approach
-speed, so the adapter keeps every live body's pose and velocity from before each substep.
+only, often three of a face's four corners. It tells no approach speed, so the adapter keeps every live body's pose
+and velocity from before each substep.
 
 Friction: a pair's coefficient is the product of the two bodies', so each gets the square root. The law is a cone.
 
@@ -27,7 +27,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.face_corners import missing_corners
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -103,7 +102,8 @@ class BulletSimulation(Simulation):
     engine: ClassVar[str] = "bullet"
     profiles: ClassVar[Mapping[str, Profile]] = PROFILES
     capabilities: ClassVar[Capabilities] = Capabilities(
-        contact_points="up to 4 points; the adapter adds corners that nearly touch",
+        contact_points="up to 4 points",
+        near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before the step",
         forces=True,
@@ -246,36 +246,16 @@ class BulletSimulation(Simulation):
         numbers = np.array([(*row[5], *row[6], *row[7], row[8]) for row in listed])
         point = (numbers[:, :3] + numbers[:, 3:6]) / 2
         normal = -numbers[:, 6:9]  # Bullet's normal points from b to a
-        row, corner, gap = self._missing_corners(pair, point, normal)
-        pair, normal = np.concatenate([pair, pair[row]]), np.concatenate([normal, normal[row]])
-        point = np.concatenate([point, corner])
         body_a, body_b = pair[:, 0], pair[:, 1]
         return Contacts(
             body_a,
             body_b,
             point,
             normal,
-            np.concatenate([numbers[:, 9], gap]),
+            numbers[:, 9],
             self._fastest_approach(body_a, body_b, point, normal),
-            np.full(len(pair), self.world.friction),
+            np.full(len(listed), self.world.friction),
         )
-
-    def _missing_corners(
-        self, pair: IntArray, point: FloatArray, normal: FloatArray
-    ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """What Bullet leaves out of the pairs it lists: it drops points that do not penetrate."""
-        bodies = np.unique(pair)
-        box = np.array([self._box(body) for body in bodies.tolist()])
-        a, b = np.searchsorted(bodies, pair[:, 0]), np.searchsorted(bodies, pair[:, 1])
-        return missing_corners(box[a], box[b], normal, point, a * len(bodies) + b)
-
-    def _box(self, body: int) -> tuple[float, ...]:
-        """Centre, quaternion (w, x, y, z) and half edges of a body or of the ground."""
-        if body == GROUND:
-            return (0.0, 0.0, -GROUND_HALF_EXTENTS[2], 1.0, 0.0, 0.0, 0.0, *GROUND_HALF_EXTENTS)
-        position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(self._handles[body], self._client)
-        depth, width, height = self.bricks[body].size
-        return (*position, w, x, y, z, depth / 2, width / 2, height / 2)
 
     def _listed(self) -> list[tuple[Any, ...]]:
         """Bullet's own rows of every contact that touches a live body, each once."""

@@ -72,6 +72,7 @@ class DartSimulation(Simulation):
     engine = "dart"
     capabilities = Capabilities(
         contact_points="4 points or more",
+        near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before each substep",
         forces=True,

@@ -71,6 +71,7 @@ class MujocoSimulation(Simulation):
     engine: ClassVar[str] = "mujoco"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points between bricks, 4 on the ground",
+        near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
         forces=True,

@@ -104,6 +104,7 @@ class PymunkSimulation(Simulation):
     profiles = PROFILES
     capabilities = Capabilities(
         contact_points="up to 2 points in the plane, lifted to the ends of the bricks' common depth",
+        near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before each substep",
         forces=False,

@@ -14,8 +14,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from adapters.face_corners import prepare, with_missing_corners
 from scenarios.model import Brick, Quaternion, Vector, World
-from stability_core.port import Contacts, FloatArray, IntArray, Masses
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+
+_GROUND_BOX = np.array([0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0])
+"""The ground as a box, for contact faces: centre [m], quaternion (w, x, y, z), half edges [m]; its top is z = 0."""
 
 Sleeping = Literal["off", "native", "raised"]
 
@@ -48,6 +52,8 @@ class Capabilities:
 
     contact_points: str
     """What is reported for one pair, such as "up to 4 points"."""
+    near_contacts: bool
+    """True if points are listed that nearly touch; for other engines the port adds them from the boxes' geometry."""
     separation: bool
     relative_velocity: str
     """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
@@ -89,7 +95,7 @@ class EnginePort:
 
     def contacts(self) -> Contacts:
         """Every contact that touches a live body after the latest step."""
-        return self._simulation._contacts()
+        return self._simulation._whole_contacts()
 
     def masses(self) -> Masses:
         """The live bodies after the latest step, and the ids removed since the last call."""
@@ -138,6 +144,8 @@ class Simulation(ABC):
         """The core's view. An engine that is never asked for it need not record what only the core reads."""
         if self._port is None:
             self._port = EnginePort(self)
+            if not self.capabilities.near_contacts:
+                prepare()
         return self._port
 
     @property
@@ -217,6 +225,18 @@ class Simulation(ABC):
         self._close()
 
     # -- driven by the core, through the port ------------------------------------------------------
+
+    def _whole_contacts(self) -> Contacts:
+        contacts = self._contacts()
+        if self.capabilities.near_contacts or not len(contacts):
+            return contacts
+        bodies = np.unique(np.concatenate([contacts.body_a, contacts.body_b]))
+        moving = bodies[bodies != GROUND]
+        halves = np.array([self.bricks[body].size for body in moving.tolist()]) / 2
+        boxes = np.hstack([*self._poses(moving), halves])
+        if len(moving) < len(bodies):
+            boxes = np.vstack([_GROUND_BOX, boxes])  # GROUND is the least id
+        return with_missing_corners(contacts, bodies, boxes)
 
     def _masses(self) -> Masses:
         bodies = np.fromiter(self._live, np.int64, len(self._live))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from stability_core.port import FloatArray, IntArray
+from stability_core.port import Contacts, FloatArray, IntArray
 
 NEAR = 0.1e-3
 """Gap [m] up to which faces nearly touch: above the tilt of a brick at rest, below any visible distance."""
@@ -105,20 +105,12 @@ def _corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[
 
 
 @numba.njit(cache=True)
-def missing_corners(
+def _missing(
     box_a: FloatArray, box_b: FloatArray, normal: FloatArray, point: FloatArray, pair: IntArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The corners of contact faces that nearly touch and that the engine did not list.
+    """A row of its pair (k,), point (k, 3) and separation (k,) of each corner that is not listed.
 
-    Args:
-        box_a: boxes of the first bodies, shape (n, 10): centre [m], quaternion (w, x, y, z), half edges [m].
-        box_b: boxes of the second bodies, shape (n, 10).
-        normal: unit normals from a to b, shape (n, 3).
-        point: the points that the engine listed [m], shape (n, 3).
-        pair: the pair that each row belongs to, shape (n,); rows of a pair stand together.
-
-    Returns:
-        A row of its pair, points [m] and separations [m] of the missing corners: (k,), (k, 3), (k,).
+    Rows of a pair stand together; boxes (n, 10) are centre, quaternion (w, x, y, z) and half edges.
     """
     n = len(pair)
     row, corner, gap = np.empty(8 * n, np.int64), np.empty((8 * n, 3)), np.empty(8 * n)
@@ -140,3 +132,39 @@ def missing_corners(
                 size += 1
         first = last
     return row[:size], corner[:size], gap[:size]
+
+
+def with_missing_corners(contacts: Contacts, bodies: IntArray, boxes: FloatArray) -> Contacts:
+    """The contacts, and behind them the corners of their faces that nearly touch and that the engine did not list.
+
+    A corner has the normal and the relative velocity of its pair's first point.
+
+    Args:
+        contacts: at least one, as the engine lists them.
+        bodies: every body that they name, rising, shape (m,).
+        boxes: of each of these: centre [m], quaternion (w, x, y, z), half edges [m]; shape (m, 10).
+    """
+    a, b = np.searchsorted(bodies, contacts.body_a), np.searchsorted(bodies, contacts.body_b)
+    order = np.argsort(a * len(bodies) + b, kind="stable")
+    a, b = a[order], b[order]
+    normal, point = contacts.normal[order], contacts.point[order]
+    row, corner, gap = _missing(boxes[a], boxes[b], normal, point, a * len(bodies) + b)
+    if not len(row):
+        return contacts
+    row = order[row]
+    return Contacts(
+        np.concatenate([contacts.body_a, contacts.body_a[row]]),
+        np.concatenate([contacts.body_b, contacts.body_b[row]]),
+        np.concatenate([contacts.point, corner]),
+        np.concatenate([contacts.normal, contacts.normal[row]]),
+        np.concatenate([contacts.separation, gap]),
+        np.concatenate([contacts.relative_velocity, contacts.relative_velocity[row]]),
+        np.concatenate([contacts.friction, contacts.friction[row]]),
+    )
+
+
+def prepare() -> None:
+    """Compile the kernels, or read them from the cache, before any frame is timed."""
+    stacked = np.array([[0.0, 0.0, z, 1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.5] for z in (0.0, 1.0)])
+    up, ids = np.array([[0.0, 0.0, 1.0]]), np.arange(2)
+    with_missing_corners(Contacts(ids[:1], ids[1:], up / 2, up, np.zeros(1), up, np.zeros(1)), ids, stacked)
