@@ -1,0 +1,255 @@
+"""Where two ideal boxes touch: the contact patch, as its corners, and its normal.
+
+Boxes touch if some direction separates them by no gap. Where that direction is unique it is the contact's normal, and
+the patch is what both surfaces share: a polygon (face on face), a segment (edge on face) or a point (corner on face,
+edge across edge). Where two parallel edges meet, as at the ridge of two planks that lean against each other, a whole
+range of directions separates the boxes, and physics has no single answer; a convention gives the normal:
+
+- ``bisector``: the middle of that range, which is horizontal for two planks that lean alike;
+- ``face``: the face of the first box that bounds the range, as physics engines report it.
+
+Corners of a patch are all that statics needs: a force that obeys Coulomb's law anywhere inside is the sum of its
+shares at the corners, each of them parallel to it, so each of them obeys the law too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from scenarios.geometry import Boxes, FloatArray, height_above_ground
+from scenarios.model import Brick
+
+Ridge = Literal["bisector", "face"]
+
+GROUND = -1
+"""Stands for all that never moves: the ground, and walls."""
+
+TOUCH = 1e-6
+"""Gap or overlap of boxes in contact, as a share of their thinnest edge: far above rounding, far below any plan's gap.
+A share, not a length, so that a pile is judged alike at 8 mm and at 8 m."""
+HAIR = 0.04
+"""Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge: the scenes leave 0.2 mm there
+(0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
+_PARALLEL = 1e-7
+"""Sine of the angle below which two directions count as parallel."""
+_SIGNS = np.array([-1.0, 1.0])
+
+
+class Patch(NamedTuple):
+    """What two bodies share."""
+
+    first: int
+    """Index of the body on the near side, or ``GROUND``."""
+    second: int
+    """Index of the body on the far side."""
+    points: FloatArray
+    """The patch's corners [m], shape (k, 3)."""
+    normal: FloatArray
+    """Unit normal from the first body to the second, shape (3,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Box:
+    center: FloatArray
+    axes: FloatArray
+    """Unit vectors of the box's own x, y and z, shape (3, 3), one row an axis."""
+    half: FloatArray
+    corners: FloatArray
+
+    def faces(self) -> list[tuple[int, FloatArray]]:
+        """The six faces: axis and outward normal."""
+        return [(axis, sign * self.axes[axis]) for axis, sign in product(range(3), _SIGNS)]
+
+    def reach_along(self, direction: FloatArray) -> float:
+        """How far [m] along ``direction`` the box extends, from the origin."""
+        return float((self.corners @ direction).max())
+
+
+def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, ridge: Ridge = "bisector") -> list[Patch]:
+    """All patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
+
+    Args:
+        bricks: what may move; patches name them by their indices.
+        walls: boxes that never move; patches name them ``GROUND``.
+        ridge: which normal two parallel edges have that meet.
+
+    Raises:
+        ValueError: if two bricks overlap, or one is in a wall or below the ground; a plan must not do that.
+    """
+    boxes = Boxes.of([*bricks, *walls])
+    reach = boxes.reach
+    thin = 2 * np.linalg.norm(boxes.half_axes, axis=2).min(axis=1)
+    singles = [
+        _Box(center, half_axes / np.linalg.norm(half_axes, axis=1)[:, None], np.linalg.norm(half_axes, axis=1), corners)
+        for center, half_axes, corners in zip(boxes.center, boxes.half_axes, boxes.corners, strict=True)
+    ]
+    patches = _on_ground(boxes, thin, len(bricks))
+    for b in range(1, len(singles)):
+        apart = np.abs(boxes.center[:b] - boxes.center[b]) - reach[:b] - reach[b]
+        for a in np.flatnonzero((apart <= HAIR * thin[:b, None]).all(axis=1)).tolist():
+            if a >= len(bricks):
+                continue  # two walls
+            try:
+                found = touch(singles[a], singles[b], min(thin[a], thin[b]), ridge)
+            except ValueError as error:
+                raise ValueError(f"{_name(a, bricks)} and {_name(b, bricks)} {error}") from None
+            if found and b < len(bricks):
+                patches.append(Patch(a, b, *found))
+            elif found:
+                points, normal = found
+                patches.append(Patch(GROUND, a, points, -normal))
+    return patches
+
+
+def _name(index: int, bricks: Sequence[Brick]) -> str:
+    return f"brick {index}" if index < len(bricks) else f"wall {index - len(bricks)}"
+
+
+def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int) -> list[Patch]:
+    patches = []
+    for index in np.flatnonzero(height_above_ground(boxes)[:bricks] <= TOUCH * thin[:bricks]).tolist():
+        heights = boxes.corners[index, :, 2]
+        if heights.min() < -TOUCH * thin[index]:
+            raise ValueError(f"brick {index} is {-heights.min():g} m below the ground")
+        points = boxes.corners[index][heights <= TOUCH * thin[index]]
+        patches.append(Patch(GROUND, index, points, np.array([0.0, 0.0, 1.0])))
+    return patches
+
+
+def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatArray, FloatArray] | None:
+    """Corners (k, 3) [m] and normal (3,) of two boxes' patch; None if they are apart, or only graze.
+
+    Two convex bodies are apart exactly if one of fifteen directions separates them: the faces' normals, and the
+    directions across an edge of each.
+
+    Raises:
+        ValueError: if they overlap.
+    """
+    faces = [(first, axis, outward) for axis, outward in first.faces()]
+    faces += [(second, axis, -outward) for axis, outward in second.faces()]
+    crossings = _across_edges(first, second)
+    normals = np.array([normal for *_, normal in faces] + crossings)
+    gaps = (second.corners @ normals.T).min(axis=0) - (first.corners @ normals.T).max(axis=0)
+    widest = gaps.max()
+    if widest > HAIR * thin:
+        return None
+    if widest < -TOUCH * thin:
+        raise ValueError(f"overlap by {-widest:g} m")
+    separating = gaps >= -TOUCH * thin
+    if widest <= TOUCH * thin:
+        for (box, axis, normal), separates in zip(faces, separating, strict=False):
+            if separates:
+                other, outward = (second, normal) if box is first else (first, -normal)
+                points = _shared_with_face(box, axis, outward, other, TOUCH * thin)
+                if len(points):
+                    return points, normal
+        for normal, separates in zip(crossings, separating[len(faces) :], strict=True):
+            if separates:
+                point = _crossing_point(first, second, normal, TOUCH * thin)
+                if point is not None:
+                    return point[None], normal
+    return _at_ridge(first, second, [face for face, yes in zip(faces, separating, strict=False) if yes], thin, ridge)
+
+
+def _across_edges(first: _Box, second: _Box) -> list[FloatArray]:
+    """Unit normals, from the first box to the second, of each pair of edges that are not parallel."""
+    normals = []
+    for along_first, along_second in product(first.axes, second.axes):
+        normal = np.cross(along_first, along_second)
+        length = np.linalg.norm(normal)
+        if length > _PARALLEL:
+            sign = 1.0 if normal @ (second.center - first.center) >= 0 else -1.0
+            normals.append(normal * (sign / length))
+    return normals
+
+
+def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, tolerance: float) -> FloatArray:
+    """Corners (k, 3) of what ``other`` shares with a face of ``box`` that separates them; empty if they only graze."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    height = (other.corners - box.center) @ outward - box.half[axis]
+    feature = other.corners[height <= tolerance] - box.center
+    inside = np.column_stack([feature @ box.axes[u], feature @ box.axes[v]])
+    if len(inside) == 4:
+        inside = inside[[0, 1, 3, 2]]  # around the face, not across it
+    for side, half in ((0, box.half[u]), (1, box.half[v])):
+        for sign in _SIGNS:
+            inside = _clipped(inside, sign * inside[:, side] - half)
+    if not len(inside):
+        return np.empty((0, 3))
+    # A feature that lies on the face's border only grazes it: its normal would be arbitrary.
+    room = np.array([box.half[u], box.half[v]]) - np.abs(inside.mean(axis=0))
+    if room.min() <= tolerance:
+        return np.empty((0, 3))
+    flat = inside @ np.array([box.axes[u], box.axes[v]])
+    points: FloatArray = box.center + outward * box.half[axis] + flat
+    return points
+
+
+def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
+    """The part (m, 2) of a convex polygon, a segment or a point (k, 2) where ``outside`` (k,), linear, is not positive.
+
+    After Sutherland and Hodgman; a segment is a polygon that goes there and back, so it may come back with a corner
+    named twice, which does no harm.
+    """
+    kept = []
+    for here, there, d, e in zip(polygon, np.roll(polygon, -1, axis=0), outside, np.roll(outside, -1), strict=True):
+        if d <= 0:
+            kept.append(here)
+        if d * e < 0:
+            kept.append(here + d / (d - e) * (there - here))
+    return np.array(kept).reshape(-1, 2)
+
+
+def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
+    """Where an edge of each box cross, shape (3,); None if what faces the other box is no edge, or they miss."""
+    start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
+    end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
+    if len(start) != 2 or len(end) != 2:
+        return None
+    along = np.array([start[1] - start[0], end[0] - end[1], normal])
+    if abs(np.linalg.det(along)) <= _PARALLEL * np.linalg.norm(along[0]) * np.linalg.norm(along[1]):
+        return None
+    s, t, _ = np.linalg.solve(along.T, end[0] - start[0])
+    if not (0 <= s <= 1 and 0 <= t <= 1):
+        return None
+    middle: FloatArray = (start[0] + s * along[0] + end[0] - t * along[1]) / 2
+    return middle
+
+
+def _at_ridge(
+    first: _Box, second: _Box, faces: Sequence[tuple[_Box, int, FloatArray]], thin: float, ridge: Ridge
+) -> tuple[FloatArray, FloatArray] | None:
+    """The segment in which two parallel edges meet; None if they do not, or the boxes' faces are parallel there.
+
+    Args:
+        first: the box from which the normal points.
+        second: the other box.
+        faces: those that separate the boxes, with their normals from the first to the second: they bound the range.
+        thin: the thinnest edge of both [m].
+        ridge: the convention for the normal.
+    """
+    cosine = first.axes @ second.axes.T
+    shared = np.argwhere(cosine**2 > 1 - _PARALLEL**2)
+    if len(shared) != 1 or not faces:
+        return None  # not parallel at all, or in all three axes: flush faces, which were seen before
+    along = first.axes[shared[0, 0]]
+    bisector = np.sum([normal for *_, normal in faces], axis=0)
+    bisector /= np.linalg.norm(bisector)
+    near = first.corners[first.corners @ bisector >= first.reach_along(bisector) - TOUCH * thin]
+    far = second.corners[-(second.corners @ bisector) >= second.reach_along(-bisector) - TOUCH * thin]
+    between = far.mean(axis=0) - near.mean(axis=0)
+    if len(near) != 2 or len(far) != 2 or np.linalg.norm(between - along * (along @ between)) > HAIR * thin:
+        return None
+    low = max((near @ along).min(), (far @ along).min())
+    high = min((near @ along).max(), (far @ along).max())
+    if high - low <= TOUCH * thin:
+        return None
+    middle = (near.mean(axis=0) + far.mean(axis=0)) / 2
+    points = middle + np.outer([low, high] - along @ middle, along)
+    own = [normal for box, _, normal in faces if box is first] or [normal for *_, normal in faces]
+    return points, bisector if ridge == "bisector" else own[0]

@@ -1,0 +1,197 @@
+"""Can contact forces hold the bodies still? Linear programs around Coulomb's cone, from inside and from outside.
+
+Unknown are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; known are the weights.
+Forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
+
+- one inscribed: forces found with it obey Coulomb's law, and prove that equilibrium exists;
+- one circumscribed: if even it allows no equilibrium there is none, and the dual solution, a virtual motion in which
+  gravity does more work than any contact could take up, proves it.
+
+While neither proves anything the pyramids get one more side at each corner, where the circumscribed one's forces lean:
+there its error falls fourfold each time, and the true cone decides. What is still open then is in doubt, never stable.
+
+Each program is elastic: it looks for the least sum of forces and moments that an invisible hand must add. So it always
+has a solution, the two pyramids bracket the true cone's residual, and no verdict hangs on a solver's exit status.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import csc_array, hstack
+
+from scenarios.contact_patch import GROUND, Patch
+from scenarios.geometry import FloatArray
+
+Verdict = Literal["stable", "unstable", "doubt"]
+
+BALANCED = 1e-9
+"""Residual below which forces balance, in weights of all bodies (moments: times the length unit). The solver's own
+tolerance could hide 6e-10; a harmonic overhang of 300 bricks that is too long by 1e-5 leaves 3e-7."""
+SIDES = 8
+"""Sides of the first pyramids with friction."""
+ROUNDS = 24
+"""Sides added before the answer is doubt. A yawed plank within 1e-6 of the friction that it needs takes 12."""
+_SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+
+
+@dataclass(frozen=True, slots=True)
+class Statics:
+    """Whether bodies can rest, with the proof."""
+
+    verdict: Verdict
+    """``stable``: contact forces exist that hold all bodies; ``unstable``: none exist; ``doubt``: not decided.
+
+    Existence is necessary for rest, and sufficient where ``frictionless``. With friction it is not quite: bodies wedged
+    against each other may stress themselves in theory and fall in fact (Kao et al. 2022).
+    """
+    residual: float
+    """What is missing at best, in weights of all bodies: proven too small to matter if stable, too large if unstable.
+    How far a stable pile is from its limit it does not say."""
+    frictionless: bool
+    """True if normal forces alone hold all bodies."""
+    points: FloatArray
+    """The patches' corners [m], shape (p, 3)."""
+    bodies: tuple[tuple[int, int], ...]
+    """First and second body of each corner."""
+    forces: FloatArray
+    """Force [N] on the second body at each corner, shape (p, 3); the proof if stable."""
+    mechanism: FloatArray
+    """Virtual velocity of each body, shape (n, 6): linear, then angular times the length unit, at most 1 in any
+    component; the proof if unstable, else zero. Bodies that do not move in it need not fall."""
+
+    @property
+    def stable(self) -> bool:
+        """True only if proven."""
+        return self.verdict == "stable"
+
+
+@dataclass(frozen=True, slots=True)
+class _Solution:
+    residual: float
+    forces: FloatArray
+    """In units of the mean weight, shape (p, 3)."""
+    motion: FloatArray
+    """Dual solution, shape (n, 6)."""
+
+
+class _Balance:
+    """The linear program, without units: forces over the mean weight, lengths over ``length``."""
+
+    def __init__(self, centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], length: float) -> None:
+        corners = [len(patch.points) for patch in patches]
+        self.points = np.concatenate([np.empty((0, 3)), *(patch.points for patch in patches)])
+        self.normals = np.repeat(np.array([patch.normal for patch in patches]).reshape(-1, 3), corners, axis=0)
+        self.first = np.repeat(np.array([patch.first for patch in patches], np.int64), corners)
+        self.second = np.repeat(np.array([patch.second for patch in patches], np.int64), corners)
+        self.tangents = _tangents(self.normals)
+        self.unit = float(np.linalg.norm(weights, axis=1).mean())
+        self._centers, self._length, self._bodies = centers, length, len(centers)
+        self._load = -np.hstack([weights / self.unit, np.zeros_like(weights)]).ravel()
+
+    def solve(self, friction: float | FloatArray, angles: FloatArray) -> _Solution:
+        """The least residual with a pyramid at each corner.
+
+        Args:
+            friction: how far the pyramid's edges lean, as a tangent; shape (p, k), or one number for all.
+            angles: their directions [rad] in the contact plane, shape (p, k).
+        """
+        lean = friction * np.array([np.cos(angles), np.sin(angles)])
+        edges = self.normals[:, None] + np.einsum("apk,apd->pkd", lean, self.tangents)
+        wrenches = hstack([self._wrenches(edges), *self._hand()], format="csc")
+        count = edges.shape[0] * edges.shape[1]
+        cost = np.ones(wrenches.shape[1])
+        cost[:count] = 0.0
+        found = linprog(cost, A_eq=wrenches, b_eq=self._load, method="highs", options=_SOLVER)
+        if found.x is None:
+            raise ArithmeticError(f"HiGHS found no solution of a program that always has one: {found.message}")
+        forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
+        motion = -found.eqlin.marginals.reshape(self._bodies, 6)
+        return _Solution(float(found.fun) / self._bodies, forces, motion)
+
+    def _wrenches(self, forces: FloatArray) -> csc_array:
+        """Force and moment on every body, shape (6 n, p k), by a unit of each of forces (p, k, 3)."""
+        p, k, _ = forces.shape
+        rows, columns, values = [], [], []
+        for body, sign in ((self.first, -1.0), (self.second, 1.0)):
+            moving = np.flatnonzero(body != GROUND)
+            arm = (self.points[moving] - self._centers[body[moving]]) / self._length
+            force = sign * forces[moving]
+            wrench = np.concatenate([force, np.cross(arm[:, None], force)], axis=2)
+            shape = wrench.shape
+            rows.append(np.broadcast_to(6 * body[moving, None, None] + np.arange(6), shape).ravel())
+            columns.append(np.broadcast_to(k * moving[:, None, None] + np.arange(k)[:, None], shape).ravel())
+            values.append(wrench.ravel())
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        return csc_array(entries, shape=(6 * self._bodies, p * k))
+
+    def _hand(self) -> tuple[csc_array, csc_array]:
+        """The invisible hand's forces and moments, either way."""
+        diagonal = np.arange(6 * self._bodies)
+        push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
+        return push, -push
+
+
+def solve_balance(
+    centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
+) -> Statics:
+    """Whether contact forces exist that hold all bodies.
+
+    Args:
+        centers: centres of mass [m], shape (n, 3).
+        weights: what gravity pulls with [N], shape (n, 3); not all zero.
+        patches: where bodies touch.
+        friction: Coulomb coefficient of every pair.
+        length: the length unit [m] in which moments count; a typical edge.
+    """
+    balance = _Balance(centers, weights, patches, length)
+    p = len(balance.points)
+    at_rest = np.zeros((len(centers), 6))
+
+    def answer(verdict: Verdict, solution: _Solution, *, frictionless: bool = False) -> Statics:
+        return Statics(
+            verdict=verdict,
+            residual=solution.residual,
+            frictionless=frictionless,
+            points=balance.points,
+            bodies=tuple(zip(balance.first.tolist(), balance.second.tolist(), strict=True)),
+            forces=balance.unit * solution.forces,
+            mechanism=solution.motion if verdict == "unstable" else at_rest,
+        )
+
+    smooth = balance.solve(0.0, np.zeros((p, 1)))
+    if smooth.residual <= BALANCED:
+        return answer("stable", smooth, frictionless=True)
+    if friction == 0:
+        return answer("unstable", smooth)
+
+    angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (p, 1))
+    outer = smooth
+    for _ in range(ROUNDS):
+        outer = balance.solve(*_circumscribed(friction, angles))
+        if outer.residual > BALANCED:
+            return answer("unstable", outer)
+        inner = balance.solve(friction, angles)
+        if inner.residual <= BALANCED:
+            return answer("stable", inner)
+        leaning = np.arctan2(*(np.einsum("apd,pd->ap", balance.tangents, outer.forces)[::-1]))
+        angles = np.sort(np.column_stack([angles, leaning % (2 * np.pi)]), axis=1)
+    return answer("doubt", outer)
+
+
+def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Edges of the pyramids (p, k) whose sides touch the cones at ``angles`` (p, k), rising: how far, and whither."""
+    half = np.diff(angles, axis=1, append=angles[:, :1] + 2 * np.pi) / 2
+    return friction / np.cos(half), angles + half
+
+
+def _tangents(normals: FloatArray) -> FloatArray:
+    """Two unit vectors across each normal (p, 3), shape (2, p, 3)."""
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    first = np.cross(least, normals)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.array([first, np.cross(normals, first)])
