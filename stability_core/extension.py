@@ -107,7 +107,7 @@ class StabilityExtension:
         self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
         self._graph: Graph = empty_graph()
         self._limits = self.settings.limits()
-        self._recent: deque[ContactRows] = deque(maxlen=max(1, self.settings.rest_frames))
+        self._recent: deque[ContactRows] = deque(maxlen=self.settings.longest_dwell)
         self._news: dict[int, str] = {}
         """Bodies woken by the host's words since the last update, with the reason."""
         self._is_pending = False

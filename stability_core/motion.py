@@ -52,7 +52,7 @@ def count_frames(bodies: Bodies, ids: IntArray, limits: Limits) -> None:
         at_rest = free and body.speed <= limits.rest_speed and body.slip <= limits.rest_slip
         at_rest = at_rest and body.depth <= limits.rest_penetration
         leans = free and body.speed <= limits.lean_speed and body.depth <= limits.lean_penetration
-        lies = body.supported_by != 0 and body.speed <= limits.load_speed
+        lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed
         body.rest_frames = body.rest_frames + 1 if at_rest else 0
         body.lean_frames = body.lean_frames + 1 if leans else 0
         body.load_frames = body.load_frames + 1 if lies else 0

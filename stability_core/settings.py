@@ -76,6 +76,11 @@ class Settings:
             if not (math.isfinite(value) and value >= 0):
                 raise ValueError(f"setting {item.name} must be finite and not negative, got {value}")
 
+    @property
+    def longest_dwell(self) -> int:
+        """Frames of contacts that must be kept for the slowest of the three rules."""
+        return max(1, self.rest_frames, self.lean_frames, self.load_frames)
+
     def limits(self) -> Limits:
         """The settings as a structured array of shape (1,), for the kernels."""
         kinds = {"int": "i8", "float": "f8"}

@@ -335,6 +335,22 @@ def test_what_a_user_holds_stays_live_and_its_load_is_looked_at_again(port):
     assert 1 not in port.frozen
 
 
+def test_a_brick_in_a_users_hand_is_no_load(port):
+    """Held still on a cantilever's end that could not carry it: the hand does."""
+    column(port, 1)
+    port.add(1, (0.04, 0.0, 0.015))
+    port.lay(1, 0, (-0.01, 0.05), DEEP, 0.01)
+    extension = StabilityExtension(port)
+    settle(extension)
+    port.add(2, (0.085, 0.0, 0.025), mass=2.0)
+    port.lay(2, 1, (0.05, 0.09), DEEP, 0.02)
+    extension.update(DT)
+    extension.disturb([2])
+    assert not any(change.woken for change in run(extension, 30))
+    extension.release([2])
+    assert any(1 in change.woken for change in run(extension, SETTINGS.load_frames + 1))
+
+
 def test_a_quiet_frame_changes_nothing_and_calls_nothing(port):
     column(port, 3)
     extension = StabilityExtension(port)
