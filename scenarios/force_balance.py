@@ -4,8 +4,8 @@ Unknown are the forces at the patches' corners, each inside its Coulomb cone |f_
 Forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
 
 - one inscribed: forces found with it obey Coulomb's law, and prove that equilibrium exists;
-- one circumscribed: if even it allows no equilibrium there is none, and the dual solution, a virtual motion in which
-  gravity does more work than any contact could take up, proves it.
+- one circumscribed: if even it allows no equilibrium there is none. The dual solution proves it: a virtual motion in
+  which gravity does work, and no force that a contact allows does less than none, so that they never cancel.
 
 While neither proves anything the pyramids get one more side at each corner, where the circumscribed one's forces lean:
 there its error falls fourfold each time, and the true cone decides. What is still open then is in doubt, never stable.
