@@ -133,7 +133,7 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
     faces = [(first, axis, outward) for axis, outward in first.faces()]
     faces += [(second, axis, -outward) for axis, outward in second.faces()]
     crossings = _across_edges(first, second)
-    normals = np.array([normal for *_, normal in faces] + crossings)
+    normals = np.concatenate([[normal for *_, normal in faces], crossings])
     gaps = (second.corners @ normals.T).min(axis=0) - (first.corners @ normals.T).max(axis=0)
     widest = gaps.max()
     if widest > HAIR * thin:
@@ -156,16 +156,15 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
     return _at_ridge(first, second, [face for face, yes in zip(faces, separating, strict=False) if yes], thin, ridge)
 
 
-def _across_edges(first: _Box, second: _Box) -> list[FloatArray]:
-    """Unit normals, from the first box to the second, of each pair of edges that are not parallel."""
-    normals = []
-    for along_first, along_second in product(first.axes, second.axes):
-        normal = np.cross(along_first, along_second)
-        length = np.linalg.norm(normal)
-        if length > _PARALLEL:
-            sign = 1.0 if normal @ (second.center - first.center) >= 0 else -1.0
-            normals.append(normal * (sign / length))
-    return normals
+def _across_edges(first: _Box, second: _Box) -> FloatArray:
+    """Unit normals (k, 3), from the first box to the second, of each pair of edges that are not parallel."""
+    normals = np.cross(first.axes[:, None], second.axes[None]).reshape(9, 3)
+    length = np.linalg.norm(normals, axis=1)
+    crossed = length > _PARALLEL
+    normals = normals[crossed] / length[crossed, None]
+    away = np.where(normals @ (second.center - first.center) >= 0, 1.0, -1.0)
+    oriented: FloatArray = normals * away[:, None]
+    return oriented
 
 
 def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, tolerance: float) -> FloatArray:

@@ -56,6 +56,8 @@ class Statics:
     """True if normal forces alone hold all bodies."""
     points: FloatArray
     """The patches' corners [m], shape (p, 3)."""
+    normals: FloatArray
+    """Unit normal at each corner, from its first body to its second, shape (p, 3)."""
     bodies: tuple[tuple[int, int], ...]
     """First and second body of each corner."""
     forces: FloatArray
@@ -158,6 +160,7 @@ def solve_balance(
             residual=solution.residual,
             frictionless=frictionless,
             points=balance.points,
+            normals=balance.normals,
             bodies=tuple(zip(balance.first.tolist(), balance.second.tolist(), strict=True)),
             forces=balance.unit * solution.forces,
             mechanism=solution.motion if verdict == "unstable" else at_rest,

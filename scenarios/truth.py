@@ -34,8 +34,10 @@ def equilibrium(
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
-        ValueError: if there is no brick, no gravity, negative friction, or bricks overlap.
+        ValueError: if there is no brick or no gravity, an edge, a mass or friction is not what it must be, a number is
+            not finite, or bricks overlap.
     """
+    _check([*bricks, *walls], world)
     return _judge(bricks, contact_patches(bricks, walls, ridge=ridge), world)
 
 
@@ -48,6 +50,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
         UndecidedError: if a state of the scene is in doubt.
         ValueError: if the scene pushes bricks: statics has no answer.
     """
+    _check(scene.bricks, scene.world)
     patches = contact_patches(scene.bricks, ridge=ridge)
     present: list[int] = []
     placed = level = 0
@@ -61,6 +64,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 present.remove(brick)
             case Push():
                 raise ValueError(f"{scene.variant} pushes a brick: statics cannot tell what a push does")
+        if not present:
+            continue
         statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)
         if statics.verdict == "doubt":
             raise UndecidedError(f"{scene.variant}: with {placed} bricks laid it is too close to its limit to tell")
@@ -80,12 +85,20 @@ def _among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
 
 
 def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World) -> Statics:
-    if not bricks:
-        raise ValueError("there must be at least one brick")
-    if not any(world.gravity):
-        raise ValueError("gravity must not be zero: without weight nothing rests or falls")
-    if not world.friction >= 0:
-        raise ValueError(f"friction must not be negative, got {world.friction}")
     weights = np.outer([brick.mass for brick in bricks], world.gravity)
     length = float(np.mean([max(brick.size) for brick in bricks]))
     return solve_balance(np.array([brick.position for brick in bricks]), weights, patches, world.friction, length)
+
+
+def _check(bricks: Sequence[Brick], world: World) -> None:
+    if not bricks:
+        raise ValueError("there must be at least one brick")
+    for index, brick in enumerate(bricks):
+        if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
+            raise ValueError(f"brick {index} is not finite: {brick}")
+        if min(*brick.size, brick.mass) <= 0:
+            raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
+    if not (np.isfinite(world.gravity).all() and any(world.gravity)):
+        raise ValueError(f"gravity must be finite and not zero, or nothing rests and nothing falls: {world.gravity}")
+    if not (np.isfinite(world.friction) and world.friction >= 0):
+        raise ValueError(f"friction must be finite and not negative, got {world.friction}")

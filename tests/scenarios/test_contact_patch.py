@@ -152,7 +152,7 @@ def test_touching_is_free_of_scale(scale):
 
 
 def test_bricks_must_not_overlap():
-    with pytest.raises(ValueError, match="brick 0 and brick 1 overlap by 0.0001 m"):
+    with pytest.raises(ValueError, match=r"brick 0 and brick 1 overlap by 0\.0001 m"):
         contact_patches([cube((0, 0, 0.05)), cube((0, 0, 0.1499))])
     with pytest.raises(ValueError, match="brick 0 and wall 0 overlap"):
         contact_patches([cube((0, 0, 0.05))], [cube((0.09, 0, 0.05))])
