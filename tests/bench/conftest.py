@@ -1,6 +1,13 @@
-"""An engine that needs no engine: bricks stay where they are put unless a test moves them."""
+"""An engine that needs no engine: bricks stay where they are put unless a test moves them.
 
+And one that misbehaves (``rogue/``), in a suite that runs apart from the tests, so that it may crash, hang and be killed.
+"""
+
+import os
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +22,17 @@ class FakeSimulation(Simulation):
     """Bricks hang where they were let go; ``on_step(simulation, step)`` may move them by hand or raise."""
 
     engine: ClassVar[str] = "bullet"  # a registered name, so that records can be made
-    capabilities: ClassVar[Capabilities] = Capabilities("none", True, "reported", False, "exact", False, "none", "yes")
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        contact_points="none",
+        near_contacts=True,
+        separation=True,
+        relative_velocity="reported",
+        forces=False,
+        freeze="exact",
+        frozen_contacts=False,
+        friction_law="none",
+        deterministic="across processes",
+    )
     profiles: ClassVar[Mapping[str, Profile]] = {"game": Profile("game", "", 1)}
 
     def __init__(self, on_step=lambda *_: None) -> None:
@@ -68,3 +85,52 @@ class FakeSimulation(Simulation):
 @pytest.fixture
 def fake_engine() -> type[FakeSimulation]:
     return FakeSimulation
+
+
+class RogueSuite:
+    """The command line in a process of its own, with the misbehaving engine registered."""
+
+    SCRIPT = Path(__file__).parent / "rogue" / "rogue_bench.py"
+    ROOT = Path(__file__).parents[2]
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.out = folder / "out"
+        self.environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(self.ROOT), str(self.SCRIPT.parent)])}
+
+    def write_study(self, profiles: Sequence[str] = ("game",), **fields: object) -> None:
+        """A study of the misbehaving engine; ``fields`` are added to it, limits under their own names."""
+        lines = ["name = 'rogues'", "engines = ['rogue']", "policies = ['none']", f"profiles = {list(profiles)}"]
+        lines += [f"{name} = {_toml(value)}" for name, value in fields.items()]
+        lines += ["[[scenario]]", "name = 'leaning_tower'", "parameters = { levels = 2 }"]
+        (self.folder / "rogues.toml").write_text("\n".join(lines) + "\n")
+
+    def start(self, *options: str, **popen) -> subprocess.Popen[str]:
+        """Begin ``bench run`` on the study."""
+        return subprocess.Popen(
+            [*self.command(*options)],
+            cwd=self.folder,
+            env=self.environment,
+            **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **popen},
+        )
+
+    def command(self, *options: str) -> list[str]:
+        return [sys.executable, str(self.SCRIPT), "run", "rogues.toml", "--out", str(self.out), *options]
+
+    def run(self, *options: str, status: int = 0) -> str:
+        """All of ``bench run``; what it told, on one line."""
+        process = self.start(*options)
+        told, errors = process.communicate(timeout=120)
+        assert process.returncode == status, errors
+        return " ".join((told + errors).split())
+
+
+@pytest.fixture
+def rogue_suite(tmp_path) -> RogueSuite:
+    return RogueSuite(tmp_path)
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name} = {_toml(item)}" for name, item in value.items()) + " }"
+    return str(value)
