@@ -35,7 +35,7 @@ tolerance could hide 6e-10; a harmonic overhang of 300 bricks that is too long b
 SIDES = 8
 """Sides of the first pyramids with friction."""
 ROUNDS = 24
-"""Sides added before the answer is doubt. A yawed plank within 1e-6 of the friction that it needs takes 12."""
+"""Sides added before the answer is doubt: a yawed V within 1e-6 of the friction that it needs takes 12, 1e-8 16."""
 _SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 
@@ -113,7 +113,7 @@ class _Balance:
             raise ArithmeticError(f"HiGHS found no solution of a program that always has one: {found.message}")
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
         motion = -found.eqlin.marginals.reshape(self._bodies, 6)
-        return _Solution(float(found.fun) / self._bodies, forces, motion)
+        return _Solution(max(0.0, float(found.fun)) / self._bodies, forces, motion)
 
     def _wrenches(self, forces: FloatArray) -> csc_array:
         """Force and moment on every body, shape (6 n, p k), by a unit of each of forces (p, k, 3)."""
@@ -181,8 +181,9 @@ def solve_balance(
         inner = balance.solve(friction, angles)
         if inner.residual <= BALANCED:
             return answer("stable", inner)
-        leaning = np.arctan2(*(np.einsum("apd,pd->ap", balance.tangents, outer.forces)[::-1]))
-        angles = np.sort(np.column_stack([angles, leaning % (2 * np.pi)]), axis=1)
+        along_first, along_second = np.einsum("apd,pd->ap", balance.tangents, outer.forces)
+        leaning = np.arctan2(along_second, along_first) % (2 * np.pi)
+        angles = np.sort(np.column_stack([angles, leaning]), axis=1)
     return answer("doubt", outer)
 
 

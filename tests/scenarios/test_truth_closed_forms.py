@@ -1,7 +1,4 @@
-"""The judge against closed forms: every limit is bracketed from both sides.
-
-``NEAR`` is how near to a limit the verdict must still be right, as a share of the quantity that is varied.
-"""
+"""The judge against closed forms: every limit is bracketed from both sides."""
 
 import math
 
@@ -12,7 +9,7 @@ from scenarios.model import Brick, World
 from scenarios.planks import LENGTH, MASS, THICKNESS, WIDTH, lay, lean
 from scenarios.truth import equilibrium
 
-NEAR = 1e-4
+NEAR = 1e-4  # how near to a limit the verdict must still be right, as a share of the quantity that is varied
 G = 9.81
 
 

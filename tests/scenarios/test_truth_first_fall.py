@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import pytest
 
+from scenarios import force_balance
 from scenarios.hand import with_hand
 from scenarios.model import Brick, Expectation, Place, Push, Remove, Scene, World
 from scenarios.registry import build
-from scenarios.truth import equilibrium, first_fall
+from scenarios.truth import UndecidedError, equilibrium, first_fall
 
 SCENES = [
     build("plank_tower"),
@@ -105,6 +106,15 @@ def test_a_push_is_no_matter_of_statics():
 
 
 BRICK = Brick((0.1, 0.1, 0.1), 1.0, (0.0, 0.0, 0.05))
+
+
+def test_what_stays_open_is_in_doubt_and_never_stable(monkeypatch):
+    monkeypatch.setattr(force_balance, "ROUNDS", 0)
+    house = build("card_house")  # it needs friction, which the rounds would look for
+    assert equilibrium(house.bricks, house.world).verdict == "doubt"
+    assert not equilibrium(house.bricks, house.world).stable
+    with pytest.raises(UndecidedError, match="card_house: with 2 bricks laid it is too close to its limit"):
+        first_fall(house)
 
 
 def test_a_brick_in_the_air_falls():
