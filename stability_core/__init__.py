@@ -1,5 +1,6 @@
 """The stability extension: makes rigid bodies stack in any engine through contacts, sleep and mass."""
 
+from stability_core.equilibrium import Equilibrium, solve_equilibrium
 from stability_core.extension import Change, StabilityExtension
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import GROUND, Contacts, Masses, StabilityPort
@@ -10,9 +11,11 @@ __all__ = [
     "POLICIES",
     "Change",
     "Contacts",
+    "Equilibrium",
     "Masses",
     "Policy",
     "Settings",
     "StabilityExtension",
     "StabilityPort",
+    "solve_equilibrium",
 ]

@@ -1,0 +1,92 @@
+"""The Coulomb cone of a contact: |f_t| <= mu f_n, its projection and the derivative of that projection.
+
+Nothing is linearised: no pyramid stands in for the cone. With mu = 0 the cone is the ray along the normal, so the
+same code serves forces of a known direction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import FloatArray
+
+
+@compiled
+def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: FloatArray) -> None:
+    """The point of each contact's cone that is nearest to ``z``, written to ``force``.
+
+    With z_n = z . n, t = |z - z_n n| and e the tangent's direction: z itself inside the cone (t <= mu z_n), nought
+    inside its polar (mu t <= -z_n), else s (n + mu e) with s = (z_n + mu t) / (1 + mu^2).
+
+    Args:
+        z: any vectors, shape (m, 3).
+        normal: unit normals, shape (m, 3).
+        friction: Coulomb coefficients, shape (m,).
+        force: the result, shape (m, 3).
+    """
+    for c in range(len(z)):
+        nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
+        along = z[c, 0] * nx + z[c, 1] * ny + z[c, 2] * nz
+        tx, ty, tz = z[c, 0] - along * nx, z[c, 1] - along * ny, z[c, 2] - along * nz
+        mu = friction[c]
+        across = np.sqrt(tx * tx + ty * ty + tz * tz)
+        if across <= mu * along:
+            force[c, 0], force[c, 1], force[c, 2] = z[c, 0], z[c, 1], z[c, 2]
+        elif mu * across <= -along:
+            force[c, 0] = force[c, 1] = force[c, 2] = 0.0
+        else:
+            s = (along + mu * across) / (1.0 + mu * mu)
+            slide = mu * s / across if across > 0.0 else 0.0
+            force[c, 0], force[c, 1], force[c, 2] = s * nx + slide * tx, s * ny + slide * ty, s * nz + slide * tz
+
+
+@compiled
+def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArray, weight: FloatArray) -> int:
+    """The derivative of one contact's projection at ``z`` as a sum of k terms weight_k u_k u_k^T.
+
+    Inside the cone it is the identity, in the polar nought. Else, with w = (n + mu e) / sqrt(1 + mu^2), it is
+    w w^T + (mu s / t) (n x e) (n x e)^T. The apex counts as inside, so that a start from rest sees every contact.
+
+    Args:
+        z: where, shape (3,).
+        normal: unit normal, shape (3,).
+        mu: Coulomb coefficient.
+        direction: the unit vectors u_k, written to the first k rows, shape (3, 3).
+        weight: their weights, shape (3,).
+
+    Returns:
+        k, from 0 to 3.
+    """
+    along = z[0] * normal[0] + z[1] * normal[1] + z[2] * normal[2]
+    across = 0.0
+    for k in range(3):
+        direction[1, k] = z[k] - along * normal[k]
+        across += direction[1, k] ** 2
+    across = np.sqrt(across)
+    if along < 0.0 and mu * across <= -along:
+        return 0
+    if mu == 0.0:
+        direction[0] = normal
+        weight[0] = 1.0
+        return 1
+    inside = across <= mu * along
+    if across > 1e-14 * abs(along):
+        direction[1] /= across
+    else:  # any tangent will do
+        axis = np.argmin(np.abs(normal))
+        direction[1] = -normal[axis] * normal
+        direction[1, axis] += 1.0
+        direction[1] /= np.sqrt(1.0 - normal[axis] ** 2)
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        direction[2, k] = normal[i] * direction[1, j] - normal[j] * direction[1, i]
+    if inside:
+        direction[0] = normal
+        weight[:] = 1.0
+        return 3
+    direction[0] = (normal + mu * direction[1]) / np.sqrt(1.0 + mu * mu)
+    weight[0] = 1.0
+    direction[1] = direction[2]
+    weight[1] = mu * (along + mu * across) / ((1.0 + mu * mu) * across)
+    return 2

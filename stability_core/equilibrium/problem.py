@@ -1,0 +1,109 @@
+"""Bodies and contact points without names or units, and what proves that they stand or that they fall.
+
+Both proofs are checked by recomputing them, however the forces or the motion were found.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.equilibrium.cone import project
+from stability_core.port import FloatArray, IntArray
+
+
+class Problem(NamedTuple):
+    """Bodies, by their index from 0, and the contacts between them."""
+
+    body_a: IntArray
+    """First body of each contact, negative if it is fixed, shape (m,)."""
+    body_b: IntArray
+    """Second body, on which the force acts; the opposite one acts on the first, shape (m,)."""
+    lever_a: FloatArray
+    """From the first body's centre of mass to the contact, over that body's size, shape (m, 3)."""
+    lever_b: FloatArray
+    """From the second body's, shape (m, 3)."""
+    normal: FloatArray
+    """Unit normals from a to b, shape (m, 3)."""
+    friction: FloatArray
+    """Coulomb coefficients, shape (m,)."""
+    load: FloatArray
+    """Force [N] and moment [N, over the body's size] that contacts must exert on each body, shape (n, 6)."""
+
+
+@compiled
+def along_contacts(problem: Problem, motion: FloatArray, velocity: FloatArray) -> None:
+    """A^T y: velocity (m, 3) of the second body against the first at each contact, under a ``motion`` (n, 6)."""
+    for c in range(len(velocity)):
+        velocity[c] = 0.0
+        for sign, body, lever in (
+            (-1.0, problem.body_a[c], problem.lever_a[c]),
+            (1.0, problem.body_b[c], problem.lever_b[c]),
+        ):
+            if body < 0:
+                continue
+            v = motion[body]
+            velocity[c, 0] += sign * (v[0] + v[4] * lever[2] - v[5] * lever[1])
+            velocity[c, 1] += sign * (v[1] + v[5] * lever[0] - v[3] * lever[2])
+            velocity[c, 2] += sign * (v[2] + v[3] * lever[1] - v[4] * lever[0])
+
+
+@compiled
+def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
+    """The rest w - A f, (n, 6): what the contact forces (m, 3) leave unbalanced of each body's load."""
+    rest[:] = problem.load
+    for c in range(len(force)):
+        f = force[c]
+        for sign, body, r in (
+            (1.0, problem.body_a[c], problem.lever_a[c]),
+            (-1.0, problem.body_b[c], problem.lever_b[c]),
+        ):
+            if body < 0:
+                continue
+            rest[body, 0] += sign * f[0]
+            rest[body, 1] += sign * f[1]
+            rest[body, 2] += sign * f[2]
+            rest[body, 3] += sign * (r[1] * f[2] - r[2] * f[1])
+            rest[body, 4] += sign * (r[2] * f[0] - r[0] * f[2])
+            rest[body, 5] += sign * (r[0] * f[1] - r[1] * f[0])
+
+
+@compiled
+def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
+    """The largest imbalance of a body, over the largest force on it."""
+    largest = np.zeros(len(rest))
+    for i in range(len(rest)):
+        for k in range(6):
+            largest[i] = max(largest[i], abs(problem.load[i, k]))
+    for c in range(len(force)):
+        size = max(abs(force[c, 0]), abs(force[c, 1]), abs(force[c, 2]))
+        for body in (problem.body_a[c], problem.body_b[c]):
+            if body >= 0:
+                largest[body] = max(largest[body], size)
+    worst = 0.0
+    for i in range(len(rest)):
+        for k in range(6):
+            if rest[i, k] != 0.0:  # 0 / 0 for a body without load and force
+                worst = max(worst, abs(rest[i, k]) / largest[i])
+    return worst
+
+
+@compiled
+def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
+    """A force that every equilibrium must exceed somewhere, over all weight: infinite for an exact Farkas ray.
+
+    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|.
+    """
+    along_contacts(problem, ray, work)
+    project(work, problem.normal, problem.friction, force)
+    resisted = 0.0
+    for c in range(len(force)):
+        resisted += np.sqrt(force[c, 0] ** 2 + force[c, 1] ** 2 + force[c, 2] ** 2)
+    gained, weight = 0.0, 0.0
+    for i in range(len(ray)):
+        for k in range(6):
+            gained += ray[i, k] * problem.load[i, k]
+            weight += abs(problem.load[i, k])
+    return gained / (resisted * weight) if gained > 0.0 else 0.0
