@@ -80,9 +80,9 @@ def test_a_slab_on_a_steep_rough_incline_topples_where_its_centre_passes_its_edg
         assert equilibrium([standing], World(0.45, gravity)).verdict == expected
 
 
-def inverted_v(theta):
-    spread = LENGTH * math.cos(theta)
-    return [lean(-spread, theta=theta, toward=1, level=1), lean(spread, theta=theta, toward=-1, level=1)]
+def inverted_v(theta, x=0.0, bottom=0.0):
+    feet = ((x - LENGTH * math.cos(theta), 1), (x + LENGTH * math.cos(theta), -1))
+    return [lean(foot, theta=theta, toward=toward, level=1, bottom=bottom) for foot, toward in feet]
 
 
 @pytest.mark.parametrize("theta", [50, 62, 70, 75, 82])
@@ -100,6 +100,34 @@ def test_an_inverted_v_needs_cot_theta_if_a_face_is_the_normal_at_its_ridge(thet
     least = 1 / math.tan(angle)
     assert verdict(inverted_v(angle), least * (1 + NEAR), ridge="face") == "stable"
     assert verdict(inverted_v(angle), least * (1 - NEAR), ridge="face") == "unstable"
+
+
+def card_house(storeys, theta):
+    """Vs whose ridges are a plank apart, or as near as their feet allow: roofs lie end to end, from ridge to ridge."""
+    height = LENGTH * math.sin(theta) + THICKNESS * math.cos(theta)
+    spacing = max(LENGTH, 2 * (LENGTH * math.cos(theta) + THICKNESS * math.sin(theta))) + 0.5e-3
+    bricks = []
+    for storey in range(storeys):
+        bottom, count = storey * (height + THICKNESS), storeys - storey
+        for index in range(count):
+            bricks += inverted_v(theta, (index - (count - 1) / 2) * spacing, bottom)
+        for index in range(count - 1):
+            bricks.append(lay((index - (count - 2) / 2) * spacing, level=2, bottom=bottom + height))
+    return bricks
+
+
+@pytest.mark.parametrize(
+    ("storeys", "theta", "least"),
+    [
+        *((2, 62, 0.376), (2, 65, 0.340), (2, 70, 0.271), (2, 75, 0.191), (2, 80, 0.108)),
+        *((4, 70, 0.272), (4, 75, 0.192), (4, 80, 0.108)),
+    ],
+)
+def test_card_houses_need_the_friction_that_was_found_elsewhere(storeys, theta, least):
+    """Least friction from another program, with two or three figures; its gaps are not known, hence 0.002."""
+    bricks = card_house(storeys, math.radians(theta))
+    assert verdict(bricks, least + 0.002) == "stable"
+    assert verdict(bricks, least - 0.002) == "unstable"
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.45, 0.8])
@@ -145,8 +173,8 @@ def fall_levels(shifts):
 
 
 def test_random_towers_fall_at_the_third_plank_once_in_eight_and_at_7_11_on_average():
-    """Shifts uniform in half a length either way. 400,000 towers: standard errors 0.0005 and 0.006."""
-    levels = fall_levels(np.random.default_rng(1).uniform(-0.5, 0.5, (400_000, 80)))
+    """Shifts uniform in half a length either way. 200,000 towers: standard errors 0.0007 and 0.008."""
+    levels = fall_levels(np.random.default_rng(1).uniform(-0.5, 0.5, (200_000, 80)))
     assert levels.min() > 0
     assert np.mean(levels == 3) == pytest.approx(1 / 8, abs=0.002)
     assert np.mean(levels) == pytest.approx(7.11, abs=0.02)
