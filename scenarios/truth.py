@@ -37,7 +37,7 @@ def equilibrium(
         ValueError: if there is no brick or no gravity, an edge, a mass or friction is not what it must be, a number is
             not finite, or bricks overlap.
     """
-    _check([*bricks, *walls], world)
+    _check(bricks, walls, world)
     return _judge(bricks, contact_patches(bricks, walls, ridge=ridge), world)
 
 
@@ -48,9 +48,10 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
-        ValueError: if the scene pushes bricks: statics has no answer.
+        ValueError: if the scene pushes bricks, for which statics has no answer, or lays one where another, since
+            removed, was planned: they would overlap.
     """
-    _check(scene.bricks, scene.world)
+    _check(scene.bricks, (), scene.world)
     patches = contact_patches(scene.bricks, ridge=ridge)
     present: list[int] = []
     placed = level = 0
@@ -90,10 +91,10 @@ def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World) -> S
     return solve_balance(np.array([brick.position for brick in bricks]), weights, patches, world.friction, length)
 
 
-def _check(bricks: Sequence[Brick], world: World) -> None:
+def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
     if not bricks:
         raise ValueError("there must be at least one brick")
-    for index, brick in enumerate(bricks):
+    for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
             raise ValueError(f"brick {index} is not finite: {brick}")
         if min(*brick.size, brick.mass) <= 0:
