@@ -10,15 +10,16 @@ import platform
 import subprocess
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import psutil
 
 from adapters import ENGINES, Profile, capabilities, profiles
+from bench.sources import ROOT, SUITE, sources_digest
 from stability_core import Settings
 
-ROOT = Path(__file__).parent.parent
 _PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
 
 
@@ -28,8 +29,8 @@ def engine_version(engine: str) -> str:
 
 
 def describe(engines: Iterable[str]) -> dict[str, Any]:
-    """What environment.json holds; the same on the same machine at the same commit."""
-    return {
+    """What every trial of a run shares; the same on the same machine at the same commit, all of it plain JSON."""
+    environment = {
         "python": platform.python_version(),
         "platform": platform.platform(),
         "processor": _processor(),
@@ -40,6 +41,7 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
         "lock_sha256": hashlib.sha256((ROOT / "uv.lock").read_bytes()).hexdigest(),
         "commit": _git("rev-parse", "HEAD"),
         "modified": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "sources": sources_digest(SUITE),
         "settings": asdict(Settings()),
         "engines": {
             name: {
@@ -50,11 +52,31 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
             for name in engines
         },
     }
+    plain: dict[str, Any] = json.loads(json.dumps(environment))
+    return plain
+
+
+def session() -> dict[str, Any]:
+    """How the machine was when a run began or went on; it may differ each time."""
+    return {
+        "host": platform.node(),
+        "begun": datetime.now(UTC).isoformat(timespec="seconds"),
+        "load": [round(load, 2) for load in psutil.getloadavg()],
+        "governor": _governor(),
+        "cores_allowed": sorted(allowed_cores()),
+    }
+
+
+def allowed_cores() -> set[int]:
+    """The cores that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):  # Linux only
+        return os.sched_getaffinity(0)
+    return set(range(os.cpu_count() or 1))
 
 
 def digest(environment: Mapping[str, Any]) -> str:
     """Short digest by which a record names its environment."""
-    canonical = json.dumps(environment, sort_keys=True, default=str).encode()
+    canonical = json.dumps(environment, sort_keys=True).encode()
     return hashlib.blake2b(canonical, digest_size=6).hexdigest()
 
 
@@ -75,6 +97,12 @@ def _processor() -> str:
             if line.startswith("model name"):
                 return line.partition(":")[2].strip()
     return platform.processor() or platform.machine()
+
+
+def _governor() -> str | None:
+    """What decides the processor's frequency; None where the system does not tell."""
+    file = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
+    return file.read_text(encoding="utf-8").strip() if file.exists() else None
 
 
 def _git(*arguments: str) -> str | None:

@@ -6,20 +6,14 @@ update of the checkout, stale kernels would go on to decide what stands. A folde
 
 from __future__ import annotations
 
-import hashlib
 import os
 import tempfile
 from pathlib import Path
 
+from bench.sources import ROOT, sources_digest
+
 _VARIABLE = "NUMBA_CACHE_DIR"
-_CORE = Path(__file__).parent.parent / "stability_core"
-
-
-def _sources_digest() -> str:
-    digest = hashlib.blake2b(digest_size=8)
-    for path in sorted(_CORE.rglob("*.py")):
-        digest.update(path.relative_to(_CORE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
+_CORE = ROOT / "stability_core"
 
 
 def keep_kernels_apart() -> None:
@@ -27,7 +21,7 @@ def keep_kernels_apart() -> None:
     if _VARIABLE in os.environ:
         return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = home / "stillstack" / "kernels" / _sources_digest()
+    folder = home / "stillstack" / "kernels" / sources_digest([_CORE])
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:  # a read-only home: compile anew in each session rather than fail

@@ -1,72 +1,174 @@
-"""The folder in which a run leaves its results; its names are fixed."""
+"""The folder in which a run leaves its results; its names are fixed.
+
+A run that was cut off goes on in its folder. Whatever the cut, even of the power: a record on disk means that all of
+its trial is there, and a trial without a record is run again.
+"""
 
 from __future__ import annotations
 
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bench.studies import Study
+from filelock import FileLock, Timeout
+
+from bench.environment import digest, session
+from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.frames import write_frames
-from reports.records import RecordWriter
+from reports.records import RecordWriter, read_records
+from reports.writing import write_whole
 
 TRIALS = "trials.jsonl"
-_PARTS = ("study.toml", "environment.json", TRIALS, "frames", "report")
+STUDY = "study.toml"
+ENVIRONMENT = "environment.json"
+_SESSIONS = "sessions"
+_LOCK = ".lock"
+_PARTS = (STUDY, ENVIRONMENT, TRIALS, "frames", "report")
+_NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "sources": "sources"}
 
 
 class ResultsError(ValueError):
     """A folder that cannot take results; the message names the fix."""
 
 
-def check_folder(folder: Path, fresh: bool) -> None:
-    """Whether results can go into ``folder``; nothing is written.
+def check_folder(folder: Path) -> None:
+    """Whether a folder can be written.
 
     Raises:
-        ResultsError: if it holds results already and ``fresh`` is not asked for, or it cannot be written.
+        ResultsError: if it cannot.
     """
     nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not nearest.is_dir():
         raise ResultsError(f"{nearest} is not a folder: choose another with --out")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise ResultsError(f"{nearest} cannot be written: choose another folder with --out")
-    if (folder / TRIALS).exists() and not fresh:
-        raise ResultsError(f"{folder} already holds trials: choose another folder with --out, or replace them: --fresh")
+
+
+def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
+    """What differs between this run and the one that left trials in ``folder``; nothing if there are no trials."""
+    if not (folder / TRIALS).exists():
+        return []
+    different = []
+    try:
+        if load_study(str(folder / STUDY)) != study:
+            different.append("study")
+    except StudyError:
+        different.append("study")
+    before = _kept_environment(folder)
+    return different + [_NAMES.get(key, key) for key in environment if before.get(key) != environment[key]]
 
 
 class Results:
-    """A folder that takes the outcomes of a run, one by one."""
+    """A folder that takes the outcomes of a run, one by one. No other run can write into it meanwhile."""
 
-    def __init__(self, folder: Path, study: Study, environment: Mapping[str, Any]) -> None:
-        """Make the folder, without what an earlier run left in it."""
-        for name in _PARTS:
-            part = folder / name
-            if part.is_dir():
-                shutil.rmtree(part)
-            else:
-                part.unlink(missing_ok=True)
+    def __init__(
+        self,
+        folder: Path,
+        study: Study,
+        environment: Mapping[str, Any],
+        *,
+        fresh: bool = False,
+        accept_changes: bool = False,
+    ) -> None:
+        """Make the folder, or go on with the trials that it holds.
+
+        Args:
+            folder: where to.
+            study: what is run.
+            environment: what every trial shares.
+            fresh: whether trials of an earlier run are replaced.
+            accept_changes: whether trials of another study, commit or machine are gone on with; each record names the
+                environment that it came from.
+
+        Raises:
+            ResultsError: if the folder cannot be written, another run is at work in it, or what it holds came from
+                another study or environment and this is not accepted.
+        """
+        check_folder(folder)
+        folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
+        self._lock = FileLock(folder / _LOCK)  # the system frees it when the process dies, however it does
+        try:
+            self._lock.acquire(blocking=False)
+        except Timeout:
+            raise ResultsError(f"another run is at work in {folder}: wait for it, or choose another --out") from None
+        try:
+            if fresh:
+                _clear(folder)
+            different = changes(folder, study, environment)
+            if different and not accept_changes:
+                raise ResultsError(_refusal(folder, different))
+            self._open(study, environment, bool(different))
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _open(self, study: Study, environment: Mapping[str, Any], different: bool) -> None:
+        folder = self.folder
+        if different:
+            _put_aside(folder)
+        sessions = _kept_environment(folder).get(_SESSIONS, []) if (folder / TRIALS).exists() else []
+        content = {**environment, _SESSIONS: [*sessions, session()]}
+        write_whole(folder / STUDY, _to_toml(study).encode())
+        write_whole(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
         self._frames = folder / "frames"
-        self._frames.mkdir(parents=True)
-        (folder / "study.toml").write_text(_to_toml(study), encoding="utf-8")
-        (folder / "environment.json").write_text(json.dumps(environment, indent=2) + "\n", encoding="utf-8")
+        self._frames.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
-        self.kept = 0
-        """Number of trials kept so far."""
+        self.torn = self._writer.torn
+        """Whether the last line was torn by a cut; that trial is run again."""
+        self.finished = {record.trial for record in read_records(folder / TRIALS)}
+        """Ids of the trials kept so far."""
 
     def keep(self, outcome: Outcome) -> None:
         """Write the frames, then the record: a record on disk means that all of its trial is."""
         if outcome.frames:
             write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
         self._writer.append(outcome.record)
-        self.kept += 1
+        self.finished.add(outcome.record.trial)
 
     def close(self) -> None:
         """No more outcomes."""
         self._writer.close()
+        self._lock.release()
+
+
+def _clear(folder: Path) -> None:
+    """Remove what an earlier run left, the trials first: without them nothing else counts."""
+    for name in (TRIALS, *_PARTS):
+        part = folder / name
+        if part.is_dir():
+            shutil.rmtree(part)
+        else:
+            part.unlink(missing_ok=True)
+    for environment in folder.glob("environment-*.json"):
+        environment.unlink()
+
+
+def _kept_environment(folder: Path) -> dict[str, Any]:
+    try:
+        kept = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return kept if isinstance(kept, dict) else {}
+
+
+def _put_aside(folder: Path) -> None:
+    """Keep the environment of the earlier trials under the digest by which their records name it."""
+    kept = _kept_environment(folder)
+    if kept:
+        name = digest({key: value for key, value in kept.items() if key != _SESSIONS})
+        (folder / ENVIRONMENT).replace(folder / f"environment-{name}.json")
+
+
+def _refusal(folder: Path, different: Sequence[str]) -> str:
+    return (
+        f"{folder} holds trials of another run; changed since: {', '.join(different)}. Choose another folder with "
+        "--out, replace the trials with --fresh, or go on nevertheless with --accept-changes"
+    )
 
 
 def _to_toml(study: Study) -> str:

@@ -93,6 +93,8 @@ class Limits(_Model):
 
     trial_wall_s: float = Field(default=60.0, gt=0)
     """Wall time [s] after which a trial stops and is censored."""
+    memory_mib: int = Field(default=4096, ge=1)
+    """Memory [MiB] above which a trial's process is ended. A trial of a hundred planks takes about 300."""
     ratio: bool = True
     """Whether trials with an extension also measure the frame time without it on the same stack."""
 

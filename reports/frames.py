@@ -9,6 +9,8 @@ from typing import NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from reports.writing import whole_file
+
 
 class FrameRow(NamedTuple):
     """One frame. Null columns belong to trials without an extension."""
@@ -65,10 +67,11 @@ _SCHEMA = pa.schema(
 
 
 def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
-    """Write a trial's frames; the folder must exist."""
+    """Write a trial's frames, all or none; the folder must exist."""
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(FrameRow._fields)
     arrays = [pa.array(values, field.type) for values, field in zip(columns, _SCHEMA, strict=True)]
-    pq.write_table(pa.Table.from_arrays(arrays, schema=_SCHEMA), path)
+    with whole_file(path) as draft:
+        pq.write_table(pa.Table.from_arrays(arrays, schema=_SCHEMA), draft)
 
 
 def read_frames(path: Path) -> list[FrameRow]:

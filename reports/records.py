@@ -7,6 +7,7 @@ What does not exist is null; NaN and infinity are refused. Derive from these rec
 from __future__ import annotations
 
 import json
+import os
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -116,17 +117,19 @@ class TrialRecord(BaseModel):
 
 
 class RecordWriter:
-    """Appends records to a file, each flushed before the next trial begins."""
+    """Appends records to a file, each on disk before the next trial begins."""
 
     def __init__(self, path: Path) -> None:
         """Open ``path`` for appending; a line that was torn by a cut is taken away first."""
-        _mend(path)
+        self.torn = _mend(path)
+        """Whether there was a torn line."""
         self._file = path.open("a", encoding="utf-8")
 
     def append(self, record: TrialRecord) -> None:
-        """Write one record and hand it to the operating system."""
+        """Write one record and wait until it is on disk."""
         self._file.write(record.model_dump_json() + "\n")
         self._file.flush()
+        os.fsync(self._file.fileno())
 
     def close(self) -> None:
         """No more records."""
@@ -183,17 +186,19 @@ def _reason(error: ValidationError) -> str:
     return f"not a trial record: field '{field}': {first['msg']}"
 
 
-def _mend(path: Path) -> None:
-    """Make the file end with a whole line, so that what is appended starts on one of its own."""
+def _mend(path: Path) -> bool:
+    """Make the file end with a whole line, so that what is appended starts on one of its own; True if one was torn."""
     if not path.exists():
-        return
+        return False
     content = path.read_bytes()
     last = content.rpartition(b"\n")[2]
     if not last:
-        return
+        return False
+    torn = _is_torn(last)
     with path.open("r+b") as file:
-        if _is_torn(last):
+        if torn:
             file.truncate(len(content) - len(last))
         else:
             file.seek(0, 2)
             file.write(b"\n")
+    return torn

@@ -1,6 +1,6 @@
 """An engine that needs no engine: bricks stay where they are put unless a test moves them.
 
-And one that misbehaves (``rogue/``), in a suite that runs apart from the tests, so that it may crash, hang and be killed.
+And one that misbehaves (``rogue/``), in a suite that runs apart from the tests, so that it may crash and be killed.
 """
 
 import os

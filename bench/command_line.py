@@ -1,0 +1,177 @@
+"""The command line: ``uv run -m bench VERB``. Exit status 0 done, 1 a check failed, 2 bad usage or input."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from adapters import EngineNotInstalledError
+from bench.catalogue import print_catalogue
+from bench.conformance import check_engine
+from bench.environment import describe, digest
+from bench.interruption import Interruption
+from bench.isolation import await_server, start_server, stop_everything
+from bench.plan import Trial, plan_trials
+from bench.policies import BENCH_POLICIES
+from bench.progress import show_progress
+from bench.results import TRIALS, Results, ResultsError, check_folder
+from bench.runner import run_trials
+from bench.selection import Selection, selected
+from bench.studies import Study, StudyError, load_study
+from reports.records import RecordError, read_records
+from reports.tables import render, study_tables, write_report
+from stability_core.lookup import UnknownNameError
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Do your engine's bricks stand when they should, and fall when they should?",
+)
+_LOG_WIDTH = 110
+_out = Console(width=None if sys.stdout.isatty() else _LOG_WIDTH)
+_err = Console(stderr=True)
+
+
+@app.command()
+def run(
+    study: Annotated[str, typer.Argument(help="A study's name (see 'list') or a TOML file.")] = "paper",
+    engine: Annotated[list[str] | None, typer.Option(help="Only this engine; may be repeated.")] = None,
+    scenario: Annotated[list[str] | None, typer.Option(help="Only this scenario; may be repeated.")] = None,
+    policy: Annotated[list[str] | None, typer.Option(help="Only this policy; may be repeated.")] = None,
+    profile: Annotated[list[str] | None, typer.Option(help="This profile of the engines; may be repeated.")] = None,
+    seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
+    out: Annotated[Path | None, typer.Option(help="Results folder [results/STUDY-TIME].")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="List the trials and write nothing.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Replace the trials that the folder holds.")] = False,
+    accept_changes: Annotated[
+        bool, typer.Option("--accept-changes", help="Go on with a folder although study, commit or machine changed.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines in place of tables.")] = False,
+) -> None:
+    """Run a study, or go on with one that was cut off, and print what stood and what fell."""
+    with _input_errors():
+        wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds)
+        chosen = selected(load_study(study), wanted)
+        trials = plan_trials(chosen)
+        folder = out or Path("results") / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+        check_folder(folder)
+    if dry_run:
+        for trial in trials:
+            typer.echo(trial.id)
+        _err.print(
+            f"{len(trials)} trials of at most {chosen.limits.trial_wall_s:g} s each would be run.", highlight=False
+        )
+        return
+    with _input_errors():
+        environment = describe(chosen.engines)
+        results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
+    _run(chosen, trials, results, digest(environment), jobs, as_json)
+    records = read_records(folder / TRIALS)
+    write_report(folder, records)
+    if not as_json:
+        for table in study_tables(records):
+            render(table, _out)
+    _tell(f"{len(results.finished)} trials are kept in {_relative(folder)}")
+
+
+def _run(study: Study, trials: list[Trial], results: Results, environment: str, jobs: int, as_json: bool) -> None:
+    """Run the trials that are not yet kept and keep each as it finishes, also when the run is interrupted."""
+    waiting = [trial for trial in trials if trial.id not in results.finished]
+    if results.torn:
+        _tell("the last line of trials.jsonl was torn by a cut: that trial is run again")
+    if len(waiting) < len(trials):
+        _tell(f"going on: {len(trials) - len(waiting)} of {len(trials)} trials are already there")
+    with Interruption() as interruption:
+        try:
+            if waiting:
+                _run_waiting(study, waiting, results, environment, jobs, as_json, interruption)
+        finally:
+            results.close()
+        if interruption.is_set():
+            kept = sum(trial.id in results.finished for trial in trials)
+            _tell(f"interrupted: {kept} of {len(trials)} trials are kept in {_relative(results.folder)}")
+            _tell(f"to go on, run the same with --out {_relative(results.folder)}")
+            raise typer.Exit(interruption.exit_status)
+
+
+def _run_waiting(
+    study: Study,
+    trials: list[Trial],
+    results: Results,
+    environment: str,
+    jobs: int,
+    as_json: bool,
+    interruption: Interruption,
+) -> None:
+    with_core = any(BENCH_POLICIES[name].core for name in study.policies)
+    try:
+        start_server(study.engines, with_core)
+        if with_core:
+            _tell("compiling the core once")
+        with interruption.at_once():
+            await_server()
+        with show_progress(trials, _err) as progress:
+            outcomes = run_trials(trials, study.limits, environment, jobs, progress, interruption.is_set)
+            for outcome in outcomes:
+                results.keep(outcome)
+                if as_json:
+                    typer.echo(outcome.record.model_dump_json())
+    except KeyboardInterrupt:  # while the server compiled
+        pass
+    if interruption.is_set():
+        stop_everything()
+
+
+@app.command()
+def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]) -> None:
+    """Make a folder's tables anew from its raw records, and print them."""
+    with _input_errors():
+        records = read_records(folder / TRIALS)
+        write_report(folder, records)
+    for table in study_tables(records):
+        render(table, _out)
+
+
+@app.command(name="list")
+def list_() -> None:
+    """What can be run: scenarios and what theory says of them, engines, profiles, policies and studies."""
+    print_catalogue(_out)
+
+
+@app.command()
+def check(
+    engine: Annotated[str, typer.Argument(help="An engine's name.")],
+    profile: Annotated[str, typer.Option(help="Profile of the engine.")] = "game",
+) -> None:
+    """Check that an engine's adapter keeps the contract that the core relies on."""
+    with _input_errors():
+        failed = check_engine(engine, profile, _out)
+    raise typer.Exit(1 if failed else 0)
+
+
+@contextmanager
+def _input_errors() -> Iterator[None]:
+    """Input that cannot be used ends the program with its fix, not with a trace."""
+    try:
+        yield
+    except (UnknownNameError, StudyError, ResultsError, RecordError, EngineNotInstalledError, OSError) as error:
+        _err.print(f"error: {error}", markup=False, highlight=False, soft_wrap=True)
+        raise typer.Exit(2) from error
+
+
+def _tell(text: str) -> None:
+    _err.print(text, highlight=False, soft_wrap=True)
+
+
+def _relative(folder: Path) -> str:
+    return os.path.relpath(folder)

@@ -1,0 +1,215 @@
+"""One trial in a fresh process: what an engine does to its process is this trial's outcome, and nobody else's.
+
+The processes are forked from a server that has loaded the harness and the engines, but never opened one: a trial
+starts in tens of milliseconds, sees no other trial's leftovers, and runs the code as it was when the server started.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import math
+import multiprocessing
+import os
+import resource
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing import connection, forkserver
+from multiprocessing.connection import Connection
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import psutil
+from pebble import ProcessExpired, ProcessFuture
+from pebble.concurrent import process
+
+from adapters import ENGINES
+from bench.plan import Trial
+from bench.play import Progress
+from bench.studies import Limits
+from bench.trial import Outcome, bare_record, run_trial
+from reports.records import Status
+
+GRACE_S = 60.0
+"""A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""
+_TELL_S = 0.25
+"""Progress is told no more often than this [s], lest telling disturbs the timing."""
+_MOST_OUTPUT = 2**24
+"""An engine that prints without end must not fill the disk [bytes]."""
+_TAIL = 2**16
+"""How much of its output is looked through for its last words [bytes]."""
+_MEBI = 2**20
+_CONTEXT = multiprocessing.get_context("forkserver")
+
+
+def start_server(engines: Sequence[str], with_core: bool) -> None:
+    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them."""
+    modules = [ENGINES[engine].module for engine in engines]
+    forkserver.set_forkserver_preload([__name__, *(["bench.compiled_core"] if with_core else []), *modules])
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def await_server() -> None:
+    """Return when the server has loaded everything, and compiled the core if need be."""
+    in_process(os.getpid, None)().result()
+
+
+def stop_everything() -> None:
+    """End the server and every trial that still runs."""
+    for child in psutil.Process().children(recursive=True):
+        try:
+            child.kill()
+        except psutil.NoSuchProcess:
+            continue
+
+
+class IsolatedTrial:
+    """A trial at work in its own process."""
+
+    def __init__(self, trial: Trial, limits: Limits, environment: str, core: int | None, folder: Path) -> None:
+        """Start it.
+
+        Args:
+            trial: what to run.
+            limits: when it is stopped.
+            environment: digest of the environment, for the record.
+            core: the processor core to run on; None leaves that to the system.
+            folder: for its output while it runs.
+        """
+        self.trial = trial
+        self.core = core
+        self._limits = limits
+        self._environment = environment
+        self._log = folder / f"{trial.id}.log"
+        self._reader, writer = _CONTEXT.Pipe(duplex=False)
+        self._pid: int | None = None
+        self._excess_mib: float | None = None
+        launch = in_process(_run_in_child, limits.trial_wall_s + GRACE_S)
+        self.future: ProcessFuture[Outcome] = launch(trial, limits, environment, core, writer, self._log)
+        writer.close()
+
+    def news(self) -> Iterator[Progress]:
+        """What it has told since last asked."""
+        try:
+            while self._reader.poll():
+                message = self._reader.recv()
+                if isinstance(message, Progress):
+                    yield message
+                else:
+                    self._pid = message
+        except (EOFError, OSError):
+            return
+
+    def limit_memory(self) -> None:
+        """End the process if it has taken more memory than it may."""
+        if self._pid is None or self.future.done():
+            return
+        try:
+            taken = psutil.Process(self._pid).memory_info().rss / _MEBI
+            if taken > self._limits.memory_mib:
+                self._excess_mib = taken
+                os.kill(self._pid, signal.SIGKILL)
+        except (psutil.Error, ProcessLookupError):
+            return
+
+    def outcome(self) -> Outcome:
+        """What it left behind; waits for its end."""
+        try:
+            return self.future.result()
+        except ProcessExpired as error:
+            if self._excess_mib is not None:
+                return self._lost("out_of_memory", self._excess())
+            return self._lost("crashed", f"{_ending(error.exitcode)}: {_last_words(self._log)}")
+        except TimeoutError:
+            return self._lost("timeout", "the engine hung and was stopped; how far it got is not known")
+        except MemoryError:
+            return self._lost("out_of_memory", "the process ran out of memory")
+        except Exception as error:  # a fault of the harness itself costs this trial, not the run
+            return self._lost("error", f"harness: {type(error).__name__}: {error}")
+        finally:
+            self._reader.close()
+            self._log.unlink(missing_ok=True)
+
+    def stop(self) -> None:
+        """End it without an outcome."""
+        self.future.cancel()  # type: ignore[no-untyped-call]
+
+    def _lost(self, status: Status, message: str) -> Outcome:
+        """The record of a trial whose process left none."""
+        return Outcome(bare_record(self.trial, self.trial.build_scene(), self._environment, status, message), [])
+
+    def _excess(self) -> str:
+        return f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB"
+
+
+def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
+    """``function`` in a fresh process that is ended after ``timeout_s`` [s]."""
+    # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
+    return process(name="stillstack-trial", timeout=timeout_s, context=_CONTEXT)(function)  # type: ignore[call-overload, no-any-return]
+
+
+def _run_in_child(
+    trial: Trial, limits: Limits, environment: str, core: int | None, writer: Connection, log: Path
+) -> Outcome:
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # an engine that hangs may keep that thread from running
+    _send_output_to(log)
+    if core is not None:
+        os.sched_setaffinity(0, {core})
+    writer.send(os.getpid())
+    last = -_TELL_S
+
+    def tell(progress: Progress) -> None:
+        nonlocal last
+        now = monotonic()
+        if now - last >= _TELL_S:
+            last = now
+            writer.send(progress)
+
+    return run_trial(trial, limits, environment, tell)
+
+
+def _end_with_parent() -> None:
+    """A harness that was killed takes its trials along, lest they disturb the timings of the run that goes on."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+
+def _send_output_to(log: Path) -> None:
+    """Engines print at will: keep it off the terminal, and keep it for a crash's last words."""
+    with log.open("w", encoding="utf-8") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (_MOST_OUTPUT, _MOST_OUTPUT))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a study of crashes would leave gigabytes of core dumps
+    faulthandler.enable(sys.stderr)
+
+
+def _ending(exitcode: int | None) -> str:
+    if exitcode == -signal.SIGKILL:
+        return "the process died of SIGKILL (if nobody sent it, the system ran out of memory)"
+    if exitcode is not None and exitcode < 0:
+        return f"the process died of {signal.Signals(-exitcode).name}"
+    return f"the process ended with status {exitcode}"
+
+
+def _last_words(log: Path) -> str:
+    """What a crashed process printed last: Python's line on a fatal error if there is one."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - _TAIL))
+            said = file.read().decode(errors="replace")
+    except FileNotFoundError:
+        return "it said nothing"
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    fatal = [line for line in lines if line.startswith("Fatal Python error")]
+    last = (fatal or lines or ["it said nothing"])[-1][:300]
+    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in last)

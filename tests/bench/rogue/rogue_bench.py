@@ -1,0 +1,20 @@
+"""The command line with the misbehaving engine registered. Every trial's process runs this file's upper part too.
+
+The commit is whatever a test says, so that nothing else that happens to the checkout plays a part.
+"""
+
+import os
+
+from adapters import registry
+
+registry.ENGINES["rogue"] = registry._Entry("rogue_engine", "RogueSimulation", "numpy")
+
+if __name__ == "__main__":
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from bench import command_line, isolation
+
+    isolation.GRACE_S = 1.0
+    command_line.describe = lambda _: {"commit": os.environ.get("COMMIT", "c0ffee")}
+    command_line.app()

@@ -1,0 +1,46 @@
+"""A process a trial: whatever an engine does to its process is that trial's outcome, and no other trial's."""
+
+import os
+
+from bench import isolation
+from reports.records import read_records
+
+OUTCOMES = {
+    "segfault": ("crashed", "the process died of SIGSEGV: Fatal Python error: Segmentation fault"),
+    "abort": ("crashed", "the process died of SIGABRT: Fatal Python error: Aborted"),
+    "exit": ("crashed", "the process ended with status 3: it said nothing"),
+    "hang": ("timeout", "the engine hung and was stopped"),
+    "leak": ("out_of_memory", "MiB, above its limit of 450 MiB"),
+    "raise": ("error", "RuntimeError: the solver gave up"),
+    "nan": ("diverged", "poses were not finite"),
+    "garbage": ("completed", ""),
+    "game": ("completed", ""),
+}
+"""By what the engine does: how its trial ends, and what is told."""
+
+
+def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite) -> None:
+    """Misdeeds and sound trials take turns; every sound one is recorded, and the harness ends with status 0."""
+    rogue_suite.write_study(OUTCOMES, seeds=2, limits={"trial_wall_s": 3.0, "memory_mib": 450})
+    told = rogue_suite.run("--jobs", "2")
+    assert f"{2 * len(OUTCOMES)} trials are kept in" in told
+    records = read_records(rogue_suite.out / "trials.jsonl")
+    assert len(records) == 2 * len(OUTCOMES)
+    for record in records:
+        status, message = OUTCOMES[record.profile]
+        assert (record.profile, record.status) == (record.profile, status), record.message
+        assert message in record.message
+    assert not list(rogue_suite.folder.glob("**/core*"))
+
+
+def test_a_trial_is_no_fork_of_this_process() -> None:
+    """Forks would share the engines that this process has imported."""
+    isolation.start_server([], with_core=False)
+    assert isolation.in_process(os.getppid, 60)().result() != os.getpid()
+
+
+def test_garbled_last_words_are_made_fit_to_print(tmp_path) -> None:
+    log = tmp_path / "log"
+    log.write_bytes(b"x\n" * 100_000 + b"\xff\x1b[31m out of contacts \n\n")
+    assert isolation._last_words(log) == "\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER}[31m out of contacts"
+    assert isolation._last_words(tmp_path / "none") == "it said nothing"

@@ -1,0 +1,67 @@
+"""A study that is killed goes on with the same command: nothing finished is run again, nothing is lost or doubled."""
+
+import random
+import time
+
+import pytest
+
+from reports.frames import read_frames
+from reports.records import TrialRecord, read_records
+
+TIMINGS = {"wall_s", "realtime_factor", "environment"} | {name for name in TrialRecord.model_fields if "_ms" in name}
+
+
+def untimed(records: list[TrialRecord]) -> dict[str, dict[str, object]]:
+    """Everything in the records that does not depend on the clock, by trial."""
+    return {record.trial: record.model_dump(exclude=TIMINGS) for record in records}
+
+
+def kill_after(suite, more_trials: int, pause_s: float) -> int:
+    """Kill a run once it has kept some more trials, and a moment later; how many are kept then."""
+    path = suite.out / "trials.jsonl"
+
+    def count() -> int:
+        return path.read_bytes().count(b"\n") if path.exists() else 0
+
+    enough = count() + more_trials
+    with suite.start("--jobs", "2") as process:
+        deadline = time.monotonic() + 120
+        while count() < enough and process.poll() is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.005)
+        time.sleep(pause_s)
+        process.kill()
+    return count()
+
+
+def check_kills(suite, seeds: int, kills: int) -> list[TrialRecord]:
+    """Kill a study some times, let it end, and return its records."""
+    draw = random.Random(0)
+    suite.write_study(seeds=seeds)
+    before: list[TrialRecord] = []
+    for _ in range(kills):
+        kill_after(suite, draw.randint(1, seeds // (kills + 1)), draw.uniform(0, 0.2))
+        now = read_records(suite.out / "trials.jsonl")
+        assert now[: len(before)] == before
+        before = now
+    told = suite.run("--jobs", "2")
+    assert f"going on: {len(before)} of {seeds} trials are already there" in told
+    records = read_records(suite.out / "trials.jsonl")
+    assert records[: len(before)] == before
+    assert len(records) == len({record.trial for record in records}) == seeds
+    for record in records:
+        assert read_frames(suite.out / "frames" / f"{record.trial}.parquet")
+    return records
+
+
+@pytest.mark.filterwarnings("ignore::reports.records.RecordWarning")  # a kill may tear the line that is being written
+def test_a_study_that_was_killed_goes_on(rogue_suite) -> None:
+    assert {record.status for record in check_kills(rogue_suite, seeds=20, kills=1)} == {"completed"}
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::reports.records.RecordWarning")
+def test_a_study_killed_twenty_times_ends_as_if_it_had_not_been(rogue_suite) -> None:
+    records = check_kills(rogue_suite, seeds=200, kills=20)
+    rogue_suite.run("--fresh", "--jobs", "2")
+    assert untimed(records) == untimed(read_records(rogue_suite.out / "trials.jsonl"))
