@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.table import Table
 
-from adapters import ENGINES, EngineNotInstalledError, capabilities, profiles
+from adapters import ENGINES, EngineNotInstalledError, Profile, capabilities, profiles
 from bench.policies import BENCH_POLICIES
 from bench.studies import load_study, study_names
 from scenarios.registry import SCENARIOS, build
@@ -39,11 +39,16 @@ def _engines() -> Table:
     for name in ENGINES:
         try:
             plays = "planar scenes" if capabilities(name).planar else "all scenes"
-            listed = "\n".join(f"{profile.name}: {profile.description}" for profile in profiles(name).values())
+            listed = "\n".join(_profile(profile) for profile in profiles(name).values())
         except EngineNotInstalledError as error:
             plays, listed = "not installed", str(error)
         table.add_row(name, plays, listed)
     return table
+
+
+def _profile(profile: Profile) -> str:
+    """What it is, and who set the knobs that differ from how the engine is shipped."""
+    return f"{profile.name}: {profile.description} ({profile.tuned_by})"
 
 
 def _policies() -> Table:
@@ -56,5 +61,8 @@ def _policies() -> Table:
 def _studies() -> Table:
     table = _table("Studies", "name", "what it is")
     for name in study_names():
-        table.add_row(name, load_study(name).description)
+        try:
+            table.add_row(name, load_study(name).description)
+        except EngineNotInstalledError as error:
+            table.add_row(name, f"cannot be run: {error}")
     return table

@@ -17,6 +17,7 @@ from adapters import EngineNotInstalledError
 from bench.catalogue import print_catalogue
 from bench.conformance import check_engine
 from bench.environment import describe, digest
+from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.isolation import await_server, start_server, stop_everything
 from bench.plan import Trial, plan_trials
@@ -36,6 +37,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Do your engine's bricks stand when they should, and fall when they should?",
 )
+RESULTS = Path("results")
+"""Where a run leaves its results unless told otherwise; estimates are made from what lies there."""
 _LOG_WIDTH = 110
 _out = Console(width=None if sys.stdout.isatty() else _LOG_WIDTH)
 _err = Console(stderr=True)
@@ -51,7 +54,9 @@ def run(
     seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
     out: Annotated[Path | None, typer.Option(help="Results folder [results/STUDY-TIME].")] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="List the trials and write nothing.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="List the trials and how long they take; write nothing.")
+    ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace the trials that the folder holds.")] = False,
     accept_changes: Annotated[
         bool, typer.Option("--accept-changes", help="Go on with a folder although study, commit or machine changed.")
@@ -63,25 +68,32 @@ def run(
         wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds)
         chosen = selected(load_study(study), wanted)
         trials = plan_trials(chosen)
-        folder = out or Path("results") / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+        folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
         check_folder(folder)
-    if dry_run:
-        for trial in trials:
-            typer.echo(trial.id)
-        _err.print(
-            f"{len(trials)} trials of at most {chosen.limits.trial_wall_s:g} s each would be run.", highlight=False
-        )
-        return
-    with _input_errors():
+        if dry_run:
+            _show_plan(trials, chosen, folder, fresh, jobs)
+            return
         environment = describe(chosen.engines)
         results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
-    _run(chosen, trials, results, digest(environment), jobs, as_json)
+        _run(chosen, trials, results, digest(environment), jobs, as_json)
     records = read_records(folder / TRIALS)
     write_report(folder, records)
     if not as_json:
         for table in study_tables(records):
             render(table, _out)
     _tell(f"{len(results.finished)} trials are kept in {_relative(folder)}")
+
+
+def _show_plan(trials: list[Trial], study: Study, folder: Path, fresh: bool, jobs: int) -> None:
+    """List the trials that a run would run, and tell how long they will take."""
+    kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in read_records(folder / TRIALS)}
+    waiting = [trial for trial in trials if trial.id not in kept]
+    for trial in waiting:
+        typer.echo(trial.id)
+    earlier = sorted(path.parent for path in RESULTS.glob(f"*/{TRIALS}"))
+    _tell(estimate(waiting, study.limits.trial_wall_s, dict.fromkeys([*earlier, folder])).told(jobs))
+    if len(waiting) < len(trials):
+        _tell(f"{len(trials) - len(waiting)} more are already there")
 
 
 def _run(study: Study, trials: list[Trial], results: Results, environment: str, jobs: int, as_json: bool) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import statistics
 from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 
@@ -26,6 +27,8 @@ LEAST_FRAMES = 10
 """Fewer frames than this are no measurement."""
 MOST_WORLDS = 20
 """A tall stack falls within some frames of waking: it is put up anew so often, lest few frames decide."""
+MOST_WALL_S = 20.0
+"""Wall time [s] after which no further frame is begun: a slow engine must not spend its trial's time limit here."""
 HIGHEST_LEVEL = 25
 """The paper's height: all ratios of taller stacks are taken at it."""
 
@@ -41,16 +44,20 @@ class AwakeTime:
 def time_awake(engine: str, profile: str, world: World, stack: Snapshot) -> AwakeTime:
     """Mean frame time [ms] of the stack while it stands in fresh worlds of the engine alone."""
     times_ms: list[float] = []
+    deadline = perf_counter() + MOST_WALL_S
     for _ in range(MOST_WORLDS):
-        times_ms += _time_while_it_stands(engine, profile, world, stack, TIMED_FRAMES - len(times_ms))
-        if len(times_ms) == TIMED_FRAMES:
+        times_ms += _time_while_it_stands(engine, profile, world, stack, TIMED_FRAMES - len(times_ms), deadline)
+        if len(times_ms) == TIMED_FRAMES or perf_counter() > deadline:
             break
     if len(times_ms) < LEAST_FRAMES:
-        return AwakeTime(None, "the awake stack fell at once, each time that it was put up: too few frames to time")
+        why = "is too slow" if perf_counter() > deadline else "fell at once, each time that it was put up"
+        return AwakeTime(None, f"the awake stack {why}: too few frames to time")
     return AwakeTime(statistics.fmean(times_ms))
 
 
-def _time_while_it_stands(engine: str, profile: str, world: World, stack: Snapshot, wanted: int) -> list[float]:
+def _time_while_it_stands(
+    engine: str, profile: str, world: World, stack: Snapshot, wanted: int, deadline: float
+) -> list[float]:
     """Times [ms] of up to ``wanted`` frames after the warm-up, as long as every brick is in place."""
     unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)
     bricks = [at_pose(*row) for row in zip(stack.bricks, stack.position, unit, strict=True)]
@@ -64,7 +71,7 @@ def _time_while_it_stands(engine: str, profile: str, world: World, stack: Snapsh
         for _ in range(WARM_UP_FRAMES + wanted):
             times, _ = frames.play()
             _, position, quaternion = simulation.poses()
-            if not intact(plan, position, quaternion):
+            if not intact(plan, position, quaternion) or perf_counter() > deadline:
                 break
             times_ms.append(times.total * 1e3)
         return times_ms[WARM_UP_FRAMES:]

@@ -39,15 +39,21 @@ class Trial:
 
 
 def plan_trials(study: Study) -> list[Trial]:
-    """All trials of a study: scene by scene, so that engines and policies are compared soon after another."""
+    """All trials of a study: scene by scene, so that engines and policies are compared soon after another.
+
+    The policies on one stack follow each other at once and in alternating order (A B, then B A), so that a machine
+    that grows slower favours none of them.
+    """
     variants = [
         (chosen.name, build(chosen.name, **parameters).variant, parameters)
         for chosen in study.scenario
         for parameters in chosen.variants()
     ]
+    runs = list(product(range(study.seeds), range(study.repeats)))
     return [
         Trial(engine, profile, scenario, variant, parameters, policy, seed, repeat)
-        for (scenario, variant, parameters), profile, engine, seed, policy, repeat in product(
-            variants, study.profiles, study.engines, range(study.seeds), study.policies, range(study.repeats)
-        )
+        for (scenario, variant, parameters), profile, engine in product(variants, study.profiles, study.engines)
+        for number, (seed, repeat) in enumerate(runs)
+        for policy in (study.policies if number % 2 == 0 else reversed(study.policies))
+        if study.admits(engine, profile, policy, scenario)
     ]

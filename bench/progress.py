@@ -16,6 +16,10 @@ from bench.play import Progress
 from reports.records import TrialRecord
 
 
+_UNEXPECTED = ("unsupported", "diverged", "crashed", "error", "out_of_memory")
+"""Endings of which the reason is told at once, not only in the records."""
+
+
 class LiveProgress(AbstractContextManager["LiveProgress"]):
     """A bar an engine, and a line a running trial with the level that it builds."""
 
@@ -56,6 +60,8 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
         """The trial's line gives way to the engine's bar."""
         self._bars.remove_task(self._trials.pop(trial.id))
         self._bars.update(self._engines[trial.engine], advance=1, note=f"{_short(trial)}: {record.status}")
+        if record.status in _UNEXPECTED:
+            self._bars.console.print(f"{trial.id}: {record.status}: {record.message}", markup=False, highlight=False)
 
 
 class PlainProgress(AbstractContextManager["PlainProgress"]):
@@ -82,8 +88,9 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
         self._finished += 1
         how = f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
         seconds = "" if record.wall_s is None else f", {record.wall_s:.1f} s"
+        why = f": {record.message}" if record.status in _UNEXPECTED else ""
         self._console.print(
-            f"[{self._finished}/{self._total}] {trial.id}: {how}{seconds}",
+            f"[{self._finished}/{self._total}] {trial.id}: {how}{seconds}{why}",
             markup=False,
             highlight=False,
             soft_wrap=True,

@@ -88,6 +88,27 @@ class ChosenScenario(_Model):
         return self
 
 
+class Rule(_Model):
+    """Trials that match every field that is given; a field that is left out matches all."""
+
+    engines: Annotated[list[EngineName], Distinct] = []
+    profiles: Annotated[list[str], Distinct] = []
+    policies: Annotated[list[PolicyName], Distinct] = []
+    scenarios: Annotated[list[ScenarioName], Distinct] = []
+
+    def matches(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
+        """Whether the rule speaks of such a trial."""
+        wanted = (self.engines, self.profiles, self.policies, self.scenarios)
+        given = (engine, profile, policy, scenario)
+        return all(value in names for value, names in zip(given, wanted, strict=True) if names)
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Rule:
+        if not (self.engines or self.profiles or self.policies or self.scenarios):
+            raise ValueError(f"a rule names at least one of: {', '.join(Rule.model_fields)}")
+        return self
+
+
 class Limits(_Model):
     """What ends a trial that does not end by itself."""
 
@@ -111,16 +132,35 @@ class Study(_Model):
     seeds: int = Field(default=1, ge=1)
     """Seeds 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
     repeats: int = Field(default=1, ge=1)
+    include: list[Rule] = []
+    """If there are any, only trials are run that match at least one."""
+    exclude: list[Rule] = []
+    """Trials that match one of these are not run."""
     limits: Limits = Limits()
+
+    def admits(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
+        """Whether the rules let such a trial be run."""
+        named = (engine, profile, policy, scenario)
+        included = not self.include or any(rule.matches(*named) for rule in self.include)
+        return included and not any(rule.matches(*named) for rule in self.exclude)
 
     @model_validator(mode="after")
     def _engines_have_the_profiles(self) -> Study:
-        for engine, profile in product(self.engines, self.profiles):
+        scenarios = [chosen.name for chosen in self.scenario]
+        admitted = [
+            named for named in product(self.engines, self.profiles, self.policies, scenarios) if self.admits(*named)
+        ]
+        if not admitted:
+            raise ValueError("the rules of 'include' and 'exclude' leave no trial")
+        for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
                 look_up(f"profile of engine {engine}", profile, profiles(engine))
             except UnknownNameError as error:
                 raise ValueError(str(error)) from error
         return self
+
+
+_PARTS: Mapping[str, type[_Model]] = {"limits": Limits, "scenario": ChosenScenario, "include": Rule, "exclude": Rule}
 
 
 def study_names() -> list[str]:
@@ -171,7 +211,7 @@ def _complaint(detail: dict[str, object]) -> str:
     parts = [part for part in location if isinstance(part, int) or not part.startswith(("list[", "function-"))]
     field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
     if detail["type"] == "extra_forbidden":
-        owner = Limits if "limits" in parts else ChosenScenario if "scenario" in parts else Study
+        owner = _PARTS.get(str(parts[0]), Study) if len(parts) > 1 else Study
         return str(unknown_name("field", field.rpartition(".")[2], owner.model_fields))
     message = str(detail["msg"]).removeprefix("Value error, ")
     return f"field '{field}': {message}" if field else message

@@ -65,6 +65,8 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         with _undisturbed():
             status, message = play.run(), ""
         simulation.close()
+    except NotImplementedError as error:  # what this engine's interface cannot do
+        status, message = "unsupported", str(error)
     except MemoryError:
         status, message = "out_of_memory", "the process ran out of memory"
     except Exception as error:  # whatever an engine or the core raises is this trial's outcome
@@ -73,7 +75,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         return Outcome(bare_record(trial, scene, environment, status, message), [])
     fields = {
         **_seen(play),
-        **_timings(play.rows, info.frame_s),
+        **_timings(_standing_rows(play), info.frame_s),
         **(_ratio(trial, scene, play) if policy.core is not None and limits.ratio and status != "error" else {}),
         "engine_version": info.version,
         "unit_scale": info.unit_scale,
@@ -150,6 +152,12 @@ def _seen(play: Play) -> dict[str, Any]:
     return fields
 
 
+def _standing_rows(play: Play) -> list[FrameRow]:
+    """The frames up to the collapse: tumbling bricks cost much, and only what lets a stack fall would pay for them."""
+    collapse = play.watch.collapse
+    return play.rows if collapse is None else [row for row in play.rows if row.time_s <= collapse.time]
+
+
 def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
     """Times of all frames but the first ones."""
     timed = rows[UNTIMED_FRAMES:]
@@ -176,6 +184,9 @@ def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
     if standing is None:
         return {"frame_ratio_message": "no level stood"}
     level = min(HIGHEST_LEVEL, standing.level)
+    falls_at = scene.expectation.level
+    if falls_at is not None and level >= falls_at:
+        return {"frame_ratio_level": level, "frame_ratio_message": "no engine can hold this stack awake"}
     try:
         with _undisturbed():
             awake = time_awake(trial.engine, trial.profile, scene.world, play.at_level[level])

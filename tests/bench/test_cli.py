@@ -9,8 +9,11 @@ import pytest
 from typer.testing import CliRunner
 
 from bench.command_line import app
+from bench.plan import Trial
+from bench.trial import bare_record
 from reports.frames import read_frames
 from reports.records import read_records
+from scenarios.registry import build
 
 ROOT = Path(__file__).parents[2]
 STUDY = """
@@ -67,6 +70,18 @@ def test_a_dry_run_lists_the_trials_and_writes_nothing(tmp_path) -> None:
     told = call("run", "ci", "--policy", "paper", "--out", str(tmp_path / "x"), "--dry-run", status=0)
     assert told.startswith("bullet.game.four_stack-3.paper.s0.r0 bullet.game.leaning_tower.paper.s0.r0")
     assert not (tmp_path / "x").exists()
+
+
+def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = build("four_stack", levels=3)
+    one = Trial("bullet", "game", "four_stack", scene.variant, {"levels": 3}, "paper", 0, 0)
+    record = bare_record(one, scene, "abc", "completed", "", wall_s=3.0)
+    (tmp_path / "trials.jsonl").write_text(record.model_dump_json() + "\n")
+    told = call("run", "ci", "--out", str(tmp_path), "--dry-run", status=0)
+    assert one.id not in told
+    assert "5 trials: about 6 s (0 from the same trials, 2 from others" in told
+    assert "1 more are already there" in told
 
 
 def test_the_list_tells_scenarios_with_theory_engines_policies_and_studies() -> None:

@@ -42,6 +42,34 @@ def test_listed_values_make_a_variant_each() -> None:
     ]
 
 
+def test_policies_on_one_stack_follow_each_other_in_alternating_order() -> None:
+    """A B, B A: a machine that slows down during a study favours neither."""
+    content = VALID | {"scenario": [{"name": "leaning_tower"}], "seeds": 2, "repeats": 2}
+    trials = plan_trials(check_study(content, "test"))
+    assert [(trial.seed, trial.repeat) for trial in trials[::2]] == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert [trial.policy for trial in trials] == ["none", "paper", "paper", "none"] * 2
+
+
+def test_rules_include_and_exclude() -> None:
+    rules = {
+        "engines": ["bullet", "mujoco"],
+        "include": [{"scenarios": ["leaning_tower"]}, {"engines": ["mujoco"], "policies": ["paper"]}],
+        "exclude": [{"engines": ["bullet"], "policies": ["none"]}],
+    }
+    trials = plan_trials(check_study(VALID | rules, "test"))
+    assert {(trial.engine, trial.scenario, trial.policy) for trial in trials} == {
+        ("bullet", "leaning_tower", "paper"),
+        ("mujoco", "leaning_tower", "none"),
+        ("mujoco", "leaning_tower", "paper"),
+        ("mujoco", "card_house", "paper"),
+    }
+
+
+def test_a_profile_that_only_excluded_engines_lack_is_no_error() -> None:
+    rules = {"profiles": ["game", "tuned"], "exclude": [{"engines": ["bullet"], "profiles": ["tuned"]}]}
+    assert {trial.profile for trial in plan_trials(check_study(VALID | rules, "test"))} == {"game"}
+
+
 def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
     trials = plan_trials(check_study(VALID | {"seeds": 3, "repeats": 2}, "test"))
     assert len(trials) == 6 * 3 * 2
@@ -68,6 +96,10 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"limits": {"trial_wal_s": 3}}, "unknown field 'trial_wal_s'; did you mean 'trial_wall_s'?"),
         ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': Input should be greater than 0"),
         ({"seeds": 0}, "field 'seeds': Input should be greater than or equal to 1"),
+        ({"exclude": [{}]}, "field 'exclude[0]': a rule names at least one of: engines, profiles, policies, scenarios"),
+        ({"exclude": [{"engine": ["bullet"]}]}, "unknown field 'engine'; did you mean 'engines'?"),
+        ({"include": [{"policies": ["papr"]}]}, "field 'include[0].policies[0]': unknown policy 'papr'"),
+        ({"exclude": [{"engines": ["bullet"]}]}, "the rules of 'include' and 'exclude' leave no trial"),
         ({"engines": []}, "field 'engines': List should have at least 1 item"),
         ({"engines": ["bullet", "bullet"]}, "field 'engines': named twice: bullet"),
         ({"name": "../x"}, "field 'name': String should match pattern"),
@@ -92,7 +124,7 @@ def test_a_file_that_is_no_toml_is_named_with_the_line(tmp_path) -> None:
 
 
 def test_the_resolved_study_reads_back_as_it_was(tmp_path) -> None:
-    study = check_study(VALID | {"description": 'quotes " and umlauts ü'}, "test")
+    study = check_study(VALID | {"description": 'quotes " and umlauts ü', "exclude": [{"policies": ["none"]}]}, "test")
     file = tmp_path / "study.toml"
     file.write_text(_to_toml(study), encoding="utf-8")
     assert load_study(str(file)) == study
