@@ -52,7 +52,7 @@ PROFILES: Mapping[str, Profile] = {
             "game",
             "one step a frame, penetration recovered apart from speed",
             substeps=1,
-            tuned_by="Stillstack",
+            tuned_by="Stillstack, on the 4-stack and the inverted V",
             knobs={
                 **_WARM_START,
                 "contactERP": Knob(0.4, "a dropped plank is 2 mm deep after one step and back to 0.2 mm after 7"),
@@ -66,7 +66,7 @@ PROFILES: Mapping[str, Profile] = {
             "tuned",
             "four steps of 1/240 s a frame, 200 iterations",
             substeps=4,
-            tuned_by="Stillstack",
+            tuned_by="Stillstack, on the 4-stack and the inverted V",
             knobs={
                 **_WARM_START,
                 "numSolverIterations": Knob(200, "25 levels of the 4-stack sink by 0.6 mm; 2.4 mm with the shipped 50"),

@@ -102,7 +102,7 @@ class DartSimulation(Simulation):
                         3e-7, "the shipped 1e-3 N s is eight times that whole impulse: the 4-stack collapses at level 3"
                     ),
                 },
-                tuned_by="measured on the 4-stack and the inverted V",
+                tuned_by="Stillstack, on the 4-stack and the inverted V",
             ),
             "tuned": Profile(
                 name="tuned",
@@ -116,7 +116,7 @@ class DartSimulation(Simulation):
                     "matrix_free_delta_tolerance": Knob(1e-7, "1/600 of a plank's impulse a step on one of 4 points"),
                     "matrix_free_relative_tolerance": Knob(1e-7, "as the delta tolerance: the larger of the two rules"),
                 },
-                tuned_by="measured on the 4-stack and the inverted V",
+                tuned_by="Stillstack, on the 4-stack and the inverted V",
             ),
         }
     )

@@ -54,7 +54,7 @@ PROFILES: Mapping[str, Profile] = {
             "collision_slop": Knob(0.05, "[mm] seated planks may overlap by 0.2 at most; less makes piles restless"),
             "iterations": Knob(20, "10 as shipped let an inverted V at 75 deg slip after 0.3 s; costs a tenth more"),
         },
-        tuned_by="Stillstack: seating, inverted V, columns and ladders of planks",
+        tuned_by="Stillstack, on columns and ladders of planks and the inverted V",
     ),
     "tuned": Profile(
         "tuned",
@@ -64,7 +64,7 @@ PROFILES: Mapping[str, Profile] = {
             "collision_slop": Knob(0.01, "[mm] steps of 1/240 s keep contacts without more overlap than this"),
             "iterations": Knob(100, "30 let a ladder of 25 levels sink by 3.7 mm instead of 0.3"),
         },
-        tuned_by="Stillstack: seating, inverted V, columns and ladders of planks",
+        tuned_by="Stillstack, on columns and ladders of planks and the inverted V",
     ),
 }
 

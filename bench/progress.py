@@ -15,7 +15,6 @@ from bench.plan import Trial
 from bench.play import Progress
 from reports.records import TrialRecord
 
-
 _UNEXPECTED = ("unsupported", "diverged", "crashed", "error", "out_of_memory")
 """Endings of which the reason is told at once, not only in the records."""
 

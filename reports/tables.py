@@ -50,14 +50,19 @@ def _outcomes(records: Sequence[TrialRecord]) -> Table:
     for (scene, engine, profile), trials in _grouped(records, lambda r: (r.scene, r.engine, r.profile)):
         cells = [outcome([r for r in trials if r.policy == policy]) for policy in policies]
         rows.append((scene, str(trials[0].expectation), name(engine, profile), *cells))
-    notes = ["✓ as theory demands, ✗ not, no mark: a study without a demand. n/m: n of m levels stood."]
-    notes += ["“falls at k”: it fell when k levels were complete; “sinks at k”: it sank upright by half a plank."]
+    notes = ["✓ as theory demands, ✗ not, no mark: not to be judged. n/m: n of m levels stood."]
+    notes += [
+        "“falls at k”: it fell when k levels were complete, 0: before the first was; “sinks at k”: it sank upright by "
+        "half a plank."
+    ]
     if any(record.status in CENSORED for record in records):
-        notes.append("≥: stopped by the time limit before its end; at least so many levels stand.")
+        notes.append("≥: stopped by the time limit; at least so many levels stand. Counted as neither right nor wrong.")
     if any(record.status == "unsupported" for record in records):
         notes.append("n/a: the engine cannot play the scene.")
     if alone := _stands_alone(records):
-        notes.append(f"Stands without any help, so that only time and stillness can be gained: {', '.join(alone)}.")
+        notes.append(
+            f"Stands without any help, so that time and stillness are all there is to gain: {', '.join(alone)}."
+        )
     notes.append(f"{_seeds(records)} Profile: {', '.join(dict.fromkeys(record.profile for record in records))}.")
     return Table("What stood and what fell", ("scene", "theory", "engine", *policies), tuple(rows), tuple(notes))
 
@@ -66,7 +71,7 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
     """One cell: how the trials of one scene, engine and policy ended, and whether that was right."""
     if not trials:
         return NOTHING
-    judged = [trial for trial in trials if trial.verdict != "none"]
+    judged = _decided(trials)
     right = sum(trial.verdict == "right" for trial in judged)
     if len(trials) == 1:
         return f"{_end(trials[0])}{' ✓' if right else ' ✗' if judged else ''}"
@@ -94,12 +99,17 @@ def _verdicts(records: Sequence[TrialRecord]) -> Table:
     for (engine, profile), trials in _grouped(records, lambda r: (r.engine, r.profile)):
         cells = []
         for policy in policies:
-            judged = [r for r in trials if r.policy == policy and r.verdict != "none"]
+            judged = _decided([r for r in trials if r.policy == policy])
             cells += [_share([r for r in judged if r.expectation.outcome == side]) for side in ("stand", "fall")]
         rows.append((name(engine, profile), *cells))
     header = ("engine", *(f"{policy}: {side}" for policy in policies for side in ("stand", "fall")))
     note = "Right outcomes of those scenes that must stand, and of those that must fall: only both together count."
     return Table("Right by theory", header, tuple(rows), (note,))
+
+
+def _decided(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
+    """Trials that theory can judge: one stopped by its time limit has not been shown to be wrong, only slow."""
+    return [trial for trial in trials if trial.verdict != "none" and trial.status not in CENSORED]
 
 
 def _share(judged: Sequence[TrialRecord]) -> str:
@@ -125,9 +135,12 @@ def _timings(records: Sequence[TrialRecord]) -> Table:
         )
     header = ("scene", "engine", "policy", "p50", "p99", "step", "read", "core", "port", "ratio at level")
     notes = (
-        "Times in ms a frame: median and 99th percentile of whole frames; means of the engine's step, of reading "
-        "contacts, of the core and of freezing and waking. Trials differ in height: compare heights first.",
-        "Ratio: frame time with the extension, live bricks included, over that of the same stack all awake without it.",
+        "Times in ms a frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
+        "step, of reading contacts, of the core and of freezing and waking. Trials differ in height: compare heights "
+        "first.",
+        "Ratio: mean frame time while the level was laid, live bricks included, over that of up to a second of the same "
+        "stack all awake without the extension, put up anew where it falls. Above 1 the extension costs more than it "
+        "saves.",
     )
     return Table("What it cost", header, tuple(rows), notes)
 
@@ -171,7 +184,12 @@ def render(table: Table, console: Console) -> None:
     text = RichTable(title=table.title, title_justify="left", pad_edge=False, box=None, header_style="bold")
     first_figure = len(table.header) - sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows else 0
     for column, name in enumerate(table.header):
-        text.add_column(name, justify="right" if column >= first_figure else "left", overflow="fold")
+        text.add_column(
+            name,
+            justify="right" if column >= first_figure else "left",
+            overflow="fold",
+            no_wrap=column < first_figure and name != "theory",
+        )
     previous: tuple[str, ...] = ()
     for row in table.rows:
         text.add_row(*(_unless_said(row, previous)))

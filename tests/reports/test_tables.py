@@ -108,8 +108,8 @@ def test_several_seeds_are_told_by_median_and_range(levels, cell) -> None:
 
 def test_a_censored_trial_marks_its_cell_as_a_lower_bound() -> None:
     cut = record(seed=1, status="timeout", verdict="failed", height_levels=17)
-    assert outcome([cut]) == "≥17/30 ✗"
-    assert outcome([record(), cut]) == "≥23.5 (17-30)/30 1/2 ✓"
+    assert outcome([cut]) == "≥17/30", "too slow to tell, which theory does not contradict"
+    assert outcome([record(), cut]) == "≥23.5 (17-30)/30 1/1 ✓"
 
 
 def test_seeds_that_have_their_own_truth_are_counted_among_the_judged_only() -> None:
