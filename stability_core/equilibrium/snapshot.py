@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from stability_core.checks import (
     BAD_CONTACT,
@@ -18,15 +16,10 @@ from stability_core.checks import (
     first_bad_contact,
     first_bad_mass,
 )
-from stability_core.equilibrium.newton import FALLING, HELD, solve
 from stability_core.equilibrium.problem import Problem
+from stability_core.equilibrium.verdict import BoolArray, Verdict, decide
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
-BoolArray = npt.NDArray[np.bool_]
-
-ALL_ROWS = np.arange(6)
-VERTICAL_ROWS = np.array([2, 3, 4])
-"""A vertical force has no part in the others: F_z, M_x, M_y."""
 ROUNDING = 1e-12
 """By which the cosine of a contact's slope may miss that of its angle of friction: nil friction on a level face."""
 
@@ -35,7 +28,7 @@ ROUNDING = 1e-12
 class Equilibrium:
     """What statics says of one snapshot."""
 
-    verdict: Literal["stable", "unstable", "doubt"]
+    verdict: Verdict
     """Proven by ``forces``; proven by ``mechanism``; neither, or held by forces that may never arise."""
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
@@ -81,21 +74,11 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     upright = _turned_upright(-down / strength)
     snapshot, size = _problem(contacts, masses, index_a, index_b, upright, strength)
 
-    level = _is_level(snapshot)
-    verdict, force, rest, residual = solve(_along(snapshot, level, _verticals(snapshot)), VERTICAL_ROWS)
-    if verdict == HELD:
-        forces = np.zeros((len(level), 3))
-        forces[level] = force
-        return Equilibrium("stable", residual, forces @ upright, None)
-    verdict, force, rest, residual = solve(snapshot, ALL_ROWS)
-    if verdict == HELD:
-        natural = _stands_without_self_stress(snapshot, level)
-        return Equilibrium("stable" if natural else "doubt", residual, force @ upright, None)
-    if verdict == FALLING:
-        motion = np.hstack([-rest[:, :3] @ upright, -rest[:, 3:] / size[:, None] @ upright])
-        fastest = np.abs(rest).max()
-        return Equilibrium("unstable", residual, None, motion / fastest)
-    return Equilibrium("doubt", residual, None, None)
+    verdict, forces, rest, residual = decide(snapshot, _is_level(snapshot))
+    motion = None
+    if verdict == "unstable":
+        motion = np.hstack([-rest[:, :3] @ upright, -rest[:, 3:] / size[:, None] @ upright]) / np.abs(rest).max()
+    return Equilibrium(verdict, residual, None if forces is None else forces @ upright, motion)
 
 
 def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
@@ -161,43 +144,3 @@ def _is_level(problem: Problem) -> BoolArray:
     """Which contacts can carry a vertical force: their cone contains the vertical."""
     level: BoolArray = np.abs(problem.normal[:, 2]) >= 1.0 / np.sqrt(1.0 + problem.friction**2) - ROUNDING
     return level
-
-
-def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
-    """The problem with the ``kept`` contacts alone, each with forces along one direction only."""
-    return Problem(
-        problem.body_a[kept],
-        problem.body_b[kept],
-        problem.lever_a[kept],
-        problem.lever_b[kept],
-        direction[kept],
-        np.zeros(np.count_nonzero(kept)),
-        problem.load,
-    )
-
-
-def _verticals(problem: Problem) -> FloatArray:
-    """Up or down for each contact, as its normal points, shape (m, 3)."""
-    vertical = np.zeros_like(problem.normal)
-    vertical[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
-    return vertical
-
-
-def _stands_without_self_stress(problem: Problem, level: BoolArray) -> bool:
-    """True if what does not lean would stand on forces along the normals or the vertical alone.
-
-    A body leans if it stands on a level contact and touches something that is not level: as it begins to fall it
-    presses on both, so that the forces that hold it do arise. Leaning bodies count as held here.
-    """
-    n = len(problem.load)
-    stands, touches = np.zeros(n + 1, np.bool_), np.zeros(n + 1, np.bool_)  # the last row is the ground's
-    for index, upward in ((problem.body_a, -problem.normal[:, 2]), (problem.body_b, problem.normal[:, 2])):
-        stands[index[level & (upward > 0.0)]] = True
-        touches[index[~level]] = True
-    upright = ~(stands & touches)[:n]
-    index = np.full(n + 1, -1)
-    index[:n][upright] = np.arange(np.count_nonzero(upright))
-    body_a, body_b = index[problem.body_a], index[problem.body_b]
-    direction = np.where(level[:, None], _verticals(problem), problem.normal)
-    rest = problem._replace(body_a=body_a, body_b=body_b, load=problem.load[upright])
-    return solve(_along(rest, (body_a >= 0) | (body_b >= 0), direction), ALL_ROWS)[0] == HELD

@@ -1,0 +1,164 @@
+"""Safe regions: where more weight may be laid on a body without a look at what stands below it.
+
+U(ground contact) is the whole patch. U(body) is the hull over its supports of (contact patch, cut with the U of the
+support). Proof by induction from the ground up: a weight at a point of U(body) is split among points of the patches
+that lie in the supports' own U, as forces straight down, which level contacts can bear; each is handed on in the same
+way, down to the ground. These forces, added to those of any equilibrium, stay in the Coulomb cones, which are convex.
+So if the stack stood before, it stands with the weight, and no force need be known.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.polygon import convex_hull, inside_distance
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, hull_of, is_stack
+
+
+class Regions(NamedTuple):
+    """The safe regions of frozen bodies, one row a body id."""
+
+    vertices: IntArray
+    """Number of vertices, shape (n,); 0 where no region is known."""
+    vertex: FloatArray
+    """Convex polygons in plan, counter-clockwise [m], shape (n, MAX_VERTICES, 3)."""
+    links: IntArray
+    """Fingerprint of the frozen neighbours and the ground, with which the body was proven to stand, shape (n,)."""
+
+
+def regions_for(bodies: int, known: Regions | None = None) -> Regions:
+    """A table with rows for ids below ``bodies``, with what is ``known`` taken over."""
+    fresh = Regions(np.zeros(bodies, np.int64), np.zeros((bodies, MAX_VERTICES, 3)), np.zeros(bodies, np.int64))
+    if known is not None:
+        for new, old in zip(fresh, known, strict=True):
+            new[: len(old)] = old
+    return fresh
+
+
+@compiled
+def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
+    """What two convex polygons (k, 3) share in plan, counter-clockwise (Sutherland and Hodgman)."""
+    shape = subject
+    for i in range(len(by)):
+        a, b = by[i], by[(i + 1) % len(by)]
+        ex, ey = b[0] - a[0], b[1] - a[1]
+        kept = np.empty((2 * len(shape) + 1, 3))
+        size = 0
+        for j in range(len(shape)):
+            p, q = shape[j], shape[(j + 1) % len(shape)]
+            left_p = ex * (p[1] - a[1]) - ey * (p[0] - a[0])
+            left_q = ex * (q[1] - a[1]) - ey * (q[0] - a[0])
+            if left_p >= 0.0:
+                kept[size] = p
+                size += 1
+            if left_p * left_q < 0.0:
+                kept[size] = p + (q - p) * (left_p / (left_p - left_q))
+                size += 1
+        shape = kept[:size]
+    return shape
+
+
+@compiled
+def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
+    """U of a body that stands on the stack, shape (k, 3), from the regions of its supports.
+
+    O(supports), whatever the height of the stack.
+    """
+    points = np.empty((0, 3))
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        patch = graph.patches[at]
+        if patch.kind == SUPPORT and is_stack(graph, patch.lower):
+            area = hull_of(patch)
+            if patch.lower != GROUND:
+                below = regions.vertex[patch.lower, : regions.vertices[patch.lower]]
+                area = cut(area, below) if len(below) > 2 else area[:0]
+            points = np.concatenate((points, area))
+        at = patch.next_support
+    return convex_hull(points)
+
+
+@compiled
+def fingerprint(graph: Graph, body: int) -> int:
+    """A number that changes with the frozen bodies (or ground) that ``body`` touches, whatever their order."""
+    total = 1
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        patch = graph.patches[at]
+        if is_stack(graph, patch.lower):
+            total += (patch.lower + 2) * 0x9E3779B97F4A7C1 + patch.kind
+        at = patch.next_support
+    at = graph.bodies[body].first_load
+    while at != NONE:
+        patch = graph.patches[at]
+        if graph.bodies[patch.upper].state == FROZEN:
+            total += (patch.upper + 2) * 0x5851F42D4C957F3 + patch.kind
+        at = patch.next_load
+    return total
+
+
+@compiled
+def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if ``body`` touches the same frozen bodies as when it was proven to stand."""
+    return bool(fingerprint(graph, body) == regions.links[body])
+
+
+@compiled
+def is_safe(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if the stack bears ``body``: its centre of mass lies in the region that its supports leave to it.
+
+    False means not known. Every support must still be proven, for U is built on theirs.
+    """
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        lower = graph.patches[at].lower
+        if lower != GROUND and graph.bodies[lower].state == FROZEN and not is_proven(graph, regions, lower):
+            return False
+        at = graph.patches[at].next_support
+    center = graph.bodies[body].center
+    return bool(inside_distance(region_of(graph, regions, body), center[0], center[1]) >= 0.0)
+
+
+@compiled
+def keep_proof(graph: Graph, regions: Regions, body: int) -> None:
+    """Note that ``body``, now frozen, stands, and where it may be loaded."""
+    region = region_of(graph, regions, body)
+    size = min(len(region), MAX_VERTICES)  # fewer vertices make a smaller region, which is as safe
+    regions.vertices[body] = size
+    regions.vertex[body, :size] = region[:size]
+    regions.links[body] = fingerprint(graph, body)
+
+
+@compiled
+def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
+    """Note that what ``body`` rests on stands with it."""
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        lower = graph.patches[at].lower
+        if lower != GROUND and graph.bodies[lower].state == FROZEN:
+            regions.links[lower] = fingerprint(graph, lower)
+        at = graph.patches[at].next_support
+
+
+@compiled
+def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
+    """True if a body that nothing else holds has its centre of mass outside its contact area: friction cannot help.
+
+    Args:
+        graph: the stack.
+        body: a body whose patches are laid.
+        support: its combined contact area, shape (k, 3).
+    """
+    if graph.bodies[body].first_load != NONE:
+        return False
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        if graph.patches[at].kind == LEAN:
+            return False
+        at = graph.patches[at].next_support
+    center = graph.bodies[body].center
+    return bool(len(support) > 2 and inside_distance(support, center[0], center[1]) < 0.0)

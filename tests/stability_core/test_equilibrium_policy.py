@@ -1,0 +1,166 @@
+"""The policy `equilibrium` on a world told by hand: what freezes, what wakes, and by which proof."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stability_core import GROUND, Settings, StabilityExtension
+
+DT = 1 / 60
+SETTINGS = Settings()
+WIDE = (-0.05, 0.05)
+DEEP = (-0.01, 0.01)
+THICKNESS = 0.01
+
+
+def plank(port, body: int, x: float, below: dict[int, float], level: int, **more: object) -> None:
+    """A plank of 100 x 20 x 10 mm at ``x`` on planks at the given places."""
+    port.add(body, (x, 0.0, (level + 0.5) * THICKNESS), **more)
+    for lower, at in below.items():
+        low, high = max(x, at) - 0.05, min(x, at) + 0.05
+        port.lay(body, lower, (x - 0.05, x + 0.05) if lower == GROUND else (low, high), DEEP, level * THICKNESS)
+
+
+def frames(extension, n: int) -> list:
+    return [extension.update(DT) for _ in range(n)]
+
+
+def settle(extension) -> dict[int, str]:
+    """Until nothing has happened for as long as any rule waits; returns the reasons."""
+    reasons, quiet = {}, 0
+    while quiet <= SETTINGS.calm_frames + SETTINGS.rest_frames:
+        change = extension.update(DT)
+        reasons.update(change.reasons)
+        quiet = 0 if change.reasons else quiet + 1
+    return reasons
+
+
+@pytest.fixture
+def extension(port) -> StabilityExtension:
+    return StabilityExtension(port, "equilibrium")
+
+
+def test_a_straight_column_lies_in_safe_regions_all_the_way(port, extension):
+    for body in range(30):
+        plank(port, body, 0.0, {body - 1: 0.0}, body)
+        reasons = settle(extension) if body == 29 else frames(extension, SETTINGS.rest_frames + 1)[-1].reasons
+    assert port.frozen == set(range(30))
+    assert set(reasons.values()) == {"safe region"}
+    assert all(kind == "sleep" for kind, _ in port.batches)
+
+
+def test_what_topples_alone_is_never_frozen(port, extension):
+    port.add(0, (0.06, 0.0, 0.005))
+    port.lay(0, GROUND, WIDE, DEEP, 0.0)
+    frames(extension, 100)
+    assert not port.frozen
+
+
+@pytest.mark.parametrize(("offset", "levels"), [(0.1 / 8.5, 9), (0.1 / 4.5, 5)])
+def test_a_leaning_tower_pivots_on_its_lowest_plank(port, extension, offset, levels):
+    """The first n with n d > L wakes all but the plank on which the rest turns."""
+    for body in range(levels):
+        plank(port, body, body * offset, {body - 1: (body - 1) * offset}, body)
+        frames(extension, 2 * SETTINGS.rest_frames)
+        if body < levels - 1:
+            assert port.frozen == set(range(body + 1)), f"{body + 1} levels stand"
+    assert port.frozen == {0}
+    assert [kind for kind, _ in port.batches].count("wake") == 1
+
+
+def test_a_counterweight_holds_until_it_goes(port, extension):
+    """Moments about the edge at 50 mm, in kg mm: plank 3 pulls with 35; plank 1 holds 5 and the weight 150."""
+    plank(port, 0, 0.0, {GROUND: 0.0}, 0)
+    plank(port, 1, 0.045, {0: 0.0}, 1)
+    port.add(2, (0.0, 0.0, 0.025), mass=3.0)
+    port.lay(2, 1, (-0.005, 0.005), DEEP, 2 * THICKNESS)
+    settle(extension)
+    plank(port, 3, 0.085, {1: 0.045}, 2)
+    assert settle(extension) == {3: "equilibrium"}
+    assert port.frozen == {0, 1, 2, 3}
+    port.remove(2)
+    assert extension.update(DT).woken == (1, 3)
+
+
+def leaning_pair(port, theta: float, friction: float) -> None:
+    half, height = 0.1 * np.cos(np.radians(theta)), 0.1 * np.sin(np.radians(theta))
+    for body, side in ((0, -1.0), (1, 1.0)):
+        port.add(body, (side * half / 2, 0.0, height / 2))
+        port.touch(body, GROUND, [(side * half, y, 0.0) for y in DEEP], friction=friction)
+    port.touch(1, 0, [(0.0, y, height) for y in DEEP], normal=(1.0, 0.0, 0.0), friction=friction)
+
+
+@pytest.mark.parametrize("theta", [50.0, 60.0, 72.0])
+def test_an_inverted_v_is_frozen_iff_statics_holds_it(port, extension, theta):
+    """Thin planks: mu = cot(theta) / 2. The paper's rule accepts less between 50 and 65 degrees."""
+    least = 0.5 / np.tan(np.radians(theta))
+    leaning_pair(port, theta, 0.99 * least)
+    frames(extension, 30)
+    assert not port.frozen
+    for touch in port.touches:
+        touch.friction = 1.01 * least
+    settle(extension)
+    assert port.batches == [("sleep", [0, 1])]
+
+
+def test_half_a_v_is_not_frozen(port, extension):
+    """The partner is held by the user: the plank that leans on it must wait."""
+    leaning_pair(port, 72.0, 0.45)
+    extension.update(DT)
+    extension.disturb([1])
+    frames(extension, 60)
+    assert not port.frozen
+
+
+def test_any_number_of_leaning_contacts(port, extension):
+    """A plank on two feet against two walls: the paper's rule gives up above two contacts."""
+    x, z = 0.1 * np.cos(np.radians(72.0)), 0.1 * np.sin(np.radians(72.0))
+    port.add(0, (x / 2, 0.0, z / 2))
+    port.touch(0, GROUND, [(0.0, y, 0.0) for y in DEEP])
+    for wall, y in ((1, -0.01), (2, 0.01)):
+        port.add(wall, (x + 0.02, y, 0.05), mass=10.0)
+        port.lay(wall, GROUND, (x, x + 0.04), (y - 0.009, y + 0.009), 0.0)
+        port.touch(0, wall, [(x, y, z)], normal=(-1.0, 0.0, 0.0))
+    settle(extension)
+    assert port.frozen == {0, 1, 2}
+
+
+def test_a_live_brick_loads_what_it_lies_on(port, extension):
+    """A heavy brick that never comes to rest on a cantilever's end: the cantilever wakes all the same."""
+    plank(port, 0, 0.0, {GROUND: 0.0}, 0)
+    plank(port, 1, 0.04, {0: 0.0}, 1)
+    settle(extension)
+    assert port.frozen == {0, 1}
+    port.add(2, (0.085, 0.0, 0.025), mass=2.0)
+    port.lay(2, 1, (0.08, 0.09), DEEP, 0.02, separation=-2 * SETTINGS.rest_penetration)
+    changes = frames(extension, SETTINGS.load_frames + 2)
+    assert {body for change in changes for body in change.woken} == {1}
+
+
+def test_a_live_brick_that_tips_off_wakes_nothing(port, extension):
+    """It hangs over the edge of a column that could bear far more: it alone falls."""
+    for body in range(5):
+        plank(port, body, 0.0, {body - 1: 0.0}, body)
+    settle(extension)
+    port.add(5, (0.06, 0.0, 0.055))
+    port.lay(5, 4, (0.01, 0.05), DEEP, 0.05)
+    changes = frames(extension, 60)
+    assert not any(change.woken for change in changes)
+    assert port.frozen == set(range(5))
+
+
+def test_a_lost_support_is_noticed(port, extension):
+    """A beam over three posts, of which first the needless one goes, then one that it needs."""
+    for post, x in ((0, -0.04), (1, 0.0), (2, 0.04)):
+        port.add(post, (x, 0.0, 0.005))
+        port.lay(post, GROUND, (x - 0.005, x + 0.005), DEEP, 0.0)
+    port.add(3, (0.0, 0.0, 0.015))
+    for post, x in ((0, -0.04), (1, 0.0), (2, 0.04)):
+        port.lay(3, post, (x - 0.005, x + 0.005), DEEP, THICKNESS)
+    settle(extension)
+    assert port.frozen == {0, 1, 2, 3}
+    port.remove(1)
+    assert not extension.update(DT).woken
+    port.remove(2)
+    assert extension.update(DT).woken == (3,)
