@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -40,6 +41,9 @@ app = typer.Typer(
 RESULTS = Path("results")
 """Where a run leaves its results unless told otherwise; estimates are made from what lies there."""
 _LOG_WIDTH = 110
+for _stream in (sys.stdout, sys.stderr):  # a terminal that has no such letters shows their codes
+    if isinstance(_stream, io.TextIOWrapper):
+        _stream.reconfigure(errors="backslashreplace")
 _out = Console(width=None if sys.stdout.isatty() else _LOG_WIDTH)
 _err = Console(stderr=True)
 

@@ -38,6 +38,11 @@ class StudyError(ValueError):
     """A study that cannot be run; the message names the file, the field and the fix."""
 
 
+MOST_SEEDS = 100_000
+MOST_REPEATS = 1_000
+"""More than these are a slip of the keyboard: the plan alone would fill the memory."""
+
+
 def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
     def check(name: str) -> str:
         try:
@@ -80,6 +85,9 @@ class ChosenScenario(_Model):
 
     @model_validator(mode="after")
     def _can_be_built(self) -> ChosenScenario:
+        for name, value in self.parameters.items():
+            if value == []:
+                raise ValueError(f"parameter '{name}': an empty list leaves no variant")
         for parameters in self.variants():
             try:
                 build(self.name, **parameters)
@@ -129,9 +137,9 @@ class Study(_Model):
     profiles: Annotated[list[str], Distinct] = Field(default=["game"], min_length=1)
     policies: Annotated[list[PolicyName], Distinct] = Field(min_length=1)
     scenario: list[ChosenScenario] = Field(min_length=1)
-    seeds: int = Field(default=1, ge=1)
+    seeds: int = Field(default=1, ge=1, le=MOST_SEEDS)
     """Seeds 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
-    repeats: int = Field(default=1, ge=1)
+    repeats: int = Field(default=1, ge=1, le=MOST_REPEATS)
     include: list[Rule] = []
     """If there are any, only trials are run that match at least one."""
     exclude: list[Rule] = []
@@ -143,6 +151,12 @@ class Study(_Model):
         named = (engine, profile, policy, scenario)
         included = not self.include or any(rule.matches(*named) for rule in self.include)
         return included and not any(rule.matches(*named) for rule in self.exclude)
+
+    @model_validator(mode="after")
+    def _variants_come_once(self) -> Study:
+        names = [build(one.name, **parameters).variant for one in self.scenario for parameters in one.variants()]
+        _without_twins(names)
+        return self
 
     @model_validator(mode="after")
     def _engines_have_the_profiles(self) -> Study:

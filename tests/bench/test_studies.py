@@ -141,3 +141,19 @@ def test_a_selection_narrows_a_study_and_keeps_its_parameters() -> None:
 def test_none_native_and_raised_run_the_engine_alone() -> None:
     assert {name for name, policy in BENCH_POLICIES.items() if policy.core is None} == {"none", "native", "raised"}
     assert all(policy.sleeping == "off" for policy in BENCH_POLICIES.values() if policy.core is not None)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "named twice: four_stack"),
+        ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "named twice: four_stack-3"),
+        ({"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]}, "an empty list leaves no variant"),
+        ({"seeds": 10**9}, "less than or equal to 100000"),
+        ({"repeats": 10**9}, "less than or equal to 1000"),
+    ],
+)
+def test_a_plan_that_would_run_a_trial_twice_or_never_or_for_ever_is_refused(change, message) -> None:
+    plain = {"name": "x", "engines": ["bullet"], "policies": ["none"], "scenario": [{"name": "four_stack"}]}
+    with pytest.raises(StudyError, match=message):
+        check_study(plain | change, "x.toml")
