@@ -47,7 +47,8 @@ _CONTEXT = multiprocessing.get_context("forkserver")
 def start_server(engines: Sequence[str], with_core: bool) -> None:
     """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them."""
     modules = [ENGINES[engine].module for engine in engines]
-    forkserver.set_forkserver_preload([__name__, *(["bench.compiled_core"] if with_core else []), *modules])
+    core = ["bench.compiled_core"] if with_core else []
+    forkserver.set_forkserver_preload([__name__, *modules, *core, "bench.preloaded"])
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         forkserver.ensure_running()

@@ -117,13 +117,11 @@ def bare_record(
 def _undisturbed() -> Iterator[None]:
     """Without garbage collection, whose pauses would be counted as the engine's."""
     gc.collect()
-    gc.freeze()
     gc.disable()
     try:
         yield
     finally:
         gc.enable()
-        gc.unfreeze()
 
 
 def _seen(play: Play) -> dict[str, Any]:
