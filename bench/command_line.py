@@ -29,7 +29,8 @@ from bench.runner import run_trials
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from reports.records import RecordError, read_records
-from reports.tables import render, study_tables, write_report
+from reports.repeats import repeat_tables
+from reports.tables import Table, render, study_tables, write_report
 from stability_core.lookup import UnknownNameError
 
 app = typer.Typer(
@@ -80,10 +81,9 @@ def run(
         environment = describe(chosen.engines)
         results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
         _run(chosen, trials, results, digest(environment), jobs, as_json)
-    records = read_records(folder / TRIALS)
-    write_report(folder, records)
+    tables = _report(folder)
     if not as_json:
-        for table in study_tables(records):
+        for table in tables:
             render(table, _out)
     _tell(f"{len(results.finished)} trials are kept in {_relative(folder)}")
 
@@ -152,10 +152,17 @@ def _run_waiting(
 def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]) -> None:
     """Make a folder's tables anew from its raw records, and print them."""
     with _input_errors():
-        records = read_records(folder / TRIALS)
-        write_report(folder, records)
-    for table in study_tables(records):
+        tables = _report(folder)
+    for table in tables:
         render(table, _out)
+
+
+def _report(folder: Path) -> list[Table]:
+    """A folder's tables, which are written into it."""
+    records = read_records(folder / TRIALS)
+    tables = [*study_tables(records), *repeat_tables(folder, records)]
+    write_report(folder, records, tables)
+    return tables
 
 
 @app.command(name="list")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import platform
 import statistics
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,20 +15,17 @@ import numpy as np
 
 from adapters import capabilities, open_engine
 from bench import measure
-from bench.environment import engine_version
+from bench.calibration import calibrate, typical
+from bench.environment import allowed_cores, engine_version
 from bench.frame_ratio import HIGHEST_LEVEL, time_awake
 from bench.plan import Trial
 from bench.play import Play, Progress
 from bench.policies import BENCH_POLICIES
 from bench.rehearsal import rehearse
 from bench.studies import Limits
-from reports.frames import FrameRow
+from reports.frames import UNTIMED_FRAMES, FrameRow
 from reports.records import Status, TrialRecord
 from scenarios.model import Scene
-
-UNTIMED_FRAMES = 5
-"""Left out of every timing: in them the engine builds its caches, the first brick lands, and whatever is compiled for
-the first contacts is compiled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +52,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
     begin = perf_counter()
     policy = BENCH_POLICIES[trial.policy]
     play = None
+    machine: dict[str, Any] = {}
     try:
         if policy.core is not None:
             rehearse(policy.core)
@@ -62,8 +61,10 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         )
         info = simulation.info
         play = Play(scene, simulation, policy.core, limits.trial_wall_s, tell)
+        before = calibrate()
         with _undisturbed():
             status, message = play.run(), ""
+        machine = {"host": platform.node(), "core": _only_core(), "calibration_ms": typical(before, calibrate())}
         simulation.close()
     except NotImplementedError as error:  # what this engine's interface cannot do
         status, message = "unsupported", str(error)
@@ -80,6 +81,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         "engine_version": info.version,
         "unit_scale": info.unit_scale,
         "wall_s": perf_counter() - begin,
+        **machine,
     }
     message = message or _message(status, play, limits)
     return Outcome(bare_record(trial, scene, environment, status, message, **fields), play.rows)
@@ -122,6 +124,12 @@ def _undisturbed() -> Iterator[None]:
         yield
     finally:
         gc.enable()
+
+
+def _only_core() -> int | None:
+    """The core that this process is kept to, if it is kept to one."""
+    allowed = allowed_cores()
+    return min(allowed) if len(allowed) == 1 else None
 
 
 def _seen(play: Play) -> dict[str, Any]:
@@ -168,6 +176,7 @@ def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
         "frame_ms_p95": p95,
         "frame_ms_p99": p99,
         "frame_ms_max": float(frame_ms.max()),
+        "timed_frames": len(timed),
         "realtime_factor": frame_s * 1e3 / float(frame_ms.mean()),
     }
     for name in ("engine_ms", "readback_ms", "core_ms", "port_ms"):

@@ -11,6 +11,10 @@ import pyarrow.parquet as pq
 
 from reports.writing import whole_file
 
+UNTIMED_FRAMES = 5
+"""Left out of every timing: in them the engine builds its caches, the first brick lands, and whatever is compiled for
+the first contacts is compiled."""
+
 
 class FrameRow(NamedTuple):
     """One frame. Null columns belong to trials without an extension."""

@@ -114,6 +114,15 @@ class TrialRecord(BaseModel):
     """Simulated time [s] when the trial ended."""
     wall_s: float | None = None
     """Wall time [s] of the trial, with everything that is not timed."""
+    timed_frames: int | None = None
+    """How many frames the timings were taken from: those after the first five, up to a collapse."""
+    calibration_ms: float | None = None
+    """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
+    run tells how steady the machine was."""
+    core: int | None = None
+    """The processor core that the trial was kept to; null if it was not."""
+    host: str | None = None
+    """Name of the machine: timings of different machines are not to be compared."""
 
 
 class RecordWriter:

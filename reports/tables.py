@@ -138,9 +138,9 @@ def _timings(records: Sequence[TrialRecord]) -> Table:
         "Times in ms a frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
         "step, of reading contacts, of the core and of freezing and waking. Trials differ in height: compare heights "
         "first.",
-        "Ratio: mean frame time while the level was laid, live bricks included, over that of up to a second of the same "
-        "stack all awake without the extension, put up anew where it falls. Above 1 the extension costs more than it "
-        "saves.",
+        "Ratio: mean frame time while the level was laid, live bricks included, over that of up to a second of the "
+        "same stack all awake without the extension, put up anew where it falls. Above 1 the extension costs more than "
+        "it saves.",
     )
     return Table("What it cost", header, tuple(rows), notes)
 
@@ -221,11 +221,11 @@ def write_csv(path: Path, records: Iterable[TrialRecord]) -> None:
             writer.writerow(json.dumps(v) if isinstance(v, dict) else v for v in fields.values())
 
 
-def write_report(folder: Path, records: Sequence[TrialRecord]) -> None:
+def write_report(folder: Path, records: Sequence[TrialRecord], tables: Iterable[Table]) -> None:
     """Write ``report/tables.md`` and ``report/trials.csv`` into a results folder."""
     report = folder / "report"
     report.mkdir(exist_ok=True)
-    (report / "tables.md").write_text(to_markdown(study_tables(records)), encoding="utf-8")
+    (report / "tables.md").write_text(to_markdown(tables), encoding="utf-8")
     write_csv(report / "trials.csv", records)
 
 
