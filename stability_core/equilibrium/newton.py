@@ -266,7 +266,7 @@ def solve(problem: Problem, rows: IntArray) -> tuple[int, FloatArray, FloatArray
         worst = greatest_imbalance(problem, force, rest)
         if worst <= BALANCED:
             return HELD, force, rest, worst
-        if worst > 0.5 * before or (point == 0 and worst > 0.01):
+        if worst > 0.5 * before:  # it does not shrink: perhaps there are no such forces
             ray[:] = rest
             for _ in range(RAY_STEPS):
                 _minimise(without_load, space, RAY_RHO * rho, 1, rest, ray, resisted, unresisted)
