@@ -90,17 +90,21 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     row = first_bad_mass(masses.body, masses.mass, masses.center_of_mass)
     if row >= 0:
         raise fault_of(BAD_MASS, row, contacts, masses)
-    index = {int(body): i for i, body in enumerate(masses.body)}
-    if len(index) < len(masses.body):
-        row = next(i for i, body in enumerate(masses.body) if index[int(body)] != i)
+    order = np.argsort(masses.body, kind="stable")
+    listed = masses.body[order]
+    twice = np.flatnonzero(listed[1:] == listed[:-1])
+    if len(twice):
+        row = int(order[twice[0] + 1])
         raise ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
-    index[GROUND] = -1
-    for row, pair in enumerate(zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)):
-        if not index.keys() >= set(pair):
-            raise fault_of(UNKNOWN_BODY, row, contacts, masses)
-    index_a = np.array([index[body] for body in contacts.body_a.tolist()], np.int64)
-    index_b = np.array([index[body] for body in contacts.body_b.tolist()], np.int64)
-    return index_a, index_b
+    order, listed = np.append(order, -1), np.append(listed, GROUND)  # the ground's index, and a row where all may end
+    indices = []
+    for bodies in (contacts.body_a, contacts.body_b):
+        place = np.where(bodies == GROUND, -1, np.searchsorted(listed[:-1], bodies))
+        unknown = np.flatnonzero(listed[place] != bodies)
+        if len(unknown):
+            raise fault_of(UNKNOWN_BODY, int(unknown[0]), contacts, masses)
+        indices.append(order[place])
+    return indices[0], indices[1]
 
 
 def _turned_upright(up: FloatArray) -> FloatArray:
