@@ -129,10 +129,10 @@ def _run_waiting(
     as_json: bool,
     interruption: Interruption,
 ) -> None:
-    with_core = any(BENCH_POLICIES[name].core for name in study.policies)
+    core_policies = [core for name in study.policies if (core := BENCH_POLICIES[name].core)]
     try:
-        start_server(study.engines, with_core)
-        if with_core:
+        start_server(study.engines, core_policies)
+        if core_policies:
             _tell("compiling the core once")
         with interruption.at_once():
             await_server()

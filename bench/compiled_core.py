@@ -1,7 +1,9 @@
 """Imported by the server from which trials are forked: they find the core compiled in memory."""
 
-from bench.rehearsal import rehearse
-from stability_core import POLICIES
+import os
 
-for _policy in POLICIES:
+from bench.isolation import WANTED_POLICIES
+from bench.rehearsal import rehearse
+
+for _policy in os.environ[WANTED_POLICIES].split(","):
     rehearse(_policy)

@@ -34,6 +34,8 @@ from reports.records import Status
 
 GRACE_S = 60.0
 """A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""
+WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
+"""Environment variable that tells the server for which policies to compile: it is started with no other word."""
 _TELL_S = 0.25
 """Progress is told no more often than this [s], lest telling disturbs the timing."""
 _MOST_OUTPUT = 2**24
@@ -44,10 +46,16 @@ _MEBI = 2**20
 _CONTEXT = multiprocessing.get_context("forkserver")
 
 
-def start_server(engines: Sequence[str], with_core: bool) -> None:
-    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them."""
+def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
+    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them.
+
+    Args:
+        engines: whose modules it loads.
+        core_policies: for which it compiles the core; a policy that no trial uses costs nothing.
+    """
     modules = [ENGINES[engine].module for engine in engines]
-    core = ["bench.compiled_core"] if with_core else []
+    core = ["bench.compiled_core"] if core_policies else []
+    os.environ[WANTED_POLICIES] = ",".join(core_policies)
     forkserver.set_forkserver_preload([__name__, *modules, *core, "bench.preloaded"])
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:

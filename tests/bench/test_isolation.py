@@ -35,7 +35,7 @@ def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite) -> No
 
 def test_a_trial_is_no_fork_of_this_process() -> None:
     """Forks would share the engines that this process has imported."""
-    isolation.start_server([], with_core=False)
+    isolation.start_server([], [])
     assert isolation.in_process(os.getppid, 60)().result() != os.getpid()
 
 
