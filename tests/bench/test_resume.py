@@ -8,12 +8,12 @@ import pytest
 from reports.frames import read_frames
 from reports.records import TrialRecord, read_records
 
-TIMINGS = {"wall_s", "realtime_factor", "environment"} | {name for name in TrialRecord.model_fields if "_ms" in name}
+CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
 
 
 def untimed(records: list[TrialRecord]) -> dict[str, dict[str, object]]:
-    """Everything in the records that does not depend on the clock, by trial."""
-    return {record.trial: record.model_dump(exclude=TIMINGS) for record in records}
+    """Everything in the records that does not depend on the clock, or on which core was free, by trial."""
+    return {record.trial: record.model_dump(exclude=CIRCUMSTANCES) for record in records}
 
 
 def kill_after(suite, more_trials: int, pause_s: float) -> int:
