@@ -14,6 +14,7 @@ import resource
 import signal
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import connection, forkserver
 from multiprocessing.connection import Connection
@@ -36,6 +37,8 @@ GRACE_S = 60.0
 """A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""
 WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
 """Environment variable that tells the server for which policies to compile: it is started with no other word."""
+_ATTEND_S = 0.1
+"""How often the memory of a silent process is looked at [s]."""
 _TELL_S = 0.25
 """Progress is told no more often than this [s], lest telling disturbs the timing."""
 _MOST_OUTPUT = 2**24
@@ -97,27 +100,37 @@ class IsolatedTrial:
         self._environment = environment
         self._log = folder / f"{trial.id}.log"
         self._reader, writer = _CONTEXT.Pipe(duplex=False)
+        self._news: deque[Progress] = deque()
         self._pid: int | None = None
         self._excess_mib: float | None = None
         launch = in_process(_run_in_child, limits.trial_wall_s + GRACE_S)
         self.future: ProcessFuture[Outcome] = launch(trial, limits, environment, core, writer, self._log)
         writer.close()
+        threading.Thread(target=self._attend, daemon=True).start()
 
     def news(self) -> Iterator[Progress]:
         """What it has told since last asked."""
-        try:
-            while self._reader.poll():
-                message = self._reader.recv()
-                if isinstance(message, Progress):
-                    yield message
-                else:
-                    self._pid = message
-        except (EOFError, OSError):
-            return
+        while self._news:
+            yield self._news.popleft()
 
-    def limit_memory(self) -> None:
+    def _attend(self) -> None:
+        """Listen to the process and limit its memory, whatever the run itself is busy with."""
+        with self._reader:
+            while not self.future.done():
+                try:
+                    if self._reader.poll(_ATTEND_S):
+                        message = self._reader.recv()
+                        if isinstance(message, Progress):
+                            self._news.append(message)
+                        else:
+                            self._pid = message
+                except (EOFError, OSError):  # the process has ended
+                    return
+                self._limit_memory()
+
+    def _limit_memory(self) -> None:
         """End the process if it has taken more memory than it may."""
-        if self._pid is None or self.future.done():
+        if self._pid is None:
             return
         try:
             taken = psutil.Process(self._pid).memory_info().rss / _MEBI
@@ -142,7 +155,6 @@ class IsolatedTrial:
         except Exception as error:  # a fault of the harness itself costs this trial, not the run
             return self._lost("error", f"harness: {type(error).__name__}: {error}")
         finally:
-            self._reader.close()
             self._log.unlink(missing_ok=True)
 
     def stop(self) -> None:

@@ -21,7 +21,7 @@ from bench.trial import Outcome
 from reports.records import TrialRecord
 
 _POLL_S = 0.2
-"""How often progress, memory and the wish to stop are looked at [s]."""
+"""How often progress and the wish to stop are looked at [s]."""
 _CALM_S = 0.2
 """How long the cores are watched to find those that nobody uses [s]."""
 
@@ -79,8 +79,6 @@ def run_trials(
                         outcome = one.outcome()
                         observer.finished(one.trial, outcome.record)
                         yield outcome
-                    else:
-                        one.limit_memory()
         finally:
             for one in running:
                 one.stop()
