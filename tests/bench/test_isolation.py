@@ -21,7 +21,8 @@ OUTCOMES = {
 
 def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite) -> None:
     """Misdeeds and sound trials take turns; every sound one is recorded, and the harness ends with status 0."""
-    rogue_suite.write_study(OUTCOMES, seeds=2, limits={"trial_wall_s": 3.0, "memory_mib": 450})
+    # the limit is what a hang costs, and far above what a leak to 450 MiB takes where memory is slow
+    rogue_suite.write_study(OUTCOMES, seeds=2, limits={"trial_wall_s": 20.0, "memory_mib": 450})
     told = rogue_suite.run("--jobs", "2")
     assert f"{2 * len(OUTCOMES)} trials are kept in" in told
     records = read_records(rogue_suite.out / "trials.jsonl")
