@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 from rich.console import Console
@@ -17,17 +17,15 @@ from rich.console import Console
 from adapters import EngineNotInstalledError
 from bench.catalogue import print_catalogue
 from bench.conformance import check_engine
-from bench.environment import describe, digest
+from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
-from bench.isolation import await_server, start_server, stop_everything
 from bench.plan import Trial, plan_trials
-from bench.policies import BENCH_POLICIES
-from bench.progress import show_progress
 from bench.results import TRIALS, Results, ResultsError, check_folder
-from bench.runner import run_trials
+from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
+from bench.trial import Outcome
 from reports.records import RecordError, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -41,6 +39,8 @@ app = typer.Typer(
 )
 RESULTS = Path("results")
 """Where a run leaves its results unless told otherwise; estimates are made from what lies there."""
+Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
+"""Runs trials until they are done or a wish to stop is noted."""
 _LOG_WIDTH = 110
 for _stream in (sys.stdout, sys.stderr):  # a terminal that has no such letters shows their codes
     if isinstance(_stream, io.TextIOWrapper):
@@ -58,6 +58,9 @@ def run(
     profile: Annotated[list[str] | None, typer.Option(help="This profile of the engines; may be repeated.")] = None,
     seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
+    dask: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Run the trials on the Dask cluster with this scheduler.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Results folder [results/STUDY-TIME].")] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="List the trials and how long they take; write nothing.")
@@ -71,6 +74,8 @@ def run(
     """Run a study, or go on with one that was cut off, and print what stood and what fell."""
     with _input_errors():
         wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds)
+        if dask is not None and jobs > 1:
+            raise ClusterError("--jobs is for this machine: on a cluster the workers' threads say how many trials run")
         chosen = selected(load_study(study), wanted)
         trials = plan_trials(chosen)
         folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
@@ -80,7 +85,13 @@ def run(
             return
         environment = describe(chosen.engines)
         results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
-        _run(chosen, trials, results, digest(environment), jobs, as_json)
+
+        def outcomes(waiting: Sequence[Trial], interruption: Interruption) -> Iterator[Outcome]:
+            if dask is None:
+                return outcomes_here(chosen, waiting, environment, jobs, interruption, _err)
+            return outcomes_on_cluster(chosen, waiting, environment, dask, interruption, _err, results.know)
+
+        _run(trials, results, outcomes, as_json)
     tables = _report(folder)
     if not as_json:
         for table in tables:
@@ -100,8 +111,8 @@ def _show_plan(trials: list[Trial], study: Study, folder: Path, fresh: bool, job
         _tell(f"{len(trials) - len(waiting)} more are already there")
 
 
-def _run(study: Study, trials: list[Trial], results: Results, environment: str, jobs: int, as_json: bool) -> None:
-    """Run the trials that are not yet kept and keep each as it finishes, also when the run is interrupted."""
+def _run(trials: Sequence[Trial], results: Results, outcomes: Outcomes, as_json: bool) -> None:
+    """Run the trials that are not yet kept and keep each as it finishes, also when the run is cut off."""
     waiting = [trial for trial in trials if trial.id not in results.finished]
     if results.torn:
         _tell("the last line of trials.jsonl was torn by a cut: that trial is run again")
@@ -109,43 +120,18 @@ def _run(study: Study, trials: list[Trial], results: Results, environment: str, 
         _tell(f"going on: {len(trials) - len(waiting)} of {len(trials)} trials are already there")
     with Interruption() as interruption:
         try:
-            if waiting:
-                _run_waiting(study, waiting, results, environment, jobs, as_json, interruption)
-        finally:
-            results.close()
-        if interruption.is_set():
-            kept = sum(trial.id in results.finished for trial in trials)
-            _tell(f"interrupted: {kept} of {len(trials)} trials are kept in {_relative(results.folder)}")
-            _tell(f"to go on, run the same with --out {_relative(results.folder)}")
-            raise typer.Exit(interruption.exit_status)
-
-
-def _run_waiting(
-    study: Study,
-    trials: list[Trial],
-    results: Results,
-    environment: str,
-    jobs: int,
-    as_json: bool,
-    interruption: Interruption,
-) -> None:
-    core_policies = [core for name in study.policies if (core := BENCH_POLICIES[name].core)]
-    try:
-        start_server(study.engines, core_policies)
-        if core_policies:
-            _tell("compiling the core once")
-        with interruption.at_once():
-            await_server()
-        with show_progress(trials, _err) as progress:
-            outcomes = run_trials(trials, study.limits, environment, jobs, progress, interruption.is_set)
-            for outcome in outcomes:
+            for outcome in outcomes(waiting, interruption) if waiting else ():
                 results.keep(outcome)
                 if as_json:
                     typer.echo(outcome.record.model_dump_json())
-    except KeyboardInterrupt:  # while the server compiled
-        pass
-    if interruption.is_set():
-        stop_everything()
+        finally:
+            results.close()
+            kept = sum(trial.id in results.finished for trial in trials)
+            if kept < len(trials):
+                _tell(f"interrupted: {kept} of {len(trials)} trials are kept in {_relative(results.folder)}")
+                _tell(f"to go on, run the same with --out {_relative(results.folder)}")
+        if interruption.is_set():
+            raise typer.Exit(interruption.exit_status)
 
 
 @app.command()
@@ -187,7 +173,15 @@ def _input_errors() -> Iterator[None]:
     """Input that cannot be used ends the program with its fix, not with a trace."""
     try:
         yield
-    except (UnknownNameError, StudyError, ResultsError, RecordError, EngineNotInstalledError, OSError) as error:
+    except (
+        UnknownNameError,
+        StudyError,
+        ResultsError,
+        RecordError,
+        EngineNotInstalledError,
+        ClusterError,
+        OSError,
+    ) as error:
         _err.print(f"error: {error}", markup=False, highlight=False, soft_wrap=True)
         raise typer.Exit(2) from error
 

@@ -17,7 +17,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from multiprocessing import connection, forkserver
+from multiprocessing import connection, forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from pathlib import Path
 from time import monotonic
@@ -61,11 +61,12 @@ def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
     core = ["bench.compiled_core"] if core_policies else []
     os.environ[WANTED_POLICIES] = ",".join(core_policies)
     forkserver.set_forkserver_preload([__name__, *modules, *core, "bench.preloaded"])
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    resource_tracker.ensure_running()  # its start would let the signal through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # works in a cluster worker's threads too
     try:
         forkserver.ensure_running()
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def await_server() -> None:

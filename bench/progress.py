@@ -15,7 +15,8 @@ from bench.plan import Trial
 from bench.play import Progress
 from reports.records import TrialRecord
 
-_UNEXPECTED = ("unsupported", "diverged", "crashed", "error", "out_of_memory")
+_FAILED = ("diverged", "crashed", "error", "out_of_memory")
+_UNEXPECTED = ("unsupported", *_FAILED)
 """Endings of which the reason is told at once, not only in the records."""
 
 
@@ -35,6 +36,7 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
         self._engines = {
             engine: self._bars.add_task("", label=engine, total=total, note="") for engine, total in totals.items()
         }
+        self._ends = {engine: Counter[str]() for engine in totals}
         self._trials: dict[str, TaskID] = {}
 
     def __enter__(self) -> LiveProgress:
@@ -56,9 +58,11 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
         self._bars.update(self._trials[trial.id], completed=progress.level, total=progress.levels, note=note)
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """The trial's line gives way to the engine's bar."""
+        """The trial's line gives way to the engine's bar, which counts how its trials ended."""
         self._bars.remove_task(self._trials.pop(trial.id))
-        self._bars.update(self._engines[trial.engine], advance=1, note=f"{_short(trial)}: {record.status}")
+        ends = self._ends[trial.engine]
+        ends[record.status] += 1
+        self._bars.update(self._engines[trial.engine], advance=1, note=_counts(ends))
         if record.status in _UNEXPECTED:
             self._bars.console.print(f"{trial.id}: {record.status}: {record.message}", markup=False, highlight=False)
 
@@ -99,6 +103,15 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
 def show_progress(trials: Sequence[Trial], console: Console) -> LiveProgress | PlainProgress:
     """Live bars if ``console`` is a terminal, else plain lines."""
     return LiveProgress(trials, console) if console.is_terminal else PlainProgress(trials, console)
+
+
+def _counts(ends: Counter[str]) -> str:
+    """How many trials ended how; the rare ends are told only where there are any."""
+    failed = sum(ends[status] for status in _FAILED)
+    rare = [
+        f"{ends[status]} {name}" for status, name in (("timeout", "timed out"), ("unsupported", "n/a")) if ends[status]
+    ]
+    return ", ".join([f"{ends['completed']} completed", f"{ends['collapsed']} collapsed", f"{failed} failed", *rare])
 
 
 def _short(trial: Trial) -> str:

@@ -108,7 +108,7 @@ class Results:
             raise
 
     def _open(self, study: Study, environment: Mapping[str, Any], different: bool) -> None:
-        folder = self.folder
+        folder, self._environment = self.folder, digest(environment)
         if different:
             _put_aside(folder)
         sessions = _kept_environment(folder).get(_SESSIONS, []) if (folder / TRIALS).exists() else []
@@ -122,6 +122,12 @@ class Results:
         """Whether the last line was torn by a cut; that trial is run again."""
         self.finished = {record.trial for record in read_records(folder / TRIALS)}
         """Ids of the trials kept so far."""
+
+    def know(self, environment: Mapping[str, Any]) -> None:
+        """Keep the environment of another machine under the digest by which its records name it."""
+        file = self.folder / f"environment-{digest(environment)}.json"
+        if digest(environment) != self._environment and not file.exists():
+            write_whole(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
         """Write the frames, then the record: a record on disk means that all of its trial is."""

@@ -41,10 +41,10 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
 def best_times(frames: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
     """Percentiles 50, 95 and 99 of the least time [ms] that each frame took in any repeat.
 
-    Only repeats that did the same have such frames: None for others, and for those that were cut off at different
-    frames.
+    Only repeats that did the same on the same machine have such frames: None for others, and for those that were cut
+    off at different frames.
     """
-    if not same_poses(repeats) or len({record.timed_frames for record in repeats}) != 1:
+    if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None
     times = []
     for record in repeats:
@@ -61,19 +61,28 @@ def _repeats(frames: Path, cells: dict[tuple[str, str, str], dict[int, list[Tria
         alike = sum(map(same_poses, several))
         best = [times for repeats in several if (times := best_times(frames, repeats)) is not None]
         figures = [f"{statistics.median(column):.3f}" for column in zip(*best, strict=True)] or [NOTHING] * 3
-        p50 = [record.frame_ms_p50 for repeats in several for record in repeats if record.frame_ms_p50 is not None]
-        middle = statistics.median(p50)
-        spread = statistics.median(abs(value - middle) for value in p50)
         same = f"{alike}/{len(several)}" + ("" if alike == len(several) else " DIFFER")
-        rows.append((*cell, same, f"{middle:.3f} ± {spread:.3f}", *figures))
+        rows.append(
+            (*cell, same, _median_and_deviation([record for repeats in several for record in repeats]), *figures)
+        )
     header = ("scene", "engine", "policy", "same poses", "p50 ± MAD", "best p50", "best p95", "best p99")
     notes = (
         "Same poses: of how many trials all repeats went the same way to the last bit. DIFFER: the engine does not "
         "repeat itself, and a single run of it is a draw.",
         "p50 ± MAD: median and median absolute deviation of the repeats' median frame times, in ms. Best: of each "
-        "frame the least time of all repeats, where they went the same way; a p99 of least times is no p99 of a run.",
+        "frame the least time of all repeats, where they went the same way; a p99 of least times is no p99 of a run. "
+        "None where the repeats ran on several machines.",
     )
     return Table("The same again", header, tuple(rows), notes)
+
+
+def _median_and_deviation(repeats: Sequence[TrialRecord]) -> str:
+    """Of the median frame times [ms]; nothing for several machines, whose times have no common middle."""
+    if len({record.host for record in repeats}) > 1:
+        return NOTHING
+    p50 = [record.frame_ms_p50 for record in repeats if record.frame_ms_p50 is not None]
+    middle = statistics.median(p50)
+    return f"{middle:.3f} ± {statistics.median(abs(value - middle) for value in p50):.3f}"
 
 
 def _steadiness(records: Sequence[TrialRecord]) -> Table:

@@ -118,12 +118,14 @@ def _share(judged: Sequence[TrialRecord]) -> str:
 
 def _timings(records: Sequence[TrialRecord]) -> Table:
     rows, name = [], _engine_names(records)
-    for (scene, engine, profile, policy), trials in _measured(records):
+    several = len({record.host for record in records if record.host is not None}) > 1
+    for (scene, engine, profile, policy, host), trials in _measured(records, lambda r: (r.host or NOTHING,)):
         rows.append(
             (
                 scene,
                 name(engine, profile),
                 policy,
+                *([host] if several else []),
                 _median(trials, "frame_ms_p50", "{:.3f}"),
                 _median(trials, "frame_ms_p99", "{:.3f}"),
                 _median(trials, "engine_ms", "{:.3f}"),
@@ -133,8 +135,10 @@ def _timings(records: Sequence[TrialRecord]) -> Table:
                 _ratio(trials),
             )
         )
-    header = ("scene", "engine", "policy", "p50", "p99", "step", "read", "core", "port", "ratio at level")
+    columns = ("p50", "p99", "step", "read", "core", "port", "ratio at level")
+    header = ("scene", "engine", "policy", *(["machine"] if several else []), *columns)
     notes = (
+        *(["Taken on several machines: compare times of the same machine only."] if several else []),
         "Times in ms a frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
         "step, of reading contacts, of the core and of freezing and waking. Trials differ in height: compare heights "
         "first.",
@@ -250,14 +254,16 @@ def _grouped(
     return list(groups.items())
 
 
-def _measured(records: Sequence[TrialRecord]) -> list[tuple[tuple[str, ...], list[TrialRecord]]]:
-    """Trials that played at least a few frames, by scene, engine, profile and policy."""
+def _measured(
+    records: Sequence[TrialRecord], further: Callable[[TrialRecord], tuple[str, ...]] = lambda _: ()
+) -> list[tuple[tuple[str, ...], list[TrialRecord]]]:
+    """Trials that played at least a few frames, by scene, engine, profile, policy and what ``further`` tells apart."""
     policies = _policies(records)
     ran = [record for record in records if record.frame_ms_p50 is not None]
     scenes = list(dict.fromkeys(record.scene for record in records))
     engines = list(dict.fromkeys((record.engine, record.profile) for record in records))
     ran.sort(key=lambda r: (scenes.index(r.scene), engines.index((r.engine, r.profile)), policies.index(r.policy)))
-    return _grouped(ran, lambda r: (r.scene, r.engine, r.profile, r.policy))
+    return _grouped(ran, lambda r: (r.scene, r.engine, r.profile, r.policy, *further(r)))
 
 
 def _median(trials: Sequence[TrialRecord], field: str, form: str, scale: float = 1.0) -> str:

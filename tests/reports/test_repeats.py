@@ -46,11 +46,17 @@ def test_the_best_times_are_percentiles_of_each_frames_least_time(tmp_path) -> N
     assert [round(value, 6) for value in best or ()] == [2.0, 2.9, 2.98]
     assert best_times(tmp_path / "frames", [record(0), record(1, "other")]) is None
     assert best_times(tmp_path / "frames", [record(0), record(1, timed_frames=2)]) is None
+    assert best_times(tmp_path / "frames", [record(0), record(1, host="another")]) is None
 
 
 def test_repeats_that_differ_are_flagged_and_have_median_and_mad_alone(tmp_path) -> None:
     [table] = repeat_tables(tmp_path, [record(0), record(1, "other"), record(2, "third")])
     assert table.rows == (("four_stack", "bullet game", "none", "0/1 DIFFER", "2.000 ± 1.000", "-", "-", "-"),)
+
+
+def test_times_of_several_machines_are_not_put_together_but_their_poses_are_compared(tmp_path) -> None:
+    [table] = repeat_tables(tmp_path, [record(0), record(1, host="another")])
+    assert table.rows == (("four_stack", "bullet game", "none", "1/1", "-", "-", "-", "-"),)
 
 
 def test_a_study_without_repeats_has_no_such_table(tmp_path) -> None:

@@ -117,6 +117,13 @@ def test_seeds_that_have_their_own_truth_are_counted_among_the_judged_only() -> 
     assert outcome([record(), studied]) == "25 (20-30)/30 1/1 ✓"
 
 
+def test_times_of_several_machines_stand_in_rows_of_their_own() -> None:
+    times = {"frame_ms_p50": 1.0, "engine_ms": 1.0}
+    timings = study_tables([record(host="a", **times), record(host="b", seed=1, **times | {"frame_ms_p50": 3.0})])[2]
+    assert [(row[3], row[4]) for row in timings.rows] == [("a", "1.000"), ("b", "3.000")]
+    assert timings.header[3] == "machine"
+
+
 def test_no_records_make_empty_tables() -> None:
     assert "What stood" in to_markdown(study_tables([]))
 
