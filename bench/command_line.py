@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -26,7 +27,7 @@ from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
-from reports.records import RecordError, read_records
+from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
 from stability_core.lookup import UnknownNameError
@@ -101,7 +102,7 @@ def run(
 
 def _show_plan(trials: list[Trial], study: Study, folder: Path, fresh: bool, jobs: int) -> None:
     """List the trials that a run would run, and tell how long they will take."""
-    kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in read_records(folder / TRIALS)}
+    kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in _records(folder)}
     waiting = [trial for trial in trials if trial.id not in kept]
     for trial in waiting:
         typer.echo(trial.id)
@@ -145,10 +146,22 @@ def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results
 
 def _report(folder: Path) -> list[Table]:
     """A folder's tables, which are written into it."""
-    records = read_records(folder / TRIALS)
+    records = _records(folder)
+    if not records:
+        raise RecordError(f"{folder / TRIALS}: holds no trial yet")
     tables = [*study_tables(records), *repeat_tables(folder, records)]
     write_report(folder, records, tables)
     return tables
+
+
+def _records(folder: Path) -> list[TrialRecord]:
+    """A folder's records; a torn last line is told in a line of its own."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RecordWarning)
+        records = read_records(folder / TRIALS)
+    for warning in caught:
+        _tell(f"warning: {warning.message}")
+    return records
 
 
 @app.command(name="list")

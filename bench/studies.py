@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import (
     AfterValidator,
@@ -25,6 +25,7 @@ from pydantic import (
 )
 
 from adapters import ENGINES, profiles
+from bench.complaints import field_name, plain_words
 from bench.policies import BENCH_POLICIES
 from scenarios.registry import SCENARIOS, build
 from stability_core.lookup import UnknownNameError, look_up, unknown_name
@@ -215,17 +216,16 @@ def check_study(content: Mapping[str, object], source: str) -> Study:
     try:
         return Study.model_validate(content)
     except ValidationError as error:
-        complaints = [_complaint(dict(detail)) for detail in error.errors(include_url=False)]
+        complaints = [_complaint(detail) for detail in error.errors(include_url=False)]
         raise StudyError("\n".join(f"{source}: {complaint}" for complaint in dict.fromkeys(complaints))) from error
 
 
-def _complaint(detail: dict[str, object]) -> str:
+def _complaint(detail: Mapping[str, Any]) -> str:
     location = detail["loc"]
-    assert isinstance(location, tuple)
-    parts = [part for part in location if isinstance(part, int) or not part.startswith(("list[", "function-"))]
-    field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
+    if location[2:3] == ("parameters",) and len(location) > 4:  # a union: one complaint for each of its kinds
+        return f"field '{field_name(location[:4])}': must be a number, a text, or a list of these"
+    field = field_name(location)
     if detail["type"] == "extra_forbidden":
-        owner = _PARTS.get(str(parts[0]), Study) if len(parts) > 1 else Study
+        owner = _PARTS.get(str(location[0]), Study) if len(location) > 1 else Study
         return str(unknown_name("field", field.rpartition(".")[2], owner.model_fields))
-    message = str(detail["msg"]).removeprefix("Value error, ")
-    return f"field '{field}': {message}" if field else message
+    return f"field '{field}': {plain_words(detail)}" if field else plain_words(detail)

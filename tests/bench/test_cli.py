@@ -3,13 +3,15 @@
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from bench.command_line import app
-from bench.plan import Trial
+from bench.plan import Trial, plan_trials
+from bench.studies import check_study
 from bench.trial import bare_record
 from reports.frames import read_frames
 from reports.records import read_records
@@ -43,6 +45,7 @@ def call(*arguments: str, status: int) -> str:
         (["run", "--profile", "gam"], "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
         (["run", "--seeds", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "0"], "greater than or equal to 1"),
+        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs is for this machine"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["report", "missing"], "trials.jsonl: cannot be read"),
         (["check", "bulet"], "unknown engine 'bulet'; did you mean 'bullet'?"),
@@ -52,6 +55,19 @@ def test_bad_input_names_the_fix_and_writes_nothing(arguments, complaint, tmp_pa
     monkeypatch.chdir(tmp_path)
     assert complaint in call(*arguments, status=2)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_report_of_no_trial_is_refused_and_a_torn_line_told(tmp_path) -> None:
+    path = tmp_path / "trials.jsonl"
+    path.touch()
+    assert "holds no trial yet" in call("report", str(tmp_path), status=2)
+    study = check_study(tomllib.loads(STUDY), "")
+    trial = plan_trials(study)[0]
+    record = bare_record(trial, trial.build_scene(), "abc", "completed", "").model_dump_json()
+    path.write_text(f"{record}\n{record[:50]}")
+    told = call("report", str(tmp_path), status=0)
+    assert "warning:" in told
+    assert "trials.jsonl:2: the last line is torn and was left out" in told
 
 
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:

@@ -1,0 +1,40 @@
+"""What is wrong with a field of a study, in words of the one who wrote the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+_PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
+    "missing": lambda _: "is missing",
+    "greater_than": lambda limits: f"must be above {limits['gt']:g}",
+    "greater_than_equal": lambda limits: f"must be {limits['ge']} or more",
+    "less_than_equal": lambda limits: f"must be {limits['le']} or less",
+    "int_type": lambda _: "must be a whole number",
+    "int_parsing": lambda _: "must be a whole number, without quotes",
+    "int_from_float": lambda _: "must be a whole number",
+    "float_type": lambda _: "must be a number",
+    "float_parsing": lambda _: "must be a number, without quotes",
+    "finite_number": lambda _: "must be a finite number",
+    "bool_type": lambda _: "must be true or false",
+    "bool_parsing": lambda _: "must be true or false",
+    "string_type": lambda _: "must be a text in quotes",
+    "string_pattern_mismatch": lambda _: "must be letters, digits, '-' and '_', as it names a folder",
+    "list_type": lambda _: "must be a list in brackets",
+    "too_short": lambda _: "must not be empty",
+    "dict_type": lambda _: "must be a table",
+    "model_type": lambda _: "must be a table",
+}
+"""By pydantic's name of the fault; for others its own words are good enough."""
+
+
+def field_name(location: Iterable[str | int]) -> str:
+    """A place in a study as its writer would name it, such as ``scenario[0].name``."""
+    parts = [part for part in location if isinstance(part, int) or not part.startswith(("list[", "function-"))]
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
+
+
+def plain_words(detail: Mapping[str, Any]) -> str:
+    """What one of pydantic's error details says."""
+    words = _PLAIN.get(detail["type"])
+    return words(detail.get("ctx", {})) if words else str(detail["msg"]).removeprefix("Value error, ")
