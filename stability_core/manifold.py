@@ -13,6 +13,7 @@ from stability_core.contact_filter import ContactRows, bit_of, is_above, is_leve
 from stability_core.polygon import centroid, convex_hull
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, drop_supports, link
+from stability_core.watch import Watch, frame_before
 
 
 @compiled
@@ -68,26 +69,22 @@ def _kind_for(graph: Graph, contact: ContactRows, body: int, other: int, level_t
 
 
 @compiled
-def lay_patches(graph: Graph, contacts: ContactRows, body: int, level_tilt: float) -> None:
+def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, level_tilt: float) -> None:
     """Lay the patches of ``body`` anew: on all that it stands on or leans against in ``contacts``.
 
     A frozen body keeps its patches, so it gets them on the stack only (ground and frozen bodies); frozen
     bodies that stand on it get theirs on it as well.
-    O(rows + patches), whatever the height of the stack.
+    O(rows times neighbours), whatever the height of the stack.
 
     Args:
-        graph: with at least as many spare patches as there are contacts.
-        contacts: the contacts of the dwell frames, rows of ``CONTACT``.
+        graph: with at least as many spare patches as there are rows.
+        contacts: rows of ``CONTACT``.
+        mine: which of them touch the body, shape (n,).
         body: a body id.
         level_tilt: see ``is_level``.
     """
     drop_supports(graph, body)
-    mine = np.empty(len(contacts), np.int64)
-    n = 0
-    for i in range(len(contacts)):
-        if contacts[i].body_a == body or contacts[i].body_b == body:
-            mine[n] = i
-            n += 1
+    n = len(mine)
     filed = np.zeros(n, np.bool_)
     rows = np.empty(n, np.int64)
     for first in range(n):
@@ -113,11 +110,49 @@ def lay_patches(graph: Graph, contacts: ContactRows, body: int, level_tilt: floa
 
 
 @compiled
-def lay_all(graph: Graph, contacts: ContactRows, ids: IntArray, level_tilt: float) -> None:
-    """``lay_patches`` for each of ``ids``, and note for which pose they were laid."""
-    for body in ids:
-        lay_patches(graph, contacts, body, level_tilt)
-        row = graph.bodies[body]
+def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
+    """The contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
+
+    Returns:
+        Where the rows of each body begin in the list, shape (k + 1,); the list of rows of ``watch.contacts``.
+    """
+    k, room = len(ids), len(watch.contacts) // len(watch.sizes)
+    for i in range(k):
+        graph.bodies[ids[i]].place = i
+    start = np.zeros(k + 1, np.int64)
+    rows = np.empty(2 * watch.sizes.sum(), np.int64)
+    owner = np.empty(len(rows), np.int64)
+    found = 0
+    for back in range(frames - 1, -1, -1):
+        frame = frame_before(watch, back)
+        for row in range(frame * room, frame * room + watch.sizes[frame]):
+            for body in (watch.contacts[row].body_a, watch.contacts[row].body_b):
+                if body == GROUND:
+                    continue
+                place = graph.bodies[body].place  # perhaps left over from another list
+                if place < k and ids[place] == body:
+                    rows[found], owner[found] = row, place
+                    start[place + 1] += 1
+                    found += 1
+    for i in range(k):
+        start[i + 1] += start[i]
+    at = start.copy()
+    by_body = np.empty(found, np.int64)
+    for i in range(found):
+        by_body[at[owner[i]]] = rows[i]
+        at[owner[i]] += 1
+    return start, by_body
+
+
+@compiled
+def lay_all(graph: Graph, watch: Watch, ids: IntArray, frames: int, level_tilt: float) -> None:
+    """``lay_patches`` for each of ``ids`` from the last ``frames`` frames, and note for which pose they were laid."""
+    if len(ids) == 0:
+        return
+    start, rows = _contacts_of(graph, watch, ids, frames)
+    for i in range(len(ids)):
+        lay_patches(graph, watch.contacts, rows[start[i] : start[i + 1]], ids[i], level_tilt)
+        row = graph.bodies[ids[i]]
         row.is_load = True
         row.load_supported_by = row.supported_by
         for k in range(3):
