@@ -22,6 +22,7 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
+        ("level", "?"),  # it can carry a vertical force
     ],
     align=True,
 )
@@ -128,8 +129,9 @@ def keep_contacts(
         row.body_a, row.body_b, row.friction = a, b, friction[i]
         for k in range(3):
             row.point[k], row.normal[k] = point[i, k], normal[i, k]
-        size += 1
         level = is_level(normal[i, 2], friction[i], limits.level_tilt)
+        row.level = level
+        size += 1
         _note(bodies, a, b, -separation[i], slip, level)
         _note(bodies, b, a, -separation[i], slip, level)
     return size, hits

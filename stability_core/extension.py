@@ -25,7 +25,7 @@ from stability_core.stack import (
     grown,
     with_all_above,
 )
-from stability_core.watch import STRUCK, listed, most_patches, watch_for
+from stability_core.watch import STRUCK, watch_for
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,13 +127,14 @@ class StabilityExtension:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         contacts, masses = self.port.contacts(), self.port.masses()
         self._forget(masses.removed)
-        if self._observe(contacts, masses, dt) == 0 and not self._is_pending:
+        due, rows = self._observe(contacts, masses, dt)
+        if due == 0 and not self._is_pending:
             return UNCHANGED
         self._is_pending = False
-        return self._settle()
+        return self._settle(rows)
 
-    def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> int:
-        """``observe`` with room for every body and contact; returns how many bodies are due for a decision.
+    def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int]:
+        """``observe`` with room for every body and contact; returns how many bodies are due, and contacts kept.
 
         Raises:
             ValueError: for what the port gave, if it is malformed.
@@ -145,7 +146,7 @@ class StabilityExtension:
         fault, row = NO_ROOM, -1
         while fault == NO_ROOM:
             self._graph = grown(self._graph, row + 1, 0)
-            fault, row, due = observe(
+            fault, row, due, rows = observe(
                 self._graph.bodies,
                 *self._watch,
                 self._limits,
@@ -163,16 +164,20 @@ class StabilityExtension:
             )
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
-        return due
+        return due, rows
 
-    def _settle(self) -> Change:
-        """Let the policy freeze what is stable, and wake what is not, with all that rests on it."""
+    def _settle(self, rows: int) -> Change:
+        """Let the policy freeze what is stable, and wake what is not, with all that rests on it.
+
+        Each of the ``rows`` of contacts may lay a patch for either body, before and after that is frozen.
+        """
         woken, self._news = self._news, {}
         for body in woken:
             self._wake(body)
-        self._graph = grown(self._graph, 0, most_patches(self._watch))
+        self._graph = grown(self._graph, 0, 4 * rows)
         frozen, unbalanced = self.policy.settle(self._graph, self._watch)
-        for reason, roots in (("struck", listed(self._watch, STRUCK)), ("unbalanced", unbalanced)):
+        struck = self._watch.due[STRUCK, 1 : 1 + self._watch.due[STRUCK, 0]]
+        for reason, roots in (("struck", struck), ("unbalanced", unbalanced)):
             if not len(roots):
                 continue
             for body in with_all_above(self._graph, roots).tolist():
@@ -183,13 +188,16 @@ class StabilityExtension:
 
     def _tell(self, frozen: dict[int, str], woken: dict[int, str]) -> Change:
         """One sleep and one wake batch for the engine; what was frozen and woken at once never slept."""
-        asleep = sorted(frozen.keys() - woken.keys())
-        awake = sorted(woken.keys() - frozen.keys())
+        if not frozen and not woken:
+            return UNCHANGED
+        reasons = {body: (frozen | woken)[body] for body in sorted(frozen.keys() ^ woken.keys())}
+        asleep = tuple(body for body in reasons if body in frozen)
+        awake = tuple(body for body in reasons if body in woken)
         if asleep:
             self.port.sleep(asleep)
         if awake:
             self.port.wake(awake)
-        return Change(tuple(asleep), tuple(awake), {body: (frozen | woken)[body] for body in asleep + awake})
+        return Change(asleep, awake, reasons)
 
     def _wake(self, body: int) -> None:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""

@@ -47,7 +47,7 @@ def observe(
     separation: FloatArray,
     relative_velocity: FloatArray,
     friction: FloatArray,
-) -> tuple[int, int, int]:
+) -> tuple[int, int, int, int]:
     """Track the live bodies, filter the contacts, and write down what must be decided.
 
     O(m + n), whatever the number of frozen bodies. The arrays of ``Watch`` come one by one: Numba takes longer to
@@ -73,21 +73,22 @@ def observe(
         friction: Coulomb coefficients, shape (n,).
 
     Returns:
-        A fault (FINE if there is none); its row, or for NO_ROOM the greatest id; how many bodies are listed in ``due``.
+        A fault (FINE if there is none); its row, or for NO_ROOM the greatest id; how many bodies are listed in ``due``;
+        how many contacts are kept of all frames.
     """
     row = first_bad_contact(body_a, body_b, point, normal, friction)
     if row >= 0:
-        return BAD_CONTACT, row, 0
+        return BAD_CONTACT, row, 0, 0
     row = first_bad_mass(body, mass, center)
     if row >= 0:
-        return BAD_MASS, row, 0
+        return BAD_MASS, row, 0, 0
     greatest = max(_greatest(body), _greatest(body_a), _greatest(body_b))
     if greatest >= len(bodies):
-        return NO_ROOM, greatest, 0
+        return NO_ROOM, greatest, 0, 0
     track(bodies, body, mass, center, dt)
     row = max(_first_unknown(bodies, body_a), _first_unknown(bodies, body_b))
     if row >= 0:
-        return UNKNOWN_BODY, row, 0
+        return UNKNOWN_BODY, row, 0, 0
 
     limit = limits[0]
     latest[0] = (latest[0] + 1) % len(sizes)
@@ -98,4 +99,4 @@ def observe(
     count_frames(bodies, body, limit)
     due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, body, limit, due[AT_REST, 1:], due[LEANING, 1:])
     due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, body, limit, due[LYING, 1:], due[GONE, 1:])
-    return FINE, -1, due[:, 0].sum()
+    return FINE, -1, due[:, 0].sum(), sizes.sum()

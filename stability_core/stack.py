@@ -47,6 +47,7 @@ BODY = np.dtype(
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
         ("load_supported_by", "u8"),  # supports for which they were laid
+        ("provisional", "?"),  # it touches live bodies or carries some: frozen, it would have other patches
         # scratch of one frame
         ("rule", "i1"),  # the strictest rule by which it is looked at: AT_REST, LEANING or LYING
         ("place", "i8"),  # its place in the list that is worked on
@@ -173,6 +174,17 @@ def unlink(graph: Graph, at: int) -> None:
         _note_change(graph, lower)
     graph.spare[0] += 1
     graph.spare[graph.spare[0]] = at
+
+
+@compiled
+def note_change_of_supports(graph: Graph, body: int) -> None:
+    """List ``body`` and what it stands on or leans against as changed."""
+    _note_change(graph, body)
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        if graph.patches[at].lower != GROUND:
+            _note_change(graph, graph.patches[at].lower)
+        at = graph.patches[at].next_support
 
 
 @compiled

@@ -33,7 +33,7 @@ class Watch(NamedTuple):
 
 
 def watch_for(frames: int, room: int, known: Watch | None = None) -> Watch:
-    """Arrays for ``frames`` dwell frames with ``room`` contacts and bodies in each, with what is ``known`` taken over."""
+    """Arrays for ``frames`` dwell frames with ``room`` contacts and bodies each, with what is ``known`` taken over."""
     fresh = Watch(
         np.zeros(frames * room, CONTACT),
         np.zeros(frames, np.int64),
@@ -57,8 +57,3 @@ def listed(watch: Watch, kind: int) -> IntArray:
 def frame_before(watch: Watch, back: int) -> int:
     """The row of the frame ``back`` frames before the latest."""
     return int((watch.latest[0] - back) % len(watch.sizes))
-
-
-def most_patches(watch: Watch) -> int:
-    """How many patches a frame can lay at most: one for either body of a contact, before and after it is frozen."""
-    return 4 * int(watch.sizes.sum())
