@@ -190,7 +190,8 @@ class StabilityExtension:
         """One sleep and one wake batch for the engine; what was frozen and woken at once never slept."""
         if not frozen and not woken:
             return UNCHANGED
-        reasons = {body: (frozen | woken)[body] for body in sorted(frozen.keys() ^ woken.keys())}
+        told = frozen | woken
+        reasons = {body: told[body] for body in sorted(frozen.keys() ^ woken.keys())}
         asleep = tuple(body for body in reasons if body in frozen)
         awake = tuple(body for body in reasons if body in woken)
         if asleep:

@@ -47,19 +47,20 @@ def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
     shape[: len(subject)] = subject
     sides = len(subject)
     for i in range(len(by)):
-        a, b = by[i], by[(i + 1) % len(by)]
-        ex, ey = b[0] - a[0], b[1] - a[1]
+        ax, ay = by[i, 0], by[i, 1]
+        ex, ey = by[(i + 1) % len(by), 0] - ax, by[(i + 1) % len(by), 1] - ay
         size = 0
-        for j in range(sides):
-            p, q = shape[j], shape[(j + 1) % sides]
-            left_p = ex * (p[1] - a[1]) - ey * (p[0] - a[0])
-            left_q = ex * (q[1] - a[1]) - ey * (q[0] - a[0])
+        for p in range(sides):
+            q = (p + 1) % sides
+            left_p = ex * (shape[p, 1] - ay) - ey * (shape[p, 0] - ax)
+            left_q = ex * (shape[q, 1] - ay) - ey * (shape[q, 0] - ax)
             if left_p >= 0.0 and size < room:
-                kept[size] = p
+                for k in range(3):
+                    kept[size, k] = shape[p, k]
                 size += 1
             if left_p * left_q < 0.0 and size < room:
                 for k in range(3):
-                    kept[size, k] = p[k] + (q[k] - p[k]) * (left_p / (left_p - left_q))
+                    kept[size, k] = shape[p, k] + (shape[q, k] - shape[p, k]) * (left_p / (left_p - left_q))
                 size += 1
         shape, kept, sides = kept, shape, size
     return shape[:sides]
