@@ -236,10 +236,10 @@ def pile_up(seed: int, planks: int) -> Stopwatch:
             if bottom > 0.0 and shapes[other][1] == bottom and len(area) > 2:
                 rows += [(other, body, (*corner, bottom), UP, MU) for corner in area]
         watch.grow([(body, (x, y, bottom + THICKNESS / 2), rows)])
-        if body in watch.world.frozen:
-            shapes[body] = (shape, bottom + THICKNESS)
-        else:
-            watch.world.remove(body)
+        shapes[body] = (shape, bottom + THICKNESS)
+        for loose in watch.world.center.keys() - watch.world.frozen:
+            watch.world.remove(loose)
+            del shapes[loose]
     return watch
 
 
