@@ -22,6 +22,7 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
+        ("level", "?"),  # it can carry a vertical force
     ],
     align=True,
 )
@@ -91,7 +92,9 @@ def keep_contacts(
     relative_velocity: FloatArray,
     friction: FloatArray,
     limits: Limits,
-) -> tuple[ContactRows, IntArray]:
+    kept: ContactRows,
+    struck: IntArray,
+) -> tuple[int, int]:
     """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
 
     Args:
@@ -104,15 +107,14 @@ def keep_contacts(
         relative_velocity: of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
         limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap``.
+        kept: the contacts that count are written here, at least n rows of ``CONTACT``.
+        struck: the frozen bodies struck by an impact are written here, at least 2 n rows.
 
     Returns:
-        The contacts that count, (k,) rows of ``CONTACT``; and the frozen bodies struck by an impact, (h,).
+        How many contacts count; and how many bodies were struck.
     """
-    n = len(body_a)
-    kept = np.empty(n, CONTACT)
-    struck = np.empty(2 * n, np.int64)
     size, hits = 0, 0
-    for i in range(n):
+    for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
         if separation[i] > limits.contact_gap:  # false for an unknown (NaN) separation: it counts as touch
             continue
@@ -127,8 +129,9 @@ def keep_contacts(
         row.body_a, row.body_b, row.friction = a, b, friction[i]
         for k in range(3):
             row.point[k], row.normal[k] = point[i, k], normal[i, k]
-        size += 1
         level = is_level(normal[i, 2], friction[i], limits.level_tilt)
+        row.level = level
+        size += 1
         _note(bodies, a, b, -separation[i], slip, level)
         _note(bodies, b, a, -separation[i], slip, level)
-    return kept[:size], struck[:hits]
+    return size, hits

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from stability_core.checks import FINE, NO_ROOM, check_shapes, fault_of
-from stability_core.contact_filter import ContactRows
 from stability_core.frame import observe
 from stability_core.lookup import look_up
-from stability_core.manifold import lay_all, lift_all, supports_as_bits
+from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import Contacts, FloatArray, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
@@ -28,6 +25,7 @@ from stability_core.stack import (
     grown,
     with_all_above,
 )
+from stability_core.watch import STRUCK, watch_for
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,28 +38,6 @@ class Change:
     """Bodies woken in this frame, by rising id."""
     reasons: Mapping[int, str]
     """Why, for each of them."""
-
-
-class Seen(NamedTuple):
-    """What ``observe`` found in one frame."""
-
-    contacts: ContactRows
-    """Those that count."""
-    struck: IntArray
-    """Frozen bodies hit by an impact."""
-    at_rest: IntArray
-    """Live bodies due for the flat test."""
-    leaning: IntArray
-    """Live bodies due for the leaning test."""
-    lying: IntArray
-    """Live bodies that lie on the stack anew."""
-    gone: IntArray
-    """Live bodies that lie on it no more."""
-
-    @property
-    def is_quiet(self) -> bool:
-        """True if there is nothing to decide."""
-        return not any(map(len, self[1:]))
 
 
 def _ids(array: IntArray) -> IntArray:
@@ -107,7 +83,7 @@ class StabilityExtension:
         self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
         self._graph: Graph = empty_graph()
         self._limits = self.settings.limits()
-        self._recent: deque[ContactRows] = deque(maxlen=self.settings.longest_dwell)
+        self._watch = watch_for(self.settings.longest_dwell, 32)
         self._news: dict[int, str] = {}
         """Bodies woken by the host's words since the last update, with the reason."""
         self._is_pending = False
@@ -151,21 +127,28 @@ class StabilityExtension:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         contacts, masses = self.port.contacts(), self.port.masses()
         self._forget(masses.removed)
-        seen = self._observe(contacts, masses, dt)
-        self._recent.append(seen.contacts)
-        if seen.is_quiet and not self._is_pending:
+        due, rows = self._observe(contacts, masses, dt)
+        if due == 0 and not self._is_pending:
             return UNCHANGED
         self._is_pending = False
-        return self._settle(seen)
+        return self._settle(rows)
 
-    def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> Seen:
-        """``observe`` with room for every body, or the error for what the port gave."""
+    def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int]:
+        """``observe`` with room for every body and contact; returns how many bodies are due, and contacts kept.
+
+        Raises:
+            ValueError: for what the port gave, if it is malformed.
+        """
         check_shapes(contacts, masses)
+        room = max(2 * len(contacts), len(masses.body))
+        if room >= self._watch.due.shape[1]:
+            self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
         fault, row = NO_ROOM, -1
         while fault == NO_ROOM:
             self._graph = grown(self._graph, row + 1, 0)
-            fault, row, *found = observe(
+            fault, row, due, rows = observe(
                 self._graph.bodies,
+                *self._watch,
                 self._limits,
                 dt,
                 _ids(masses.body),
@@ -181,28 +164,22 @@ class StabilityExtension:
             )
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
-        return Seen(*found)
+        return due, rows
 
-    def _settle(self, seen: Seen) -> Change:
-        """Bring the stack up to date: lay patches, freeze what is stable, carry down, wake what is not."""
-        at_rest, leaning = set(seen.at_rest.tolist()), set(seen.leaning.tolist())
-        lift_all(self._graph, seen.gone)
-        self._lay(set(seen.lying.tolist()) - at_rest - leaning, self.settings.load_frames)
-        self._lay(at_rest, self.settings.rest_frames)
-        self._lay(leaning - at_rest, self.settings.lean_frames)
-        concerned = set(self._carry())
+    def _settle(self, rows: int) -> Change:
+        """Let the policy freeze what is stable, and wake what is not, with all that rests on it.
 
-        frozen = self.policy.accept(self._graph, self._by_height(seen.at_rest), self._by_height(seen.leaning))
-        self._lay(at_rest & frozen.keys(), self.settings.rest_frames)
-        self._lay((leaning - at_rest) & frozen.keys(), self.settings.lean_frames)
-        self._lift_passing(leaning - at_rest - frozen.keys())
-        concerned.update(self._carry())
-
+        Each of the ``rows`` of contacts may lay a patch for either body, before and after that is frozen.
+        """
         woken, self._news = self._news, {}
         for body in woken:
             self._wake(body)
-        unbalanced = self.policy.unbalanced(self._graph, np.array(sorted(concerned), np.int64))
-        for reason, roots in (("struck", seen.struck), ("unbalanced", unbalanced)):
+        self._graph = grown(self._graph, 0, 4 * rows)
+        frozen, unbalanced = self.policy.settle(self._graph, self._watch)
+        struck = self._watch.due[STRUCK, 1 : 1 + self._watch.due[STRUCK, 0]]
+        for reason, roots in (("struck", struck), ("unbalanced", unbalanced)):
+            if not len(roots):
+                continue
             for body in with_all_above(self._graph, roots).tolist():
                 if self._graph.bodies["state"][body] == FROZEN:
                     woken[body] = reason if body in roots else f"rested on what was {reason}"
@@ -211,34 +188,17 @@ class StabilityExtension:
 
     def _tell(self, frozen: dict[int, str], woken: dict[int, str]) -> Change:
         """One sleep and one wake batch for the engine; what was frozen and woken at once never slept."""
-        asleep = sorted(frozen.keys() - woken.keys())
-        awake = sorted(woken.keys() - frozen.keys())
+        if not frozen and not woken:
+            return UNCHANGED
+        told = frozen | woken
+        reasons = {body: told[body] for body in sorted(frozen.keys() ^ woken.keys())}
+        asleep = tuple(body for body in reasons if body in frozen)
+        awake = tuple(body for body in reasons if body in woken)
         if asleep:
             self.port.sleep(asleep)
         if awake:
             self.port.wake(awake)
-        return Change(tuple(asleep), tuple(awake), {body: (frozen | woken)[body] for body in asleep + awake})
-
-    def _lay(self, ids: Set[int], frames: int) -> None:
-        """Lay the patches of ``ids`` from the contacts of the last ``frames`` frames."""
-        if ids:
-            rows = np.concatenate(list(self._recent)[-frames:])
-            self._graph = grown(self._graph, 0, len(rows))
-            lay_all(self._graph, rows, np.array(sorted(ids), np.int64), self.settings.level_tilt)
-
-    def _lift_passing(self, refused: Set[int]) -> None:
-        """Patches laid for a test alone go again: a body that only passes by is no load."""
-        passing = [body for body in refused if self._graph.bodies["load_frames"][body] < self.settings.load_frames]
-        lift_all(self._graph, np.array(passing, np.int64))
-
-    def _carry(self) -> list[int]:
-        changed = np.flatnonzero(self._graph.bodies["changed"])
-        self._graph.bodies["changed"][changed] = False
-        concerned: list[int] = self.policy.carry(self._graph, changed).tolist() if len(changed) else []
-        return concerned
-
-    def _by_height(self, ids: IntArray) -> IntArray:
-        return ids[np.argsort(self._graph.bodies["center"][ids, 2], kind="stable")]
+        return Change(asleep, awake, reasons)
 
     def _wake(self, body: int) -> None:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""

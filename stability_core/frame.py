@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from stability_core.checks import BAD_CONTACT, BAD_MASS, FINE, NO_ROOM, UNKNOWN_BODY, first_bad_contact, first_bad_mass
 from stability_core.compiled import compiled
-from stability_core.contact_filter import CONTACT, ContactRows, keep_contacts
-from stability_core.motion import count_frames, due, shifted_loads, track
+from stability_core.contact_filter import ContactRows, keep_contacts
+from stability_core.motion import count_frames, list_due, list_shifted_loads, track
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
 from stability_core.stack import ABSENT, Bodies
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, STRUCK
 
 
 @compiled
@@ -32,6 +31,10 @@ def _first_unknown(bodies: Bodies, ids: IntArray) -> int:
 @compiled
 def observe(
     bodies: Bodies,
+    contacts: ContactRows,
+    sizes: IntArray,
+    latest: IntArray,
+    due: IntArray,
     limits: Limits,
     dt: float,
     body: IntArray,
@@ -44,11 +47,18 @@ def observe(
     separation: FloatArray,
     relative_velocity: FloatArray,
     friction: FloatArray,
-) -> tuple[int, int, ContactRows, IntArray, IntArray, IntArray, IntArray, IntArray]:
-    """Track the live bodies, filter the contacts, and find what must be decided.
+) -> tuple[int, int, int, int]:
+    """Track the live bodies, filter the contacts, and write down what must be decided.
+
+    O(m + n), whatever the number of frozen bodies. The arrays of ``Watch`` come one by one: Numba takes longer to
+    look at a tuple than at what is in it.
 
     Args:
         bodies: the table.
+        contacts: of ``Watch``, with room for n more, written here; the same for the next three.
+        sizes: shape (frames,).
+        latest: shape (1,).
+        due: with room for 2 n and m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
         body: the live bodies, shape (m,).
@@ -63,28 +73,30 @@ def observe(
         friction: Coulomb coefficients, shape (n,).
 
     Returns:
-        A fault (FINE if there is none) and its row, or for NO_ROOM the greatest id; the contacts that count; the
-        frozen bodies struck by an impact; the bodies due for the flat and for the leaning test; the live bodies
-        that lie on the stack anew, and those that do so no more.
+        A fault (FINE if there is none); its row, or for NO_ROOM the greatest id; how many bodies are listed in ``due``;
+        how many contacts are kept of all frames.
     """
-    nothing, no_contact = np.empty(0, np.int64), np.empty(0, CONTACT)
     row = first_bad_contact(body_a, body_b, point, normal, friction)
     if row >= 0:
-        return BAD_CONTACT, row, no_contact, nothing, nothing, nothing, nothing, nothing
+        return BAD_CONTACT, row, 0, 0
     row = first_bad_mass(body, mass, center)
     if row >= 0:
-        return BAD_MASS, row, no_contact, nothing, nothing, nothing, nothing, nothing
+        return BAD_MASS, row, 0, 0
     greatest = max(_greatest(body), _greatest(body_a), _greatest(body_b))
     if greatest >= len(bodies):
-        return NO_ROOM, greatest, no_contact, nothing, nothing, nothing, nothing, nothing
+        return NO_ROOM, greatest, 0, 0
     track(bodies, body, mass, center, dt)
     row = max(_first_unknown(bodies, body_a), _first_unknown(bodies, body_b))
     if row >= 0:
-        return UNKNOWN_BODY, row, no_contact, nothing, nothing, nothing, nothing, nothing
+        return UNKNOWN_BODY, row, 0, 0
 
     limit = limits[0]
-    kept, struck = keep_contacts(bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit)
+    latest[0] = (latest[0] + 1) % len(sizes)
+    kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
+    sizes[latest[0]], due[STRUCK, 0] = keep_contacts(
+        bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit, kept, due[STRUCK, 1:]
+    )
     count_frames(bodies, body, limit)
-    at_rest, leaning = due(bodies, body, limit)
-    lying, gone = shifted_loads(bodies, body, limit)
-    return FINE, -1, kept, struck, at_rest, leaning, lying, gone
+    due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, body, limit, due[AT_REST, 1:], due[LEANING, 1:])
+    due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, body, limit, due[LYING, 1:], due[GONE, 1:])
+    return FINE, -1, due[:, 0].sum(), sizes.sum()

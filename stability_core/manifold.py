@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.contact_filter import ContactRows, bit_of, is_above, is_level
+from stability_core.contact_filter import ContactRows, bit_of, is_above
 from stability_core.polygon import centroid, convex_hull
 from stability_core.port import GROUND, FloatArray, IntArray
-from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, drop_supports, link
+from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Bodies, Graph, drop_supports, link
+from stability_core.watch import Watch, frame_before
 
 
 @compiled
@@ -60,64 +61,101 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
 
 
 @compiled
-def _kind_for(graph: Graph, contact: ContactRows, body: int, other: int, level_tilt: float) -> int:
+def _kind_for(bodies: Bodies, contact: ContactRows, body: int, other: int) -> int:
     """SUPPORT if ``body`` stands on ``other`` here, LEAN if it leans, -1 if ``other`` stands on ``body``."""
-    if not is_level(contact.normal[2], contact.friction, level_tilt):
+    if not contact.level:
         return LEAN
-    return SUPPORT if is_above(graph.bodies, body, other) else -1
+    return SUPPORT if is_above(bodies, body, other) else -1
 
 
 @compiled
-def lay_patches(graph: Graph, contacts: ContactRows, body: int, level_tilt: float) -> None:
+def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) -> None:
     """Lay the patches of ``body`` anew: on all that it stands on or leans against in ``contacts``.
 
     A frozen body keeps its patches, so it gets them on the stack only (ground and frozen bodies); frozen
     bodies that stand on it get theirs on it as well.
-    O(rows + patches), whatever the height of the stack.
+    O(rows times neighbours), whatever the height of the stack.
 
     Args:
-        graph: with at least as many spare patches as there are contacts.
-        contacts: the contacts of the dwell frames, rows of ``CONTACT``.
+        graph: with at least as many spare patches as there are rows.
+        contacts: rows of ``CONTACT``.
+        mine: which of them touch the body, shape (n,).
         body: a body id.
-        level_tilt: see ``is_level``.
     """
     drop_supports(graph, body)
-    mine = np.empty(len(contacts), np.int64)
-    n = 0
-    for i in range(len(contacts)):
-        if contacts[i].body_a == body or contacts[i].body_b == body:
-            mine[n] = i
-            n += 1
+    n = len(mine)
+    others, kinds = np.empty(n, np.int64), np.empty(n, np.int64)
+    for i in range(n):
+        contact = contacts[mine[i]]
+        others[i] = contact.body_b if contact.body_a == body else contact.body_a
+        kinds[i] = _kind_for(graph.bodies, contact, body, others[i])
+    is_kept = graph.bodies[body].state == FROZEN
+    graph.bodies[body].provisional = False
     filed = np.zeros(n, np.bool_)
     rows = np.empty(n, np.int64)
     for first in range(n):
         if filed[first]:
             continue
-        head = contacts[mine[first]]
-        other = head.body_b if head.body_a == body else head.body_a
-        kind = _kind_for(graph, head, body, other, level_tilt)
+        other, kind = others[first], kinds[first]
         size = 0
         for i in range(first, n):
-            contact = contacts[mine[i]]
-            same_pair = contact.body_a == other or contact.body_b == other
-            if same_pair and not filed[i] and _kind_for(graph, contact, body, other, level_tilt) == kind:
+            if others[i] == other and kinds[i] == kind:
                 filed[i] = True
                 rows[size] = mine[i]
                 size += 1
-        kept = graph.bodies[body].state == FROZEN
         other_is_live = other != GROUND and graph.bodies[other].state == LIVE
-        if kind >= 0 and not (kept and other_is_live):
+        if other_is_live or kind < 0:
+            graph.bodies[body].provisional = True
+        if kind >= 0 and not (is_kept and other_is_live):
             _lay_patch(graph, contacts, rows[:size], body, other, kind)
-        elif kind < 0 and kept and not other_is_live:
+        elif kind < 0 and is_kept and not other_is_live:
             _lay_patch(graph, contacts, rows[:size], other, body, SUPPORT)
 
 
 @compiled
-def lay_all(graph: Graph, contacts: ContactRows, ids: IntArray, level_tilt: float) -> None:
-    """``lay_patches`` for each of ``ids``, and note for which pose they were laid."""
-    for body in ids:
-        lay_patches(graph, contacts, body, level_tilt)
-        row = graph.bodies[body]
+def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
+    """The contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
+
+    Returns:
+        Where the rows of each body begin in the list, shape (k + 1,); the list of rows of ``watch.contacts``.
+    """
+    k, room = len(ids), len(watch.contacts) // len(watch.sizes)
+    for i in range(k):
+        graph.bodies[ids[i]].place = i
+    start = np.zeros(k + 1, np.int64)
+    rows = np.empty(2 * watch.sizes.sum(), np.int64)
+    owner = np.empty(len(rows), np.int64)
+    found = 0
+    for back in range(frames - 1, -1, -1):
+        frame = frame_before(watch, back)
+        for row in range(frame * room, frame * room + watch.sizes[frame]):
+            for body in (watch.contacts[row].body_a, watch.contacts[row].body_b):
+                if body == GROUND:
+                    continue
+                place = graph.bodies[body].place  # perhaps left over from another list
+                if place < k and ids[place] == body:
+                    rows[found], owner[found] = row, place
+                    start[place + 1] += 1
+                    found += 1
+    for i in range(k):
+        start[i + 1] += start[i]
+    at = start.copy()
+    by_body = np.empty(found, np.int64)
+    for i in range(found):
+        by_body[at[owner[i]]] = rows[i]
+        at[owner[i]] += 1
+    return start, by_body
+
+
+@compiled
+def lay_all(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> None:
+    """``lay_patches`` for each of ``ids`` from the last ``frames`` frames, and note for which pose they were laid."""
+    if len(ids) == 0:
+        return
+    start, rows = _contacts_of(graph, watch, ids, frames)
+    for i in range(len(ids)):
+        lay_patches(graph, watch.contacts, rows[start[i] : start[i + 1]], ids[i])
+        row = graph.bodies[ids[i]]
         row.is_load = True
         row.load_supported_by = row.supported_by
         for k in range(3):
@@ -125,11 +163,10 @@ def lay_all(graph: Graph, contacts: ContactRows, ids: IntArray, level_tilt: floa
 
 
 @compiled
-def lift_all(graph: Graph, ids: IntArray) -> None:
-    """Forget the patches of live bodies that no longer lie on what is below them."""
-    for body in ids:
-        drop_supports(graph, body)
-        graph.bodies[body].is_load = False
+def lift(graph: Graph, body: int) -> None:
+    """Forget the patches of a live body that no longer lies on what is below it."""
+    drop_supports(graph, body)
+    graph.bodies[body].is_load = False
 
 
 @compiled

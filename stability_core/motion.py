@@ -61,12 +61,18 @@ def count_frames(bodies: Bodies, ids: IntArray, limits: Limits) -> None:
 
 
 @compiled
-def due(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArray]:
-    """The bodies whose stability must be decided now: (at rest, at rest by the rule for leaning).
+def list_due(bodies: Bodies, ids: IntArray, limits: Limits, at_rest: IntArray, leaning: IntArray) -> tuple[int, int]:
+    """Write down the bodies whose stability must be decided now; returns how many.
 
     A body that was refused is asked again after ``rest_frames`` more.
+
+    Args:
+        bodies: the table.
+        ids: the live bodies, shape (m,).
+        limits: the settings.
+        at_rest: those at rest are written here, at least m rows.
+        leaning: those at rest by the rule for leaning are written here, at least m rows.
     """
-    at_rest, leaning = np.empty(len(ids), np.int64), np.empty(len(ids), np.int64)
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
@@ -80,13 +86,22 @@ def due(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArr
         if leaned >= 0 and leaned % limits.rest_frames == 0:
             leaning[m] = ids[i]
             m += 1
-    return at_rest[:n], leaning[:m]
+    return n, m
 
 
 @compiled
-def shifted_loads(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArray, IntArray]:
-    """The live bodies whose patches no longer tell what they rest on: (lying on it anew, lying on it no more)."""
-    lying, gone = np.empty(len(ids), np.int64), np.empty(len(ids), np.int64)
+def list_shifted_loads(
+    bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
+) -> tuple[int, int]:
+    """Write down the live bodies whose patches no longer tell what they rest on; returns how many.
+
+    Args:
+        bodies: the table.
+        ids: the live bodies, shape (m,).
+        limits: the settings.
+        lying: those that lie on the stack anew are written here, at least m rows.
+        gone: those that lie on it no more are written here, at least m rows.
+    """
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
@@ -102,4 +117,4 @@ def shifted_loads(bodies: Bodies, ids: IntArray, limits: Limits) -> tuple[IntArr
         elif body.load_frames < limits.load_frames and body.is_load:
             gone[m] = ids[i]
             m += 1
-    return lying[:n], gone[:m]
+    return n, m

@@ -47,6 +47,10 @@ BODY = np.dtype(
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
         ("load_supported_by", "u8"),  # supports for which they were laid
+        ("provisional", "?"),  # it touches live bodies or carries some: frozen, it would have other patches
+        # scratch of one frame
+        ("rule", "i1"),  # the strictest rule by which it is looked at: AT_REST, LEANING or LYING
+        ("place", "i8"),  # its place in the list that is worked on
         # the paper's stack data
         ("stack_mass", "f8"),  # m_stack of Eq. 2 [kg]: of the body and all that rests on it
         ("stack_center", "f8", (3,)),  # C_stack of Eq. 1 [m]
@@ -54,7 +58,7 @@ BODY = np.dtype(
         # the graph
         ("first_support", "i8"),
         ("first_load", "i8"),
-        ("changed", "?"),  # its balance must be looked at again
+        ("changed", "?"),  # its balance must be looked at again: it is listed in ``Graph.changed``
     ],
     align=True,
 )
@@ -83,6 +87,8 @@ class Graph(NamedTuple):
     patches: Patches
     spare: IntArray
     """Free rows of ``patches``: their number, then the rows, shape (1 + len(patches),)."""
+    changed: IntArray
+    """Bodies whose patches changed since they were last asked for: their number, then ids, shape (1 + len(bodies),)."""
 
 
 @compiled
@@ -109,6 +115,24 @@ def count_patches(graph: Graph, body: int) -> int:
 
 
 @compiled
+def _note_change(graph: Graph, body: int) -> None:
+    if not graph.bodies[body].changed:
+        graph.bodies[body].changed = True
+        graph.changed[0] += 1
+        graph.changed[graph.changed[0]] = body
+
+
+@compiled
+def take_changed(graph: Graph) -> IntArray:
+    """The bodies whose patches changed since the last call, by rising id, shape (k,): O(k log k), not O(bodies)."""
+    changed = np.sort(graph.changed[1 : 1 + graph.changed[0]])
+    graph.changed[0] = 0
+    for body in changed:
+        graph.bodies[body].changed = False
+    return changed
+
+
+@compiled
 def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
     """A new patch between two bodies, hung into the lists of both; returns the row to be filled."""
     bodies = graph.bodies
@@ -118,11 +142,11 @@ def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
     patch.upper, patch.lower, patch.kind = upper, lower, kind
     patch.next_support, patch.next_load = bodies[upper].first_support, NONE
     bodies[upper].first_support = at
-    bodies[upper].changed = True
+    _note_change(graph, upper)
     if lower != GROUND:
         patch.next_load = bodies[lower].first_load
         bodies[lower].first_load = at
-        bodies[lower].changed = True
+        _note_change(graph, lower)
     return patch
 
 
@@ -138,7 +162,7 @@ def unlink(graph: Graph, at: int) -> None:
         while patches[i].next_support != at:
             i = patches[i].next_support
         patches[i].next_support = patches[at].next_support
-    bodies[upper].changed = True
+    _note_change(graph, upper)
     if lower != GROUND:
         i = bodies[lower].first_load
         if i == at:
@@ -147,9 +171,20 @@ def unlink(graph: Graph, at: int) -> None:
             while patches[i].next_load != at:
                 i = patches[i].next_load
             patches[i].next_load = patches[at].next_load
-        bodies[lower].changed = True
+        _note_change(graph, lower)
     graph.spare[0] += 1
     graph.spare[graph.spare[0]] = at
+
+
+@compiled
+def note_change_of_supports(graph: Graph, body: int) -> None:
+    """List ``body`` and what it stands on or leans against as changed."""
+    _note_change(graph, body)
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        if graph.patches[at].lower != GROUND:
+            _note_change(graph, graph.patches[at].lower)
+        at = graph.patches[at].next_support
 
 
 @compiled
@@ -193,7 +228,7 @@ def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
 
 def empty_graph() -> Graph:
     """A graph without rows."""
-    return Graph(np.zeros(0, BODY), np.zeros(0, PATCH), np.zeros(1, np.int64))
+    return Graph(np.zeros(0, BODY), np.zeros(0, PATCH), np.zeros(1, np.int64), np.zeros(1, np.int64))
 
 
 def grown(graph: Graph, bodies: int, spare: int) -> Graph:
@@ -201,11 +236,12 @@ def grown(graph: Graph, bodies: int, spare: int) -> Graph:
 
     Tables double, so that growing costs O(1) a row in the long run.
     """
-    body_rows, patch_rows, free = graph
+    body_rows, patch_rows, free, changed = graph
     if bodies > len(body_rows):
         fresh = np.zeros(max(bodies, 2 * len(body_rows), 64) - len(body_rows), BODY)
         fresh["first_support"] = fresh["first_load"] = NONE
         body_rows = np.concatenate([body_rows, fresh])
+        changed = np.concatenate([changed, np.zeros(len(fresh), np.int64)])
     if spare > free[0]:
         old = len(patch_rows)
         added = max(spare, old, 256)
@@ -214,4 +250,4 @@ def grown(graph: Graph, bodies: int, spare: int) -> Graph:
         free = np.zeros(1 + len(patch_rows), np.int64)
         free[0] = len(listed) + added
         free[1 : 1 + free[0]] = np.concatenate([listed, np.arange(old, old + added)])
-    return Graph(body_rows, patch_rows, free)
+    return Graph(body_rows, patch_rows, free, changed)

@@ -42,24 +42,28 @@ def regions_for(bodies: int, known: Regions | None = None) -> Regions:
 @compiled
 def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
     """What two convex polygons (k, 3) share in plan, counter-clockwise (Sutherland and Hodgman)."""
-    shape = subject
+    room = len(subject) + len(by)  # each side of a convex polygon adds one vertex at most
+    shape, kept = np.empty((room, 3)), np.empty((room, 3))
+    shape[: len(subject)] = subject
+    sides = len(subject)
     for i in range(len(by)):
-        a, b = by[i], by[(i + 1) % len(by)]
-        ex, ey = b[0] - a[0], b[1] - a[1]
-        kept = np.empty((2 * len(shape) + 1, 3))
+        ax, ay = by[i, 0], by[i, 1]
+        ex, ey = by[(i + 1) % len(by), 0] - ax, by[(i + 1) % len(by), 1] - ay
         size = 0
-        for j in range(len(shape)):
-            p, q = shape[j], shape[(j + 1) % len(shape)]
-            left_p = ex * (p[1] - a[1]) - ey * (p[0] - a[0])
-            left_q = ex * (q[1] - a[1]) - ey * (q[0] - a[0])
-            if left_p >= 0.0:
-                kept[size] = p
+        for p in range(sides):
+            q = (p + 1) % sides
+            left_p = ex * (shape[p, 1] - ay) - ey * (shape[p, 0] - ax)
+            left_q = ex * (shape[q, 1] - ay) - ey * (shape[q, 0] - ax)
+            if left_p >= 0.0 and size < room:
+                for k in range(3):
+                    kept[size, k] = shape[p, k]
                 size += 1
-            if left_p * left_q < 0.0:
-                kept[size] = p + (q - p) * (left_p / (left_p - left_q))
+            if left_p * left_q < 0.0 and size < room:
+                for k in range(3):
+                    kept[size, k] = shape[p, k] + (shape[q, k] - shape[p, k]) * (left_p / (left_p - left_q))
                 size += 1
-        shape = kept[:size]
-    return shape
+        shape, kept, sides = kept, shape, size
+    return shape[:sides]
 
 
 @compiled
@@ -108,8 +112,8 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 
 
 @compiled
-def is_safe(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if the stack bears ``body``: its centre of mass lies in the region that its supports leave to it.
+def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
+    """True if the stack bears ``body``: its centre of mass lies in the ``region`` (k, 3) that its supports leave to it.
 
     False means not known. Every support must still be proven, for U is built on theirs.
     """
@@ -120,13 +124,12 @@ def is_safe(graph: Graph, regions: Regions, body: int) -> bool:
             return False
         at = graph.patches[at].next_support
     center = graph.bodies[body].center
-    return bool(inside_distance(region_of(graph, regions, body), center[0], center[1]) >= 0.0)
+    return bool(inside_distance(region, center[0], center[1]) >= 0.0)
 
 
 @compiled
-def keep_proof(graph: Graph, regions: Regions, body: int) -> None:
-    """Note that ``body``, now frozen, stands, and where it may be loaded."""
-    region = region_of(graph, regions, body)
+def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) -> None:
+    """Note that ``body``, now frozen, stands, and that it may be loaded in its ``region`` (k, 3)."""
     size = min(len(region), MAX_VERTICES)  # fewer vertices make a smaller region, which is as safe
     regions.vertices[body] = size
     regions.vertex[body, :size] = region[:size]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stability_core.policies.at_rest import AtRest
-from stability_core.policies.base import Policy
+from stability_core.policies.base import Decision, Policy
 from stability_core.policies.equilibrium import Equilibrium
 from stability_core.policies.paper import Paper
 
 POLICIES: Mapping[str, type[Policy]] = {policy.name: policy for policy in (Paper, AtRest, Equilibrium)}
 """Every policy by its name."""
 
-__all__ = ["POLICIES", "AtRest", "Equilibrium", "Paper", "Policy"]
+__all__ = ["POLICIES", "AtRest", "Decision", "Equilibrium", "Paper", "Policy"]

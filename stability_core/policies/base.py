@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from stability_core.port import IntArray
 from stability_core.settings import Settings
 from stability_core.stack import Graph
+from stability_core.watch import Watch
+
+
+class Decision(NamedTuple):
+    """What a policy says of one frame."""
+
+    frozen: dict[int, str]
+    """The bodies that join the stack, each with the reason; they are marked as FROZEN."""
+    unbalanced: IntArray
+    """The frozen bodies that no longer balance, shape (k,)."""
 
 
 class Policy(ABC):
@@ -19,26 +29,18 @@ class Policy(ABC):
         """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
         self.gravity = gravity
         self.settings = settings
+        self.limits = settings.limits()
 
     @abstractmethod
-    def carry(self, graph: Graph, changed: IntArray) -> IntArray:
-        """Update what the policy knows of the stack after a change; returns the bodies it concerns, (k,).
+    def settle(self, graph: Graph, watch: Watch) -> Decision:
+        """Bring the stack up to date with one frame.
+
+        The same steps for every policy: lay the patches of what is due (``lay_due``); freeze those candidates that
+        the policy accepts, lowest first; lay their patches anew (``lay_frozen``); and of all that was changed by this
+        (``take_changed``) find what no longer balances. A policy that takes them in one compiled call costs
+        microseconds.
 
         Args:
-            graph: the stack.
-            changed: bodies whose patches, or what lies on them, changed, shape (n,).
+            graph: the stack, with spare patches enough; what changed since the last call is listed in it.
+            watch: what is due in this frame, and the contacts of the dwell frames.
         """
-
-    @abstractmethod
-    def accept(self, graph: Graph, at_rest: IntArray, leaning: IntArray) -> dict[int, str]:
-        """Mark the candidates that join the stack as FROZEN; returns each with the reason.
-
-        Args:
-            graph: the stack; the candidates' patches are laid.
-            at_rest: live bodies at rest by the strict rule, shape (n,), lowest first.
-            leaning: live bodies at rest by the rule for leaning, shape (m,), lowest first.
-        """
-
-    @abstractmethod
-    def unbalanced(self, graph: Graph, bodies: IntArray) -> IntArray:
-        """The frozen ones among ``bodies`` that no longer balance, shape (k,)."""

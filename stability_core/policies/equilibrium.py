@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.component import component, problem_of
 from stability_core.equilibrium.region import (
     Regions,
@@ -20,16 +21,19 @@ from stability_core.equilibrium.region import (
     is_safe,
     keep_proof,
     keep_proof_of_neighbours,
+    region_of,
     regions_for,
     topples_alone,
 )
 from stability_core.equilibrium.verdict import decide
-from stability_core.policies.base import Policy
+from stability_core.policies.base import Decision, Policy
 from stability_core.polygon import width
-from stability_core.port import IntArray
-from stability_core.settings import Settings
-from stability_core.stack import FROZEN, LIVE, NONE, Graph
+from stability_core.port import FloatArray, IntArray
+from stability_core.settings import Limits, Settings
+from stability_core.settle import lay_due, lay_frozen, lowest_first
+from stability_core.stack import FROZEN, LIVE, NONE, Bodies, Graph, Patches, take_changed
 from stability_core.stack_mass import support_polygon
+from stability_core.watch import AT_REST, LEANING, Watch, listed
 
 MOVES = 1e-2
 """Share of the largest unbalanced force below which a body does not take part in a mechanism."""
@@ -38,26 +42,47 @@ WAKE_GRIP = 1.02
 
 
 @compiled
-def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> IntArray:
-    """Freeze the ``candidates`` (lowest first) that lie in safe regions or topple alone; returns those left, (k,)."""
-    left = np.empty(len(candidates), np.int64)
-    n = 0
+def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
+    """Freeze the ``candidates``, lowest first, that lie in safe regions; returns them, and those left undecided.
+
+    What topples alone is decided as well: it stays live.
+    """
+    frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
+    n, m = 0, 0
     for body in candidates:
-        if is_safe(graph, regions, body):
+        region = region_of(graph, regions, body)
+        if is_safe(graph, regions, body, region):
             graph.bodies[body].state = FROZEN
             graph.bodies[body].leans = False
-            keep_proof(graph, regions, body)
+            keep_proof(graph, regions, body, region)
             keep_proof_of_neighbours(graph, regions, body)
-        elif not topples_alone(graph, body, support_polygon(graph, body)):
-            left[n] = body
+            frozen[n] = body
             n += 1
-    return left[:n]
+        elif not topples_alone(graph, body, support_polygon(graph, body)):
+            left[m] = body
+            m += 1
+    return frozen[:n], left[:m]
+
+
+@compiled
+def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
+    """The live ``candidates`` that stand on an edge, shape (k,).
+
+    They may be frozen while they still move a little; a flat body can wait.
+    """
+    found = np.empty(len(candidates), np.int64)
+    n = 0
+    for body in candidates:
+        if graph.bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width:
+            found[n] = body
+            n += 1
+    return found[:n]
 
 
 @compiled
 def _keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
     for body in bodies:
-        keep_proof(graph, regions, body)
+        keep_proof(graph, regions, body, region_of(graph, regions, body))
 
 
 @compiled
@@ -69,11 +94,53 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
         row = graph.bodies[body]
         is_load = row.state == LIVE and row.first_support != NONE
         if (row.state == FROZEN and not is_proven(graph, regions, body)) or (
-            is_load and not is_safe(graph, regions, body)
+            is_load and not is_safe(graph, regions, body, region_of(graph, regions, body))
         ):
             found[n] = body
             n += 1
     return found[:n]
+
+
+@compiled
+def _finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits) -> IntArray:
+    """What comes after the candidates are decided; returns the bodies whose part must be solved again, shape (k,)."""
+    lay_frozen(graph, watch, limits)
+    return _unproven(graph, regions, take_changed(graph))
+
+
+@compiled
+def _settle_safely(
+    bodies: Bodies,
+    patches: Patches,
+    spare: IntArray,
+    changed: IntArray,
+    vertices: IntArray,
+    vertex: FloatArray,
+    links: IntArray,
+    contacts: ContactRows,
+    sizes: IntArray,
+    latest: IntArray,
+    due: IntArray,
+    limits: Limits,
+) -> tuple[IntArray, IntArray, bool]:
+    """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
+
+    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph``, ``Regions`` and ``Watch``
+    come one by one: Numba takes longer to look at three tuples than a plank takes to freeze.
+
+    Returns:
+        The bodies frozen. Then the candidates left to be solved together, by rising id, and True; or, if none is
+        left, the bodies whose part of the stack must be solved again, and False.
+    """
+    graph = Graph(bodies, patches, spare, changed)
+    regions = Regions(vertices, vertex, links)
+    watch = Watch(contacts, sizes, latest, due)
+    lay_due(graph, watch, limits)
+    frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
+    on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
+    if len(left) + len(on_edge) > 0:
+        return frozen, np.unique(np.concatenate((left, on_edge))), True
+    return frozen, _finish(graph, regions, watch, limits), False
 
 
 class Equilibrium(Policy):
@@ -86,18 +153,22 @@ class Equilibrium(Policy):
         super().__init__(gravity, settings)
         self._regions = regions_for(0)
 
-    def carry(self, graph: Graph, changed: IntArray) -> IntArray:
-        """Nothing is carried down: safe regions hold whatever lies in them."""
+    def settle(self, graph: Graph, watch: Watch) -> Decision:
+        """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
+
+        O(1) a changed body while safe regions decide, else some solves of its component.
+        """
         if len(graph.bodies) > len(self._regions.links):
             self._regions = regions_for(len(graph.bodies), self._regions)
-        return changed
+        frozen, unsolved, are_candidates = _settle_safely(*graph, *self._regions, *watch, self.limits)
+        reasons = dict.fromkeys(frozen.tolist(), "safe region")
+        if are_candidates:
+            reasons.update(dict.fromkeys(self._freeze_together(graph, unsolved).tolist(), "equilibrium"))
+            unsolved = _finish(graph, self._regions, watch, self.limits)
+        return Decision(reasons, self._unbalanced(graph, unsolved) if len(unsolved) else unsolved)
 
-    def accept(self, graph: Graph, at_rest: IntArray, leaning: IntArray) -> dict[int, str]:
-        """What lies in safe regions, lowest first; then the rest together, less what would fall, until it stands."""
-        left = _freeze_safely(graph, self._regions, at_rest)
-        reasons = {int(body): "safe region" for body in at_rest if graph.bodies["state"][body] == FROZEN}
-        loose = [body for body in leaning if self._is_on_edge(graph, body)]
-        group = np.array(sorted({*left.tolist(), *loose}), np.int64)
+    def _freeze_together(self, graph: Graph, group: IntArray) -> IntArray:
+        """Freeze all of ``group``, less what would fall, until the rest stands; returns what was frozen."""
         while len(group):
             ids = component(graph, group, group, False)
             falling = self._falling(graph, ids, 0.0, 1.0)
@@ -105,31 +176,20 @@ class Equilibrium(Policy):
                 graph.bodies["state"][group] = FROZEN
                 graph.bodies["leans"][group] = False
                 self._prove(graph, ids)
-                return reasons | {int(body): "equilibrium" for body in group}
+                return group
             if not np.isin(group, falling).any():
                 break
             group = group[~np.isin(group, falling)]
-        return reasons
+        return group[:0]
 
-    def unbalanced(self, graph: Graph, bodies: IntArray) -> IntArray:
-        """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
-
-        O(1) a changed body while safe regions decide, else one solve of its component.
-        """
-        seeds = _unproven(graph, self._regions, bodies)
-        if not len(seeds):
-            return seeds
-        ids = component(graph, seeds, seeds[:0], True)
+    def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
+        """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance."""
+        ids = component(graph, unproven, unproven[:0], True)
         falling = self._falling(graph, ids, self.settings.wake_margin, WAKE_GRIP)
         woken: IntArray = falling[graph.bodies["state"][falling] == FROZEN]
         if not len(woken):
             self._prove(graph, ids[graph.bodies["state"][ids] == FROZEN])
         return woken
-
-    def _is_on_edge(self, graph: Graph, body: int) -> bool:
-        """A body that stands on an edge may be frozen while it still moves a little; a flat one can wait."""
-        is_live: bool = graph.bodies["state"][body] == LIVE
-        return is_live and width(support_polygon(graph, body)) <= self.settings.flat_width
 
     def _falling(self, graph: Graph, ids: IntArray, margin: float, grip: float) -> IntArray:
         """Which of ``ids`` do not provably stand, shape (k,)."""

@@ -11,11 +11,14 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.leaning import leans_stably
-from stability_core.policies.base import Policy
+from stability_core.policies.base import Decision, Policy
 from stability_core.polygon import inside_distance, width
 from stability_core.port import IntArray
-from stability_core.stack import FROZEN, LIVE, NONE, Graph, is_stack
+from stability_core.settings import Limits
+from stability_core.settle import lay_due, lay_frozen, lowest_first
+from stability_core.stack import FROZEN, LIVE, NONE, Graph, is_stack, take_changed
 from stability_core.stack_mass import carry_down, support_polygon
+from stability_core.watch import AT_REST, LEANING, Watch, listed
 
 
 @compiled
@@ -43,8 +46,57 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 
 
 @compiled
+def accept_flat(graph: Graph, candidates: IntArray) -> IntArray:
+    """Freeze the ``candidates``, lowest first, that pass the flat test; returns them, shape (k,).
+
+    Lowest first, so that each one sees those it stands on.
+    """
+    accepted = np.empty(len(candidates), np.int64)
+    n = 0
+    for body in candidates:
+        if balance(graph, body) >= 0.0:
+            graph.bodies[body].state, graph.bodies[body].leans = FROZEN, False
+            accepted[n] = body
+            n += 1
+    return accepted[:n]
+
+
+@compiled
+def accept_leaning(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
+    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; returns them, shape (k,).
+
+    Bodies that lean on each other, as the planks of an inverted V, pass together or not at all.
+    """
+    group = np.empty(len(candidates), np.int64)
+    n = 0
+    for body in candidates:
+        is_live = graph.bodies[body].state == LIVE
+        if is_live and not lies_flat(graph, body, flat_width) and leans_stably(graph, body, gravity):
+            group[n] = body
+            n += 1
+    for body in group[:n]:
+        graph.bodies[body].state, graph.bodies[body].leans = FROZEN, True
+    shrinks = True
+    while shrinks:
+        shrinks = False
+        for body in group[:n]:
+            if graph.bodies[body].state == FROZEN and not leans_on_stack(graph, body):
+                graph.bodies[body].state = LIVE
+                shrinks = True
+    kept = 0
+    for body in group[:n]:
+        if graph.bodies[body].state == FROZEN:
+            group[kept] = body
+            kept += 1
+    return group[:kept]
+
+
+@compiled
 def fallen_out(graph: Graph, bodies: IntArray, gravity: float, wake_margin: float) -> IntArray:
-    """The frozen among ``bodies`` that fail the overall check, shape (k,)."""
+    """The frozen among ``bodies`` that fail the overall check, shape (k,).
+
+    With hysteresis: waking asks for a centre well outside the area.
+    """
     found = np.empty(len(bodies), np.int64)
     n = 0
     for body in bodies:
@@ -60,42 +112,28 @@ def fallen_out(graph: Graph, bodies: IntArray, gravity: float, wake_margin: floa
     return found[:n]
 
 
+@compiled
+def _settle(graph: Graph, watch: Watch, limits: Limits, gravity: float) -> tuple[IntArray, IntArray, IntArray]:
+    """One frame: (accepted as flat, accepted as leaning, frozen bodies that fail the overall check)."""
+    limit = limits[0]
+    lay_due(graph, watch, limits)
+    concerned = carry_down(graph, take_changed(graph))
+    flat = accept_flat(graph, lowest_first(graph, listed(watch, AT_REST)))
+    leaning = accept_leaning(graph, lowest_first(graph, listed(watch, LEANING)), gravity, limit.flat_width)
+    lay_frozen(graph, watch, limits)
+    concerned = np.concatenate((concerned, carry_down(graph, take_changed(graph))))
+    return flat, leaning, fallen_out(graph, np.unique(concerned), gravity, limit.wake_margin)
+
+
 class Paper(Policy):
     """Freezes what passes the flat or the leaning test, and wakes what fails it under its load."""
 
     name = "paper"
 
-    def carry(self, graph: Graph, changed: IntArray) -> IntArray:
-        """Eqs 1-5, downward from what changed."""
-        return carry_down(graph, changed)
+    def settle(self, graph: Graph, watch: Watch) -> Decision:
+        """Flat stacking first, then leaning; Eqs 1-5 downward from what changed; then the overall check.
 
-    def accept(self, graph: Graph, at_rest: IntArray, leaning: IntArray) -> dict[int, str]:
-        """Flat stacking first, lowest first, so that each candidate sees those it stands on; then leaning.
-
-        Bodies that lean on each other, as the planks of an inverted V, pass together or not at all.
+        O(k log k) for the k bodies in the cone below the changes.
         """
-        bodies = graph.bodies
-        reasons: dict[int, str] = {}
-        for body in at_rest:
-            if balance(graph, body) >= 0.0:
-                bodies["state"][body], bodies["leans"][body] = FROZEN, False
-                reasons[int(body)] = "flat"
-        group = [body for body in leaning if self._may_lean(graph, body)]
-        for body in group:
-            bodies["state"][body], bodies["leans"][body] = FROZEN, True
-        while alone := [body for body in group if not leans_on_stack(graph, body)]:
-            for body in alone:
-                bodies["state"][body] = LIVE
-                group.remove(body)
-        return reasons | {int(body): "leaning" for body in group}
-
-    def _may_lean(self, graph: Graph, body: int) -> bool:
-        return (
-            graph.bodies["state"][body] == LIVE
-            and not lies_flat(graph, body, self.settings.flat_width)
-            and leans_stably(graph, body, self.gravity)
-        )
-
-    def unbalanced(self, graph: Graph, bodies: IntArray) -> IntArray:
-        """The overall check, with hysteresis: waking asks for a centre well outside the area."""
-        return fallen_out(graph, bodies, self.gravity, self.settings.wake_margin)
+        flat, leaning, unbalanced = _settle(graph, watch, self.limits, self.gravity)
+        return Decision(dict.fromkeys(flat.tolist(), "flat") | dict.fromkeys(leaning.tolist(), "leaning"), unbalanced)

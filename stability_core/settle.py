@@ -1,0 +1,86 @@
+"""What every policy does in a frame, around its own decision: patches are laid before it and after it.
+
+The steps are compiled, so that a policy can do all of a frame in one call.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.manifold import lay_all, lift
+from stability_core.port import IntArray
+from stability_core.settings import Limits
+from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, Watch, listed
+
+
+@compiled
+def _with_rule(graph: Graph, watch: Watch, rule: int, state: int) -> IntArray:
+    """The bodies in this ``state`` for which ``rule`` is the strictest, by rising id, shape (k,)."""
+    ids = listed(watch, rule)
+    if len(ids) == 0:
+        return ids
+    found = np.empty(len(ids), np.int64)
+    n = 0
+    for body in ids:
+        if graph.bodies[body].rule == rule and graph.bodies[body].state == state:
+            found[n] = body
+            n += 1
+    return np.sort(found[:n])
+
+
+@compiled
+def lay_due(graph: Graph, watch: Watch, limits: Limits) -> None:
+    """Lay the patches of all that is due, from as many frames as its rule waits for; lift those of what has gone.
+
+    O(contacts of the dwell frames), whatever the number of frozen bodies.
+    """
+    for body in listed(watch, GONE):
+        lift(graph, body)
+    for rule in (LYING, LEANING, AT_REST):  # the strictest has the last word
+        for body in listed(watch, rule):
+            graph.bodies[body].rule = rule
+    limit = limits[0]
+    lay_all(graph, watch, _with_rule(graph, watch, LYING, LIVE), limit.load_frames)
+    lay_all(graph, watch, _with_rule(graph, watch, AT_REST, LIVE), limit.rest_frames)
+    lay_all(graph, watch, _with_rule(graph, watch, LEANING, LIVE), limit.lean_frames)
+
+
+@compiled
+def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
+    """Lay again, on the stack alone, the patches of what was frozen; lift those laid for a test that was failed.
+
+    What touches the stack alone has them already. A body that only passes by is no load.
+    """
+    limit = limits[0]
+    _lay_on_stack(graph, watch, AT_REST, limit.rest_frames)
+    _lay_on_stack(graph, watch, LEANING, limit.lean_frames)
+    for body in _with_rule(graph, watch, LEANING, LIVE):
+        if graph.bodies[body].load_frames < limit.load_frames:
+            lift(graph, body)
+
+
+@compiled
+def _lay_on_stack(graph: Graph, watch: Watch, rule: int, frames: int) -> None:
+    frozen = _with_rule(graph, watch, rule, FROZEN)
+    again = np.empty(len(frozen), np.int64)
+    n = 0
+    for body in frozen:
+        if graph.bodies[body].provisional:
+            again[n] = body
+            n += 1
+        else:
+            note_change_of_supports(graph, body)
+    lay_all(graph, watch, again[:n], frames)
+
+
+@compiled
+def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
+    """The ``ids`` by rising height of the centre of mass, shape (k,)."""
+    if len(ids) < 2:
+        return ids
+    height = np.empty(len(ids))
+    for i in range(len(ids)):
+        height[i] = graph.bodies[ids[i]].center[2]
+    return ids[np.argsort(height, kind="mergesort")]
