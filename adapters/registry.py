@@ -27,6 +27,7 @@ ENGINES: Mapping[str, _Entry] = {
     "bullet": _Entry("adapters._bullet", "BulletSimulation", "pybullet"),
     "mujoco": _Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
     "dart": _Entry("adapters._dart", "DartSimulation", "dartpy"),
+    "physx": _Entry("adapters._physx", "PhysxSimulation", "sapien"),
     "pymunk": _Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
 }
 

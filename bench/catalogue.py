@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from typing import Any
+
 from rich.console import Console
 from rich.table import Table
 
 from adapters import ENGINES, EngineNotInstalledError, Profile, capabilities, profiles
+from bench.environment import engine_version
 from bench.policies import BENCH_POLICIES
 from bench.studies import load_study, study_names
+from reports.capabilities import capability_table
+from reports.tables import render
 from scenarios.registry import SCENARIOS, build
 
 
 def print_catalogue(console: Console) -> None:
-    """Print scenarios, engines with their profiles, policies and studies."""
-    for table in (_scenarios(), _engines(), _policies(), _studies()):
+    """Print scenarios, engines with their profiles and what they show, policies and studies."""
+    for table in (_scenarios(), _engines()):
+        console.print(table)
+        console.print()
+    render(capability_table(_descriptors()), console)
+    for table in (_policies(), _studies()):
         console.print(table)
         console.print()
 
@@ -35,15 +45,25 @@ def _scenarios() -> Table:
 
 
 def _engines() -> Table:
-    table = _table("Engines", "name", "plays", "profiles")
+    table = _table("Engines", "name", "profiles")
     for name in ENGINES:
         try:
-            plays = "planar scenes" if capabilities(name).planar else "all scenes"
             listed = "\n".join(_profile(profile) for profile in profiles(name).values())
         except EngineNotInstalledError as error:
-            plays, listed = "not installed", str(error)
-        table.add_row(name, plays, listed)
+            listed = f"not installed: {error}"
+        table.add_row(name, listed)
     return table
+
+
+def _descriptors() -> dict[str, dict[str, Any]]:
+    """What those engines that are installed show, as a run keeps it in its environment."""
+    found = {}
+    for name in ENGINES:
+        try:
+            found[name] = {"version": engine_version(name), "capabilities": asdict(capabilities(name))}
+        except EngineNotInstalledError:
+            continue
+    return found
 
 
 def _profile(profile: Profile) -> str:

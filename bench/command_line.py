@@ -27,6 +27,7 @@ from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
+from reports.capabilities import capability_table, engines_of
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -145,12 +146,13 @@ def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results
 
 
 def _report(folder: Path) -> list[Table]:
-    """A folder's tables, which are written into it."""
+    """A folder's tables, which are written into it, with what the engines show."""
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
     tables = [*study_tables(records), *repeat_tables(folder, records)]
-    write_report(folder, records, tables)
+    engines = engines_of(folder)
+    write_report(folder, records, [*tables, *([capability_table(engines)] if engines else [])])
     return tables
 
 

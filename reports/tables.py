@@ -37,6 +37,8 @@ class Table:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...] = ()
+    folds: bool = False
+    """True for cells of several words, which may take several lines; all but the first column's."""
 
 
 def study_tables(records: Sequence[TrialRecord]) -> list[Table]:
@@ -186,13 +188,14 @@ def _stillness(records: Sequence[TrialRecord]) -> Table:
 def render(table: Table, console: Console) -> None:
     """Print a table; the notes follow it."""
     text = RichTable(title=table.title, title_justify="left", pad_edge=False, box=None, header_style="bold")
-    first_figure = len(table.header) - sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows else 0
+    figures = sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows and not table.folds else 0
+    first_figure = len(table.header) - figures
     for column, name in enumerate(table.header):
         text.add_column(
             name,
             justify="right" if column >= first_figure else "left",
             overflow="fold",
-            no_wrap=column < first_figure and name != "theory",
+            no_wrap=column == 0 if table.folds else column < first_figure and name != "theory",
         )
     previous: tuple[str, ...] = ()
     for row in table.rows:

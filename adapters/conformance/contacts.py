@@ -154,17 +154,24 @@ def reports_the_speed_of_impact(rig: Rig) -> None:
                 break
         expected, within = math.sqrt(2 * GRAVITY * height), GRAVITY * simulation.info.frame_s
         speed = approach_speed(contacts)
-        require_between(expected - within, speed, expected + within, f"approach [m/s] after a fall of {height} m")
+        # Known as of the step before, and a semi-implicit fall is half a step's gain slower than a true one.
+        require_between(expected - 1.5 * within, speed, expected + within, f"approach [m/s] after a fall of {height} m")
 
 
 def reports_the_overlap(rig: Rig) -> None:
-    """Separation is negative in overlap: a brick put 1 mm into the ground is 1 mm deep."""
+    """Separation is negative in overlap: a brick put 1 mm into the ground is that deep, or what the step left of it."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=THICKNESS / 2 - 1e-3))
     simulation.step(simulation.info.frame_s)
     separation = touching(simulation.port.contacts(), body).separation
-    # The step may already have pushed it half out, or gravity a little further in.
-    require_between(-1.5e-3, min(separation, default=0.0), -0.4e-3, "separation [m] of a brick 1 mm deep in the ground")
+    left = pose(simulation, body)[2] - THICKNESS / 2
+    # Told as before the step or after it; gravity may have pressed it a little further in.
+    require_between(
+        -1.5e-3,
+        min(separation, default=math.inf),
+        max(-0.4e-3, left + 1e-4),
+        "separation [m] of a brick 1 mm deep in the ground",
+    )
 
 
 def reports_masses(rig: Rig) -> None:

@@ -9,9 +9,10 @@ import numpy as np
 import pybullet
 import pytest
 
-from adapters._bullet import PROFILES, BulletSimulation, _Motions
+from adapters._bullet import PROFILES, BulletSimulation
 from adapters.base import Knob, Profile, Sleeping
 from adapters.conformance import CHECKS, ConformanceError, Rig
+from adapters.motions import Motion, Motions
 from scenarios.model import Brick, World
 from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
@@ -31,23 +32,24 @@ class FlippedNormals(BulletSimulation):
 class SwappedVelocity(BulletSimulation):
     """Velocity of a against b."""
 
-    def _fastest_approach(self, *args: Any) -> FloatArray:
-        return -super()._fastest_approach(*args)
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, relative_velocity=-contacts.relative_velocity)
 
 
 class VelocityAfterSolve(BulletSimulation):
     def _step(self, seconds: float) -> None:
         super()._step(seconds)
         bodies = np.fromiter(self._live, np.int64, len(self._live))
-        self._before = _Motions(bodies, self._positions(bodies)[None], *(v[None] for v in self._velocities(bodies)))
+        self._before = Motions(bodies, [Motion(self._positions(bodies), *self._velocities(bodies))])
 
 
 class VelocityAfterGravity(BulletSimulation):
     def _step(self, seconds: float) -> None:
+        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        position, (linear, angular) = self._positions(bodies), self._velocities(bodies)
         super()._step(seconds)
-        if self._before is not None:
-            gravity = np.array(self.world.gravity) * seconds / self.info.profile.substeps
-            self._before = replace(self._before, linear=self._before.linear + gravity)
+        self._before = Motions(bodies, [Motion(position, linear + np.array(self.world.gravity) * seconds, angular)])
 
 
 class PointsInMillimetres(BulletSimulation):

@@ -1,0 +1,261 @@
+"""PhysX 5 on the processor, through SAPIEN: the engine family of the paper, which extended PhysX 3 inside Unity 4.
+
+Freezing: the body becomes kinematic. Nothing moves a kinematic body, not by a bit, and neither two of them nor one and
+the ground are collided. Thawing makes it dynamic again, at rest and awake. ``put_to_sleep`` is no freeze: the first
+touch ends it.
+
+Contacts: up to four points a pair, as they were before the latest substep. PhysX lists points that lie apart by up to
+the contact offsets of both shapes; as shipped, that is more than two planks, so a brick "touches" the ground through
+others, with no impulse. Points farther apart than ``FARTHEST`` are passed over. Normals point from the second body to
+the first. All poses and velocities come in one packed block of 32-bit floats.
+
+Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
+
+Traps. The scene's settings are global and read when a system is made. A box's inertia is that of its density, at least
+1e-6 kg m2, more than a plank has: it is set by hand. There is no call that bounds depenetration for all bodies, each
+has its own. SAPIEN warns of a missing Vulkan when it is imported, though nothing is rendered.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.motions import Motion, Motions
+from adapters.silence import silenced_stderr
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+with silenced_stderr(), warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import sapien
+    from sapien import physx
+
+FARTHEST = 1e-3
+"""Points farther apart than this [m] are not read: twice what the core takes for touch."""
+_GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
+"""Of the ground [m]: room for any scene of planks."""
+
+_SCENE = ("enable_tgs", "bounce_threshold")
+_BODY = ("solver_position_iterations", "solver_velocity_iterations", "angular_damping", "max_depenetration_velocity")
+_SHAPE = ("contact_offset",)
+
+_THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time")
+_UNDAMPED = Knob(0.0, "the shipped 0.05 / s is no physics of a brick")
+_SLEEP: Mapping[Sleeping, Mapping[str, Knob]] = {
+    "off": {"sleep_threshold": Knob(0.0, "the engine's own sleeping is off: the extension or nobody freezes")},
+    "native": {},
+    "raised": {"sleep_threshold": Knob(0.05, "[J/kg] ten times as shipped: 0.3 m/s")},
+}
+
+PROFILES: Mapping[str, Profile] = {
+    profile.name: profile
+    for profile in (
+        Profile("default", "as SAPIEN ships it: TGS, 10 iterations, 1/100 s rounded down to 1/120 s", substeps=2),
+        Profile(
+            "unity4",
+            "an emulation of what the paper used: PGS, 6 iterations, one step of 1/50 s",
+            substeps=1,
+            frame_s=0.02,
+            tuned_by="Stillstack, after Unity 4's defaults",
+            knobs={
+                "enable_tgs": Knob(False, "PhysX 3 had PGS only"),
+                "solver_position_iterations": Knob(6, "Unity 4's default solver iteration count"),
+                "contact_offset": Knob(0.01, "Unity 4's default minimum penetration for penalty"),
+                "bounce_threshold": Knob(2.0, "Unity 4's default bounce threshold"),
+            },
+        ),
+        Profile(
+            "game",
+            "one step a frame",
+            substeps=1,
+            tuned_by="Stillstack, on the 4-stack and the inverted V",
+            knobs={"contact_offset": _THIN, "angular_damping": _UNDAMPED},
+        ),
+        Profile(
+            "tuned",
+            "four steps of 1/240 s a frame, 60 iterations of PGS",
+            substeps=4,
+            tuned_by="Stillstack, on the 4-stack and the inverted V",
+            knobs={
+                "contact_offset": _THIN,
+                "angular_damping": _UNDAMPED,
+                "enable_tgs": Knob(
+                    False, "card houses of two and three storeys stand; with TGS at any of 30 or 60 one falls"
+                ),
+                "solver_position_iterations": Knob(60, "25 levels of the 4-stack sink by 1.0 mm; 3.1 mm with 30"),
+            },
+        ),
+    )
+}
+
+
+class PhysxSimulation(Simulation):
+    """A world of PhysX 5."""
+
+    engine: ClassVar[str] = "physx"
+    profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        contact_points="up to 4 points",
+        near_contacts=True,
+        separation=True,
+        relative_velocity="from the velocities before the step",
+        forces=True,
+        freeze="kinematic",
+        frozen_contacts=False,
+        friction_law="cone",
+        deterministic="across processes",
+    )
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        profile = replace(profile, knobs={**profile.knobs, **_SLEEP[sleeping]})
+        super().__init__(profile, world, sleeping, expected)
+        knobs = {name: knob.value for name, knob in profile.knobs.items()}
+        self._for_bodies = {name: knobs[name] for name in (*_BODY, "sleep_threshold") if name in knobs}
+        self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
+        scene = {name: knobs[name] for name in _SCENE if name in knobs}
+        physx.set_scene_config(gravity=world.gravity, **scene)
+        self._system = physx.PhysxCpuSystem()
+        self._scene = sapien.Scene([self._system])
+        self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
+        self._components: dict[int, Any] = {}
+        self._bodies: dict[int, int] = {}
+        self._rows: dict[int, int] = {}
+        self._before: Motions | None = None
+        self._ground = physx.PhysxRigidStaticComponent()
+        self._add(self._ground, _GROUND_HALF_EDGES, (0.0, 0.0, -_GROUND_HALF_EDGES[2]), (1.0, 0.0, 0.0, 0.0))
+        self._bodies[self._ground._physx_pointer] = GROUND
+
+    @staticmethod
+    def _version() -> str:
+        return importlib.metadata.version("sapien")
+
+    def _add(self, component: Any, half_edges: Vector, position: Vector, quaternion: Quaternion) -> None:
+        shape = physx.PhysxCollisionShapeBox(half_edges, self._material)
+        for name, value in self._for_shapes.items():
+            setattr(shape, name, value)
+        component.attach(shape)
+        entity = sapien.Entity()
+        entity.add_component(component)
+        entity.pose = sapien.Pose(position, quaternion)
+        self._scene.add_entity(entity)
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        x, y, z = brick.size
+        component = physx.PhysxRigidDynamicComponent()
+        self._add(component, (x / 2, y / 2, z / 2), brick.position, brick.quaternion)
+        component.mass = brick.mass
+        component.inertia = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+        for name, value in self._for_bodies.items():
+            setattr(component, name, value)
+        self._components[body] = component
+        self._bodies[component._physx_pointer] = body
+        self._count_rows()
+
+    def _remove(self, body: int) -> None:
+        component = self._components.pop(body)
+        del self._bodies[component._physx_pointer]
+        self._scene.remove_entity(component.entity)
+        self._count_rows()
+
+    def _count_rows(self) -> None:
+        """Where each body stands in the packed state: SAPIEN's order."""
+        listed = self._system.rigid_dynamic_components
+        self._rows = {self._bodies[component._physx_pointer]: row for row, component in enumerate(listed)}
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        component = self._components[body]
+        component.wake_up()
+        component.linear_velocity = component.linear_velocity + np.array(impulse) / self.bricks[body].mass
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        component = self._components[body]
+        component.entity.pose = sapien.Pose(position, quaternion)
+        if body not in self.frozen:
+            self._stop(component)
+
+    @staticmethod
+    def _stop(component: Any) -> None:
+        component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
+        component.wake_up()
+
+    def _freeze(self, body: int) -> None:
+        self._components[body].kinematic = True
+
+    def _thaw(self, body: int) -> None:
+        self._components[body].kinematic = False
+        self._stop(self._components[body])
+
+    def _step(self, seconds: float) -> None:
+        substeps = self.info.profile.substeps
+        self._system.timestep = seconds / substeps
+        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        before = []
+        for _ in range(substeps):
+            if self.is_observed:
+                state = self._state(bodies)
+                before.append(Motion(state[:, 4:7], state[:, 7:10], state[:, 10:13]))
+            self._system.step()
+        self._before = Motions(bodies, before) if before else None
+
+    def _state(self, bodies: IntArray) -> FloatArray:
+        """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
+        packed = np.frombuffer(self._system.pack(), np.float32).reshape(-1, 13)
+        state: FloatArray = packed[[self._rows[body] for body in bodies.tolist()]].astype(np.float64)
+        return state
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._state(bodies)[:, 4:7]
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        state = self._state(bodies)
+        return state[:, 4:7], state[:, :4]
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        state = self._state(bodies)
+        return state[:, 7:10], state[:, 10:13]
+
+    def _contacts(self) -> Contacts:
+        rows = [
+            (b, a, point.position, point.normal, min(separation, 0.0) if bears else separation)
+            for contact in self._system.get_contacts()
+            for points in (contact.points,)
+            if points
+            for a, b in (map(self._body_of, contact.bodies),)
+            if a in self._live or b in self._live
+            for point in points
+            for separation, bears in ((point.separation, point.impulse.any()),)
+            if bears or separation <= FARTHEST
+        ]
+        if not rows:
+            return Contacts.empty()
+        a, b, point, normal, separation = zip(*rows, strict=True)
+        body_a, body_b = np.array(a), np.array(b)
+        points, normals = np.array(point, np.float64), np.array(normal, np.float64)
+        velocity = (
+            np.full(points.shape, np.nan)  # the port was asked for only after the latest step
+            if self._before is None
+            else self._before.fastest_approach(body_a, body_b, points, normals)
+        )
+        return Contacts(
+            body_a,
+            body_b,
+            points,
+            normals,
+            np.array(separation, np.float64),
+            velocity,
+            np.full(len(rows), self.world.friction),
+        )
+
+    def _body_of(self, component: Any) -> int:
+        return self._bodies[component._physx_pointer]
+
+    def _close(self) -> None:
+        self._components.clear()
+        self._scene.clear()
