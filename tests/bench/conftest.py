@@ -120,7 +120,7 @@ class RogueSuite:
     def run(self, *options: str, status: int = 0) -> str:
         """All of ``bench run``; what it told, on one line."""
         process = self.start(*options)
-        told, errors = process.communicate(timeout=120)
+        told, errors = process.communicate(timeout=900)
         assert process.returncode == status, errors
         return " ".join((told + errors).split())
 

@@ -122,7 +122,7 @@ def test_a_tiny_study_leaves_records_frames_and_tables(tmp_path) -> None:
     study.write_text(STUDY)
     out = tmp_path / "out"
     process = bench("run", str(study), "--out", str(out))
-    told, errors = process.communicate(timeout=300)
+    told, errors = process.communicate(timeout=900)
     assert process.returncode == 0, errors
     assert "[2/2] bullet.game.four_stack-2.paper.s0.r0: completed, 2 of 2 levels" in errors
     assert "2 trials are kept in" in errors
