@@ -68,9 +68,7 @@ def of_pile(pile: Pile) -> dict[str, Any]:
         "friction": pile.friction,
         "mass": masses.mass.tolist(),
         "center": masses.center_of_mass.round(9).tolist(),
-        "contacts": [
-            [first, second, point.round(9).tolist(), normal.tolist()] for first, second, point, normal in rows
-        ],
+        "contacts": list(zip(contacts.body_a.tolist(), contacts.body_b.tolist(), point, normal, strict=True)),
     }
 
 
