@@ -50,7 +50,11 @@ def _expert_knobs(timestep: float) -> dict[str, Knob]:
         "option.impratio": Knob(10, "friction ten times as stiff as the normal: soft friction creeps"),
         "geom.solref": Knob(f"{2 * timestep!r} 1", "two steps, critically damped: the stiffest that is safe"),
         "geom.solimp": Knob("0.99 0.999 1e-4 0.5 2", "nearly rigid from 0.1 mm on: a brick at rest sinks 0.03 mm"),
-        "geom.gap": Knob(1e-4, "reports a support that is not quite touched, without any force"),
+        "geom.gap": Knob(
+            2.5e-4,
+            "of each of two bricks: points that do not touch yet are listed, without force, if the core counts them: "
+            "bricks frozen while they recover from their drop differ in height by some tenths of a millimetre",
+        ),
         "flag.speculative": Knob("enable", "a falling brick must not pass through a plank of 8 mm in one step"),
     }
 

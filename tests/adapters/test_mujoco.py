@@ -88,6 +88,24 @@ def test_a_falling_plank_does_not_pass_through_a_frozen_one(profile: str, height
     assert speeds[0] == pytest.approx(np.sqrt(2 * 9.81 * height), abs=9.81 * FRAME_S)
 
 
+@pytest.mark.parametrize(("lower_by", "listed"), [(0.0, True), (0.3e-3, True), (0.9e-3, False)])
+def test_a_support_that_is_just_missed_is_listed(lower_by: float, listed: bool) -> None:
+    """A plank over two frozen cubes, one of them lower: within half a millimetre it will bear load as well.
+
+    Until then it bears nothing: the plank lies level on the other cube, sunk in by less than a tenth.
+    """
+    simulation = open_engine("mujoco", "game", expected=[CUBE, CUBE, PLANK])
+    assert len(simulation.port.contacts()) == 0
+    cubes = [simulation.spawn(at(CUBE, x=-0.01)), simulation.spawn(at(CUBE, x=0.04, z=-lower_by))]
+    simulation.port.sleep(cubes)
+    plank = simulation.spawn(at(PLANK, z=0.02))
+    advance(simulation, 20)
+    contacts = simulation.port.contacts()
+    below = {int(body) for body in np.concatenate([contacts.body_a, contacts.body_b]) if body != plank}
+    assert (cubes[1] in below) == listed
+    assert simulation.poses()[1][2, 2] == pytest.approx(0.0239, abs=0.1e-3)
+
+
 @pytest.mark.parametrize("sleeping", ["native", "raised"])
 def test_a_sleeping_brick_falls_when_its_support_goes(sleeping: str) -> None:
     """MuJoCo itself would leave it in the air."""

@@ -1,0 +1,155 @@
+"""Does a leaning tower fall as one? How much of it is still in one piece when it strikes the ground.
+
+    uv run python -m tests.bench.kept_pose
+
+writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each fall beside it.
+
+A real leaning tower turns about the edge of its lowest plank and stays whole until it hits the ground. From the frame
+before the core lets it go to the first frame in which a falling plank touches the ground, a plank is kept if its pose,
+seen from the plank below it, has moved by less than half a thickness and turned by less than 5 degrees. The lowest
+plank does not fall, and the second turns on it: neither is counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from adapters import open_engine
+from bench.play import Play
+from scenarios.geometry import Boxes
+from scenarios.planks import LENGTH, THICKNESS
+from scenarios.registry import build
+
+ENGINES = ("bullet", "mujoco", "dart")
+POLICIES = ("paper", "equilibrium")
+FOLDER = Path(__file__).parents[2] / "docs" / "results" / "equilibrium"
+MOVED = THICKNESS / 2
+TURNED = np.radians(5.0)
+STRUCK = 1e-3
+"""A corner [m] so close to the ground has struck it: less than the fall of one frame."""
+WALL_LIMIT_S = 300.0
+
+
+@dataclass(frozen=True)
+class Fall:
+    """One tower, from its release to the ground."""
+
+    poses: list[tuple[np.ndarray, np.ndarray]]
+    """Positions (n, 3) [m] and quaternions (n, 4), frame by frame; the first is the last before the release."""
+    frame_s: float
+    woken: int
+    """Planks that the core woke in the frame of the release."""
+
+    @property
+    def kept(self) -> np.ndarray:
+        """For each plank from the third on: is its pose on the plank below kept at the end? Shape (n - 2,)."""
+        begin, end = (seen_from_below(*self.poses[frame]) for frame in (0, -1))
+        moved = np.linalg.norm(end[0] - begin[0], axis=1)
+        cosine = ((np.einsum("nij,nij->n", begin[1], end[1])) - 1) / 2
+        return ((moved < MOVED) & (np.arccos(np.clip(cosine, -1, 1)) < TURNED))[1:]
+
+    @property
+    def tilt(self) -> float:
+        """How far [rad] the top plank has turned about y at the end."""
+        w, x, y, z = self.poses[-1][1][-1]
+        return float(abs(np.arctan2(2 * (w * y - z * x), 1 - 2 * (x * x + y * y))))
+
+
+def axes_of(quaternion: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    w, x, y, z = quaternion.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def seen_from_below(position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Position (n - 1, 3) and rotation (n - 1, 3, 3) of each plank but the lowest in the frame of the one below."""
+    axes = axes_of(quaternion)
+    below = np.swapaxes(axes[:-1], 1, 2)
+    return np.einsum("nij,nj->ni", below, np.diff(position, axis=0)), below @ axes[1:]
+
+
+def watch_fall(engine: str, policy: str) -> Fall:
+    """Build a leaning tower until it falls, and keep the poses of the fall."""
+    scene = build("leaning_tower")
+    simulation = open_engine(engine, "game", world=scene.world, sleeping="off", expected=scene.bricks)
+    poses: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def keep(_: Any) -> None:
+        _, position, quaternion = simulation.poses()
+        poses.append((position.copy(), quaternion.copy()))
+
+    play = Play(scene, simulation, policy, WALL_LIMIT_S, keep)
+    play.run()
+    release = next(row.frame for row in play.rows if row.woken)
+    size = np.array([brick.size for brick in play.builder.bricks])
+    fall = []
+    for position, quaternion in poses[release - 1 :]:
+        fall.append((position, quaternion))
+        corners = Boxes.at(size[: len(position)], position, quaternion).corners
+        if corners[1:, :, 2].min() < STRUCK:
+            break
+    outcome = Fall(fall, simulation.info.frame_s, int(play.rows[release].woken))
+    simulation.close()
+    return outcome
+
+
+def table(falls: dict[tuple[str, str], Fall]) -> str:
+    """The results as a page."""
+    lines = [
+        "# How a leaning tower falls",
+        "",
+        "Made by `uv run python -m tests.bench.kept_pose`, whose docstring tells what is counted: the planks that keep",
+        "their pose on the plank below until the tower strikes the ground. Scene `leaning_tower`, profile `game`.",
+        "The fall lasts from the release to the first touch of the ground; the tilt is the top plank's by then.",
+        "",
+        "| Engine | policy | woken | kept | fall, s | tilt, deg | picture |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for (engine, policy), fall in falls.items():
+        lines.append(
+            f"| {engine} | `{policy}` | {fall.woken} | {fall.kept.sum()} of {len(fall.kept)} "
+            f"| {(len(fall.poses) - 1) * fall.frame_s:.2f} | {np.degrees(fall.tilt):.0f} "
+            f"| [side view](kept_pose_{engine}_{policy}.svg) |"
+        )
+    return "\n".join([*lines, ""])
+
+
+def picture(fall: Fall) -> str:
+    """Side view (x to the right, z up) at the release, half-way and at the ground, as SVG."""
+    moments = [0, len(fall.poses) // 2, len(fall.poses) - 1]
+    pitch, height = 3.2 * LENGTH, 1.2 * LENGTH
+    scale = 2000
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {3 * pitch * scale:.0f} {height * scale:.0f}">',
+        f'<path d="M0 {height * scale - 2:.0f}H{3 * pitch * scale:.0f}" stroke="black" stroke-width="2"/>',
+    ]
+    for place, frame in enumerate(moments):
+        position, quaternion = fall.poses[frame]
+        for center, axes in zip(position, axes_of(quaternion), strict=True):
+            signs = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+            corners = [center + axes[:, 0] * a * LENGTH / 2 + axes[:, 2] * b * THICKNESS / 2 for a, b in signs]
+            points = " ".join(
+                f"{(x + place * pitch + LENGTH) * scale:.0f},{(height - z) * scale - 2:.0f}" for x, _, z in corners
+            )
+            parts.append(f'<polygon points="{points}" fill="#d9b98c" stroke="#5a4020"/>')
+        parts.append(
+            f'<text x="{place * pitch * scale + 10:.0f}" y="30" font-size="24">{frame * fall.frame_s:.2f} s</text>'
+        )
+    return "\n".join([*parts, "</svg>", ""])
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    falls = {(engine, policy): watch_fall(engine, policy) for engine in ENGINES for policy in POLICIES}
+    (FOLDER / "kept_pose.md").write_text(table(falls), encoding="utf-8")
+    for (engine, policy), fall in falls.items():
+        (FOLDER / f"kept_pose_{engine}_{policy}.svg").write_text(picture(fall), encoding="utf-8")
