@@ -21,12 +21,12 @@ from __future__ import annotations
 import importlib.metadata
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -76,26 +76,6 @@ PROFILES: Mapping[str, Profile] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class _Motions:
-    """Where the m live bodies were, and how fast, before each of the frame's s substeps."""
-
-    body: IntArray
-    """Ids, rising, shape (m,)."""
-    position: FloatArray
-    """Centres of mass [m], shape (s, m, 3)."""
-    linear: FloatArray
-    """Velocities [m/s], shape (s, m, 3)."""
-    angular: FloatArray
-    """Angular velocities [rad/s], shape (s, m, 3)."""
-
-    def at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
-        """Velocity [m/s] of each body at its point, shape (s, n, 3); zero for what is frozen and for the ground."""
-        row = np.minimum(np.searchsorted(self.body, bodies), len(self.body) - 1)
-        velocity = self.linear[:, row] + np.cross(self.angular[:, row], points - self.position[:, row])
-        return np.where((self.body[row] == bodies)[:, None], velocity, 0.0)
-
-
 class BulletSimulation(Simulation):
     """A world of PyBullet in DIRECT mode."""
 
@@ -126,7 +106,7 @@ class BulletSimulation(Simulation):
         self._handles: dict[int, int] = {}
         self._bodies: dict[int, int] = {}
         self._shapes: dict[Vector, int] = {}
-        self._before: _Motions | None = None
+        self._before: Motions | None = None
         self._frame_s = 0.0
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
@@ -221,7 +201,7 @@ class BulletSimulation(Simulation):
             if self.is_observed:
                 before.append((self._positions(bodies), *self._velocities(bodies)))
             pybullet.stepSimulation(self._client)
-        self._before = _Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
+        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
@@ -253,7 +233,7 @@ class BulletSimulation(Simulation):
             point,
             normal,
             numbers[:, 9],
-            self._fastest_approach(body_a, body_b, point, normal),
+            fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(listed), self.world.friction),
         )
 
@@ -271,15 +251,6 @@ class BulletSimulation(Simulation):
                 if other < body or other not in live:  # a pair of live bodies is met twice
                     rows.append(row)
         return rows
-
-    def _fastest_approach(self, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray) -> FloatArray:
-        """Velocity [m/s] of b against a, (n, 3), before the substep in which they approached each other fastest."""
-        if self._before is None or not len(self._before.body):
-            return np.full(point.shape, np.nan)  # bodies woken, or a port asked for, only after the latest step
-        velocity = self._before.at(b, point) - self._before.at(a, point)
-        fastest = np.einsum("sni,ni->sn", velocity, normal).argmin(axis=0)
-        chosen: FloatArray = velocity[fastest, np.arange(len(fastest))]
-        return chosen
 
     def _close(self) -> None:
         pybullet.disconnect(self._client)

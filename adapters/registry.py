@@ -28,6 +28,7 @@ ENGINES: Mapping[str, _Entry] = {
     "mujoco": _Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
     "dart": _Entry("adapters._dart", "DartSimulation", "dartpy"),
     "pymunk": _Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
+    "rapier": _Entry("adapters._rapier", "RapierSimulation", "rapier3d"),
 }
 
 
