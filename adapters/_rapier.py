@@ -9,17 +9,22 @@ a manifold while the pair has hardly moved, and with it a stale distance. So poi
 the bodies, and the separation is measured between them, at the poses after the step. Rapier lists points within its
 prediction distance as well; those that are further apart than a tenth of a millimetre are left out.
 
-Friction: as shipped a pair has the mean of both colliders' coefficients, and all colliders have the world's. The
-shipped model has one friction constraint a manifold and one against twist; "coulomb" has one a point.
+Friction: as shipped a pair has the mean of both colliders' coefficients, and all colliders have the world's. The law is
+a cone: one constraint a manifold, and one against twist. (``FrictionModel.COULOMB``, one a point, holds too little
+across a plank.)
 
-Traps: softness and tolerances are scaled by ``length_unit``, which is a metre as shipped: planks may then overlap by
-5 mm uncured. A state that is not finite is put back and the body silently disabled: its pose is reported as NaN. A view
-of a removed body raises. Worker threads are off, as every other engine runs on one.
+Stiffness: contacts are springs whose sag under load falls with the square of their natural frequency. The solver can
+follow a frequency of up to a quarter of its substeps' rate, which is ``num_solver_iterations`` a step.
+
+Traps: tolerances are multiples of ``length_unit``, among them the distance of predicted contacts and the top speed.
+A state that is not finite is silently put back and the body disabled: poses are then reported as NaN. A view of a
+removed body raises.
 """
 
 from __future__ import annotations
 
 import importlib.metadata
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -36,47 +41,77 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 GROUND_HALF_EXTENTS = (2.0, 2.0, 0.5)
 """Half the ground's edges [m]: room for any scene of planks, and thick enough that nothing falls through."""
 
-_GROUND_POSE = (0.0, 0.0, -GROUND_HALF_EXTENTS[2], 1.0, 0.0, 0.0, 0.0)
+_GROUND_CENTER = (0.0, 0.0, -GROUND_HALF_EXTENTS[2])
+_NO_TURN = (1.0, 0.0, 0.0, 0.0)
 _NEAR = 1e-4
 """Points further apart than this [m] do not touch."""
 
 _THREADS: Mapping[str, Knob] = {"num_threads": Knob(1, "one processor core, as every other engine; and repeatable")}
 
+_SCALE: Mapping[str, Knob] = {
+    "length_unit": Knob(
+        0.1,
+        "the usual size of a body [m], which the manual asks for: with 1 as shipped, contacts predicted 20 mm ahead of"
+        " a plank of 8 mm turn it in mid-air and hold it on a slope above the friction angle",
+    ),
+}
+
+
+def _stiffness(frequency: float, reason: str) -> dict[str, Knob]:
+    """Natural frequency [Hz] of contacts between live bricks, and of those on fixed ones."""
+    return {
+        "contact_softness.natural_frequency": Knob(frequency, f"30 as shipped: {reason}"),
+        "static_contact_softness.natural_frequency": Knob(frequency, "60 as shipped: as stiff as between live bricks"),
+    }
+
+
 PROFILES: Mapping[str, Profile] = {
     profile.name: profile
     for profile in (
-        Profile("default", "as shipped: one step a frame, four solver substeps", substeps=1, knobs=_THREADS),
+        Profile(
+            "default",
+            "as shipped, with the length unit of planks: one step a frame, four solver substeps",
+            substeps=1,
+            knobs={**_THREADS, **_SCALE},
+        ),
         Profile(
             "game",
-            "one step a frame",
+            "one step a frame, 16 solver substeps, stiff contacts",
             substeps=1,
-            knobs=_THREADS | {"length_unit": Knob(0.01, "x")},
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
+            tuned_by="Stillstack, on the 4-stack, the card house and the leaning tower",
+            knobs={
+                **_THREADS,
+                **_SCALE,
+                "num_solver_iterations": Knob(
+                    16, "substeps: stiffer contacts need a quarter period each; with 8 a leaning tower sinks by 2 mm"
+                ),
+                **_stiffness(240.0, "planks of a 4-stack sink into each other by 15 mm in 9 levels; now 0.5 mm in 12"),
+            },
         ),
         Profile(
             "tuned",
-            "two steps",
-            substeps=2,
-            knobs=_THREADS
-            | {
-                "length_unit": Knob(0.01, "x"),
-                "num_solver_iterations": Knob(16, "x"),
-                "contact_softness.natural_frequency": Knob(240.0, "x"),
-                "contact_softness.damping_ratio": Knob(5.0, "x"),
-                "static_contact_softness.natural_frequency": Knob(240.0, "x"),
-                "static_contact_softness.damping_ratio": Knob(5.0, "x"),
+            "four steps of 1/240 s a frame, 16 solver substeps each, very stiff contacts",
+            substeps=4,
+            tuned_by="Stillstack, on the 4-stack, the card house and the leaning tower",
+            knobs={
+                **_THREADS,
+                **_SCALE,
+                "num_solver_iterations": Knob(16, "substeps: with 8, and half the frequency, 30 levels sink 0.7 mm"),
+                **_stiffness(960.0, "30 levels of the 4-stack now sink by 0.2 mm; a quarter of the substeps' rate"),
+                "normalized_max_corrective_velocity": Knob(
+                    0.3, "3 as shipped: 0.3 m/s, which throws a plank out of 1 mm of overlap in a single frame"
+                ),
             },
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
         ),
     )
 }
 
 _SLEEP_KNOBS: Mapping[Sleeping, Mapping[str, Knob]] = {
-    "off": {"can_sleep": Knob(False, "the engine's own sleeping is off")},
+    "off": {"body.can_sleep": Knob(False, "the engine's own sleeping is off")},
     "native": {},
     "raised": {
-        "activation.linear_threshold": Knob(0.2, "four times as shipped, times length_unit [m/s]"),
-        "activation.angular_threshold": Knob(2.0, "four times as shipped [rad/s]"),
+        "body.activation.linear_threshold": Knob(0.2, "four times as shipped: 20 mm/s, above the sway of a tower"),
+        "body.activation.angular_threshold": Knob(2.0, "[rad/s] four times as shipped"),
     },
 }
 
@@ -87,13 +122,13 @@ class RapierSimulation(Simulation):
     engine: ClassVar[str] = "rapier"
     profiles: ClassVar[Mapping[str, Profile]] = PROFILES
     capabilities: ClassVar[Capabilities] = Capabilities(
-        contact_points="up to 4 points",
+        contact_points="up to 8 points",
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
         forces=True,
         freeze="fixed body",
-        frozen_contacts=True,
+        frozen_contacts=False,
         friction_law="cone",
         deterministic="across processes",
     )
@@ -108,10 +143,9 @@ class RapierSimulation(Simulation):
         self._body_of: dict[rapier3d.ColliderHandle, int] = {}
         self._before: Motions | None = None
         self._has_diverged = False
-        self._engine.set_num_threads(1)
         for name, knob in profile.knobs.items():
             self._configure(name, knob.value)
-        ground = rapier3d.Collider.cuboid(*GROUND_HALF_EXTENTS).translation(_GROUND_POSE[:3])
+        ground = rapier3d.Collider.cuboid(*GROUND_HALF_EXTENTS).translation(_GROUND_CENTER)
         self._body_of[self._engine.add_collider(ground.friction(world.friction))] = GROUND
 
     @staticmethod
@@ -119,32 +153,36 @@ class RapierSimulation(Simulation):
         return importlib.metadata.version("rapier3d")
 
     def _configure(self, name: str, value: float | int | str | bool) -> None:
+        """Set what belongs to the world; what belongs to a body is set as it is spawned."""
         parameters = self._engine.integration_parameters
         owner, _, attribute = name.rpartition(".")
-        if owner in ("contact_softness", "static_contact_softness"):
-            softness = getattr(parameters, owner)  # a copy
-            setattr(softness, attribute, value)
-            setattr(parameters, owner, softness)
-        elif name == "friction_model":
-            parameters.friction_model = getattr(rapier3d.FrictionModel, str(value))
-        elif hasattr(parameters, name):
+        if name == "num_threads":
+            self._engine.set_num_threads(int(value))
+        elif not owner:
             setattr(parameters, name, value)
+        elif not name.startswith("body."):
+            coefficients = getattr(parameters, owner)  # a copy: set back whole
+            setattr(coefficients, attribute, value)
+            setattr(parameters, owner, coefficients)
 
     # -- driven by the harness ---------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        knobs = self.info.profile.knobs
         half_x, half_y, half_z = (edge / 2 for edge in brick.size)
         box = rapier3d.Collider.cuboid(half_x, half_y, half_z).mass(brick.mass).friction(self.world.friction)
         free = rapier3d.RigidBody.dynamic().position((brick.position, _to_rapier(brick.quaternion)))
-        free.can_sleep("can_sleep" not in knobs)
-        if "soft_ccd_prediction" in knobs:
-            free.soft_ccd_prediction(knobs["soft_ccd_prediction"].value)
-        handle = self._engine.add_body(free, [box])
+        handle = self._engine.add_body(free.can_sleep(self.info.sleeping != "off"), [box])
         view = self._engine.rigid_bodies[handle]
+        if self.info.sleeping == "raised":
+            view.activation = self._raised(view.activation)
         (collider,) = view.colliders
         self._handles[body], self._views[body], self._colliders[body] = handle, view, collider
         self._body_of[collider] = body
+
+    def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
+        for name, knob in _SLEEP_KNOBS["raised"].items():
+            setattr(activation, name.rpartition(".")[2], knob.value)
+        return activation
 
     def _remove(self, body: int) -> None:
         del self._views[body]
@@ -156,7 +194,7 @@ class RapierSimulation(Simulation):
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         view = self._views[body]
-        view.position = position, _to_rapier(quaternion)
+        view.position = rapier3d.Isometry3(position, _to_rapier(quaternion))
         self._stop(view)
         view.wake_up()
         if body in self.frozen:
@@ -212,6 +250,31 @@ class RapierSimulation(Simulation):
         view.wake_up()
 
     def _contacts(self) -> Contacts:
+        pairs, local = self._listed()
+        if not len(pairs):
+            return Contacts.empty()
+        normals, points_a, points_b = self._in_world(pairs, local)
+        separations = dot(points_b - points_a, normals)
+        near = np.flatnonzero(separations <= _NEAR)
+        body_a, body_b = pairs[near].T
+        point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
+        return Contacts(
+            body_a,
+            body_b,
+            point,
+            normal,
+            separations[near],
+            fastest_approach(self._before, body_a, body_b, point, normal),
+            np.full(len(near), self.world.friction),
+        )
+
+    def _listed(self) -> tuple[IntArray, FloatArray]:
+        """Rapier's own points of every contact that touches a live body, far ones too.
+
+        Returns:
+            The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the
+            point on b in b's frame [m], shape (n, 9).
+        """
         pairs, rows = [], []
         for body_a, body_b, pair in self._live_pairs():
             for manifold in pair.manifolds:
@@ -219,24 +282,7 @@ class RapierSimulation(Simulation):
                 for point in manifold.points:
                     pairs.append((body_a, body_b))
                     rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
-        if not rows:
-            return Contacts.empty()
-        body_a, body_b = np.array(pairs, np.int64).T
-        local = np.array(rows)
-        normal, point_a, point_b = self._in_world(body_a, body_b, local)
-        separation = dot(point_b - point_a, normal)
-        near = np.flatnonzero(separation <= _NEAR)
-        body_a, body_b, normal = body_a[near], body_b[near], normal[near]
-        point = (point_a[near] + point_b[near]) / 2
-        return Contacts(
-            body_a,
-            body_b,
-            point,
-            normal,
-            separation[near],
-            fastest_approach(self._before, body_a, body_b, point, normal),
-            np.full(len(near), self.world.friction),
-        )
+        return np.array(pairs, np.int64), _rows(rows, 9)
 
     def _live_pairs(self) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""
@@ -256,20 +302,18 @@ class RapierSimulation(Simulation):
                 if other < body or other not in live:  # a pair of live bodies is met twice
                     yield a, b, pair
 
-    def _in_world(
-        self, body_a: IntArray, body_b: IntArray, local: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Normals, points on a and points on b [m], each (n, 3), of rows (n, 9) in the colliders' own frames."""
-        bodies, place = np.unique(np.concatenate([body_a, body_b]), return_inverse=True)
+    def _in_world(self, pairs: IntArray, local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Normals, points on a and points on b [m] in the world's frame, each (n, 3), of what ``_listed`` returns."""
+        bodies, place = np.unique(pairs, return_inverse=True)
         positions, quaternions = self._poses(bodies[bodies != GROUND])
         if bodies[0] == GROUND:  # the least id
-            positions = np.vstack([_GROUND_POSE[:3], positions])
-            quaternions = np.vstack([_GROUND_POSE[3:], quaternions])
-        place_a, place_b = place[: len(body_a)], place[len(body_a) :]
+            positions = np.vstack([_GROUND_CENTER, positions])
+            quaternions = np.vstack([_NO_TURN, quaternions])
+        a, b = place.reshape(pairs.shape).T
         return (
-            rotate(quaternions[place_a], local[:, :3]),
-            positions[place_a] + rotate(quaternions[place_a], local[:, 3:6]),
-            positions[place_b] + rotate(quaternions[place_b], local[:, 6:]),
+            rotate(quaternions[a], local[:, :3]),
+            positions[a] + rotate(quaternions[a], local[:, 3:6]),
+            positions[b] + rotate(quaternions[b], local[:, 6:]),
         )
 
 
@@ -280,12 +324,27 @@ def _to_rapier(quaternion: Quaternion) -> Quaternion:
 
 
 def _settle_rotation(view: rapier3d.RigidBody) -> None:
-    """Bring a body's quaternion to where Rapier's scaling to unit length no longer changes a bit of it."""
-    before = None
-    while before != (before := view.rotation.to_tuple()):
-        view.rotation = before
+    """Bring a body's quaternion to where Rapier's scaling to unit length no longer changes a bit of it.
+
+    Most are there after one scaling. Scaling alone may go round in a circle, so that a component is nudged by its last
+    bit between attempts, each in its turn.
+    """
+    components = itertools.cycle(range(4))
+    while (scaled := _scaled_once(view)) is not None:
+        nudged = np.array(scaled, np.float32)
+        component = next(components)
+        nudged[component] = np.nextafter(nudged[component], np.float32(0.0))
+        view.rotation = nudged.tolist()
 
 
-def _rows(rows: list[tuple[float, ...]], width: int) -> FloatArray:
+def _scaled_once(view: rapier3d.RigidBody) -> Quaternion | None:
+    """The quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
+    before = view.rotation.to_tuple()
+    view.rotation = before  # type: ignore[assignment] # the setter takes tuples, which it scales
+    after = view.rotation.to_tuple()
+    return None if after == before else after
+
+
+def _rows(rows: Sequence[tuple[float, ...]], width: int) -> FloatArray:
     """Rows as an array of shape (n, width), also for n = 0."""
     return np.array(rows, np.float64).reshape(len(rows), width)

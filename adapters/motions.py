@@ -32,7 +32,7 @@ class Motions:
 def fastest_approach(
     before: Motions | None, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray
 ) -> FloatArray:
-    """Velocity [m/s] of b against a at n contact points, before the substep in which they approached each other fastest.
+    """Velocity [m/s] of b against a at n contact points, before the substep in which they came closer fastest.
 
     Args:
         before: the frame's motions; None if nobody watched it.

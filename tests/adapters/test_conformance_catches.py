@@ -9,9 +9,10 @@ import numpy as np
 import pybullet
 import pytest
 
-from adapters._bullet import PROFILES, BulletSimulation, _Motions
+from adapters._bullet import PROFILES, BulletSimulation
 from adapters.base import Knob, Profile, Sleeping
 from adapters.conformance import CHECKS, ConformanceError, Rig
+from adapters.motions import Motions
 from scenarios.model import Brick, World
 from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
@@ -39,7 +40,7 @@ class VelocityAfterSolve(BulletSimulation):
     def _step(self, seconds: float) -> None:
         super()._step(seconds)
         bodies = np.fromiter(self._live, np.int64, len(self._live))
-        self._before = _Motions(bodies, self._positions(bodies)[None], *(v[None] for v in self._velocities(bodies)))
+        self._before = Motions(bodies, self._positions(bodies)[None], *(v[None] for v in self._velocities(bodies)))
 
 
 class VelocityAfterGravity(BulletSimulation):
