@@ -32,8 +32,9 @@ class FlippedNormals(BulletSimulation):
 class SwappedVelocity(BulletSimulation):
     """Velocity of a against b."""
 
-    def _fastest_approach(self, *args: Any) -> FloatArray:
-        return -super()._fastest_approach(*args)
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, relative_velocity=-contacts.relative_velocity)
 
 
 class VelocityAfterSolve(BulletSimulation):
