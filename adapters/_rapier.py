@@ -51,8 +51,8 @@ _THREADS: Mapping[str, Knob] = {"num_threads": Knob(1, "one processor core, as e
 _SCALE: Mapping[str, Knob] = {
     "length_unit": Knob(
         0.1,
-        "the usual size of a body [m], which the manual asks for: with 1 as shipped, contacts predicted 20 mm ahead of"
-        " a plank of 8 mm turn it in mid-air and hold it on a slope above the friction angle",
+        "tolerances for bodies of a tenth of a metre: with 1 as shipped, contacts predicted 20 mm ahead of a plank of"
+        " 8 mm turn it in mid-air, and on a slope 1 deg too steep it slides 15 mm instead of 52",
     ),
 }
 
