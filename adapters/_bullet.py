@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.motions import Motion, Motions
+from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -199,9 +199,9 @@ class BulletSimulation(Simulation):
         before = []
         for _ in range(substeps):
             if self.is_observed:
-                before.append(Motion(self._positions(bodies), *self._velocities(bodies)))
+                before.append((self._positions(bodies), *self._velocities(bodies)))
             pybullet.stepSimulation(self._client)
-        self._before = Motions(bodies, before) if before else None
+        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
@@ -227,18 +227,13 @@ class BulletSimulation(Simulation):
         point = (numbers[:, :3] + numbers[:, 3:6]) / 2
         normal = -numbers[:, 6:9]  # Bullet's normal points from b to a
         body_a, body_b = pair[:, 0], pair[:, 1]
-        velocity = (
-            np.full(point.shape, np.nan)  # the port was asked for only after the latest step
-            if self._before is None
-            else self._before.fastest_approach(body_a, body_b, point, normal)
-        )
         return Contacts(
             body_a,
             body_b,
             point,
             normal,
             numbers[:, 9],
-            velocity,
+            fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(listed), self.world.friction),
         )
 

@@ -32,6 +32,7 @@ import numpy as np
 
 from adapters._mujoco_slots import Shape, SlotModel
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -234,7 +235,7 @@ class MujocoSimulation(Simulation):
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         rows = self._engine.velocities[self._slots(bodies)]
-        return rows[:, :3], _rotate(self._poses(bodies)[1], rows[:, 3:])
+        return rows[:, :3], rotate(self._poses(bodies)[1], rows[:, 3:])
 
     def _close(self) -> None:
         self._compiled = None
@@ -283,7 +284,7 @@ class MujocoSimulation(Simulation):
         data = self._engine.data
         twists = data.cvel[geoms]  # angular, then linear at the centre of mass
         arms = points[:, None] - data.subtree_com[geoms]
-        velocities: FloatArray = twists[:, :, 3:] + _cross(twists[:, :, :3], arms)
+        velocities: FloatArray = twists[:, :, 3:] + cross(twists[:, :, :3], arms)
         return velocities[:, 1] - velocities[:, 0]
 
     def _note_approaches(self) -> None:
@@ -292,11 +293,11 @@ class MujocoSimulation(Simulation):
         rows = self._current_rows(found.geom)
         geoms = found.geom[rows]
         velocity = self._relative_velocities(geoms, found.pos[rows])
-        self._approaches.append((self._pairs(geoms), _dot(velocity, found.frame[rows, :3]), velocity))
+        self._approaches.append((self._pairs(geoms), dot(velocity, found.frame[rows, :3]), velocity))
 
     def _fastest_approaches(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
         """``velocity``, or that of the pair in an earlier substep where it approached faster."""
-        pairs, speed = self._pairs(geoms), _dot(velocity, normals)
+        pairs, speed = self._pairs(geoms), dot(velocity, normals)
         for earlier_pairs, earlier_speed, earlier_velocity in self._approaches:
             order = np.lexsort((earlier_speed, earlier_pairs))  # of each pair, the fastest approach comes first
             first = np.searchsorted(earlier_pairs[order], pairs)
@@ -316,22 +317,3 @@ class MujocoSimulation(Simulation):
         option = self._engine.model.opt
         gained: FloatArray = option.gravity * option.timestep
         return (falls[:, 1:] - falls[:, :1]) * gained
-
-
-_LEVI_CIVITA = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 0, 1)
-
-
-def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray((a * b).sum(axis=-1))
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """As ``numpy.cross`` over the last axis, several times as fast for a few rows."""
-    return np.asarray(np.einsum("ijk,...j,...k->...i", _LEVI_CIVITA, a, b))
-
-
-def _rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Vectors (n, 3) of the bodies' own frames in the world's frame; quaternions (n, 4) as w, x, y, z."""
-    scalar, axis = quaternions[:, :1], quaternions[:, 1:]
-    twice = 2 * _cross(axis, vectors)
-    return vectors + scalar * twice + _cross(axis, twice)

@@ -27,7 +27,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.motions import Motion, Motions
+from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -200,9 +200,9 @@ class PhysxSimulation(Simulation):
         for _ in range(substeps):
             if self.is_observed:
                 state = self._state(bodies)
-                before.append(Motion(state[:, 4:7], state[:, 7:10], state[:, 10:13]))
+                before.append((state[:, 4:7], state[:, 7:10], state[:, 10:13]))
             self._system.step()
-        self._before = Motions(bodies, before) if before else None
+        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
 
     def _state(self, bodies: IntArray) -> FloatArray:
         """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
@@ -238,18 +238,13 @@ class PhysxSimulation(Simulation):
         a, b, point, normal, separation = zip(*rows, strict=True)
         body_a, body_b = np.array(a), np.array(b)
         points, normals = np.array(point, np.float64), np.array(normal, np.float64)
-        velocity = (
-            np.full(points.shape, np.nan)  # the port was asked for only after the latest step
-            if self._before is None
-            else self._before.fastest_approach(body_a, body_b, points, normals)
-        )
         return Contacts(
             body_a,
             body_b,
             points,
             normals,
             np.array(separation, np.float64),
-            velocity,
+            fastest_approach(self._before, body_a, body_b, points, normals),
             np.full(len(rows), self.world.friction),
         )
 

@@ -1,8 +1,7 @@
-"""Velocities from before each substep: engines report contacts when their solver has already stopped the approach."""
+"""How the live bodies moved before the solver stopped them, for engines that report no approach speed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,45 +10,43 @@ from stability_core.port import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """Where m bodies are, and how fast."""
-
-    position: FloatArray
-    """Centres of mass [m], shape (m, 3)."""
-    linear: FloatArray
-    """Velocities [m/s], shape (m, 3)."""
-    angular: FloatArray
-    """Angular velocities [rad/s], shape (m, 3)."""
-
-
 class Motions:
-    """How the m live bodies of a frame moved before each of its s substeps."""
+    """Where the m live bodies were, and how fast, before each of the frame's s substeps."""
 
-    def __init__(self, bodies: IntArray, motions: Sequence[Motion]) -> None:
-        """Args: bodies: ids, rising, shape (m,); motions: one a substep, its rows in the order of ``bodies``."""
-        self._bodies = bodies
-        self._position = np.stack([motion.position for motion in motions])
-        self._linear = np.stack([motion.linear for motion in motions])
-        self._angular = np.stack([motion.angular for motion in motions])
+    body: IntArray
+    """Ids, rising, shape (m,)."""
+    position: FloatArray
+    """Centres of mass [m], shape (s, m, 3)."""
+    linear: FloatArray
+    """Velocities [m/s], shape (s, m, 3)."""
+    angular: FloatArray
+    """Angular velocities [rad/s], shape (s, m, 3)."""
 
-    def fastest_approach(self, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray) -> FloatArray:
-        """Velocity [m/s] of b against a, shape (n, 3), before the substep in which they approached each other fastest.
-
-        Args:
-            a: ids, shape (n,).
-            b: ids, shape (n,).
-            point: contact points [m], shape (n, 3).
-            normal: unit normals from a to b, shape (n, 3).
-        """
-        if not len(self._bodies):
-            return np.full(point.shape, np.nan)  # all were woken after the latest step
-        velocity = self._at(b, point) - self._at(a, point)
-        fastest = np.einsum("sni,ni->sn", velocity, normal).argmin(axis=0)
-        chosen: FloatArray = velocity[fastest, np.arange(len(fastest))]
-        return chosen
-
-    def _at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
+    def at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
         """Velocity [m/s] of each body at its point, shape (s, n, 3); zero for what is frozen and for the ground."""
-        row = np.minimum(np.searchsorted(self._bodies, bodies), len(self._bodies) - 1)
-        velocity = self._linear[:, row] + np.cross(self._angular[:, row], points - self._position[:, row])
-        return np.where((self._bodies[row] == bodies)[:, None], velocity, 0.0)
+        row = np.minimum(np.searchsorted(self.body, bodies), len(self.body) - 1)
+        velocity = self.linear[:, row] + np.cross(self.angular[:, row], points - self.position[:, row])
+        return np.where((self.body[row] == bodies)[:, None], velocity, 0.0)
+
+
+def fastest_approach(
+    before: Motions | None, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray
+) -> FloatArray:
+    """Velocity [m/s] of b against a at n contact points, before the substep in which they came closer fastest.
+
+    Args:
+        before: the frame's motions; None if nobody watched it.
+        a: first bodies, shape (n,).
+        b: second bodies, shape (n,).
+        point: contact points [m], shape (n, 3).
+        normal: unit normals from a to b, shape (n, 3).
+
+    Returns:
+        Velocities, shape (n, 3); NaN where nothing was live in that frame, for bodies that were woken since.
+    """
+    if before is None or not len(before.body):
+        return np.full(point.shape, np.nan)
+    velocity = before.at(b, point) - before.at(a, point)
+    fastest = np.einsum("sni,ni->sn", velocity, normal).argmin(axis=0)
+    chosen: FloatArray = velocity[fastest, np.arange(len(fastest))]
+    return chosen

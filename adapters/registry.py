@@ -29,6 +29,7 @@ ENGINES: Mapping[str, _Entry] = {
     "dart": _Entry("adapters._dart", "DartSimulation", "dartpy"),
     "physx": _Entry("adapters._physx", "PhysxSimulation", "sapien"),
     "pymunk": _Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
+    "rapier": _Entry("adapters._rapier", "RapierSimulation", "rapier3d"),
 }
 
 

@@ -134,8 +134,8 @@ def wakes_to_live_again(rig: Rig) -> None:
     touched = set(contacts.body_a.tolist()) | set(contacts.body_b.tolist())
     require({support, body} <= touched, f"contacts after waking touch {touched} only")
     before = pose(simulation, body)
-    # How far a brick sinks into another is for the checks of seating; here it must not go through.
-    require_between(1.25 * THICKNESS, before[2], 1.55 * THICKNESS, "height [m] of the upper of two woken bricks")
+    # As shipped, soft contacts let two bricks sink by 1.1 mm; a brick that lost its contacts is half a thickness deep.
+    require_between(1.3 * THICKNESS, before[2], 1.55 * THICKNESS, "height [m] of the upper of two woken bricks")
     simulation.push(body, (0.5 * MASS, 0.0, 0.0))
     advance(simulation, 0.2)
     # Braked at mu g = 4.4 m/s2 it slides 28 mm.
@@ -151,7 +151,8 @@ def moves_a_frozen_brick(rig: Rig) -> None:
     advance(simulation, 0.1)
     simulation.move(shelf, (0.5, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0))
     before = pose(simulation, shelf)
-    require_between(0.0, abs(before[0] - 0.5) + abs(before[2] - 0.2), 1e-7, "error [m] of the pose set")
+    error = abs(before[0] - 0.5) + abs(before[2] - 0.2)
+    require_between(0.0, error, 1e-7, "error [m] of the pose set, rounding in single precision allowed")
     carried, dropped = (
         simulation.spawn(plank(0.5, 0.2 + THICKNESS + 0.5e-3)),
         simulation.spawn(plank(0.0, 0.1 + THICKNESS)),

@@ -12,7 +12,7 @@ import pytest
 from adapters._bullet import PROFILES, BulletSimulation
 from adapters.base import Knob, Profile, Sleeping
 from adapters.conformance import CHECKS, ConformanceError, Rig
-from adapters.motions import Motion, Motions
+from adapters.motions import Motions
 from scenarios.model import Brick, World
 from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
@@ -41,15 +41,15 @@ class VelocityAfterSolve(BulletSimulation):
     def _step(self, seconds: float) -> None:
         super()._step(seconds)
         bodies = np.fromiter(self._live, np.int64, len(self._live))
-        self._before = Motions(bodies, [Motion(self._positions(bodies), *self._velocities(bodies))])
+        self._before = Motions(bodies, self._positions(bodies)[None], *(v[None] for v in self._velocities(bodies)))
 
 
 class VelocityAfterGravity(BulletSimulation):
     def _step(self, seconds: float) -> None:
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
-        position, (linear, angular) = self._positions(bodies), self._velocities(bodies)
         super()._step(seconds)
-        self._before = Motions(bodies, [Motion(position, linear + np.array(self.world.gravity) * seconds, angular)])
+        if self._before is not None:
+            gravity = np.array(self.world.gravity) * seconds / self.info.profile.substeps
+            self._before = replace(self._before, linear=self._before.linear + gravity)
 
 
 class PointsInMillimetres(BulletSimulation):

@@ -1,0 +1,352 @@
+"""Rapier: soft contacts in small substeps, in single precision.
+
+Freezing: the body is stopped and made ``FIXED``; made ``DYNAMIC`` again it has the mass and inertia of its collider.
+Rapier scales a body's quaternion back to unit length when its type changes, and would go on doing so, a bit this way
+and a bit that, wherever single precision has no quaternion of exactly that length: a freeze settles the rotation first.
+
+Contacts are points in the two colliders' own frames, found at the start of the latest substep or earlier: Rapier keeps
+a manifold while the pair has hardly moved, and with it a stale distance. So points and normals are carried along with
+the bodies, and the separation is measured between them, at the poses after the step. Rapier lists points within its
+prediction distance as well; those that are further apart than a tenth of a millimetre are left out.
+
+Friction: as shipped a pair has the mean of both colliders' coefficients, and all colliders have the world's. The law is
+a cone: one constraint a manifold, and one against twist. (``FrictionModel.COULOMB``, one a point, holds too little
+across a plank.)
+
+Stiffness: contacts are springs whose sag under load falls with the square of their natural frequency. The solver can
+follow a frequency of up to a quarter of its substeps' rate, which is ``num_solver_iterations`` a step.
+
+Traps: tolerances are multiples of ``length_unit``, among them the distance of predicted contacts and the top speed.
+A state that is not finite is silently put back and the body disabled: poses are then reported as NaN. A view of a
+removed body raises.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+import rapier3d
+
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.motions import Motions, fastest_approach
+from adapters.vectors import dot, rotate
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+GROUND_HALF_EXTENTS = (2.0, 2.0, 0.5)
+"""Half the ground's edges [m]: room for any scene of planks, and thick enough that nothing falls through."""
+
+_GROUND_CENTER = (0.0, 0.0, -GROUND_HALF_EXTENTS[2])
+_NO_TURN = (1.0, 0.0, 0.0, 0.0)
+_NEAR = 1e-4
+"""Points further apart than this [m] do not touch."""
+
+_THREADS: Mapping[str, Knob] = {"num_threads": Knob(1, "one processor core, as every other engine; and repeatable")}
+
+_SCALE: Mapping[str, Knob] = {
+    "length_unit": Knob(
+        0.1,
+        "tolerances for bodies of a tenth of a metre: with 1 as shipped, contacts predicted 20 mm ahead of a plank of"
+        " 8 mm turn it in mid-air, and on a slope 1 deg too steep it slides 15 mm instead of 52",
+    ),
+}
+
+
+def _stiffness(frequency: float, reason: str) -> dict[str, Knob]:
+    """Natural frequency [Hz] of contacts between live bricks, and of those on fixed ones."""
+    return {
+        "contact_softness.natural_frequency": Knob(frequency, f"30 as shipped: {reason}"),
+        "static_contact_softness.natural_frequency": Knob(frequency, "60 as shipped: as stiff as between live bricks"),
+    }
+
+
+PROFILES: Mapping[str, Profile] = {
+    profile.name: profile
+    for profile in (
+        Profile(
+            "default",
+            "as shipped, with the length unit of planks: one step a frame, four solver substeps",
+            substeps=1,
+            knobs={**_THREADS, **_SCALE},
+        ),
+        Profile(
+            "game",
+            "one step a frame, 16 solver substeps, stiff contacts",
+            substeps=1,
+            tuned_by="Stillstack, on the 4-stack, the card house and the leaning tower",
+            knobs={
+                **_THREADS,
+                **_SCALE,
+                "num_solver_iterations": Knob(
+                    16, "with 8, and half the frequency, the leaning tower sinks by 3.3 mm instead of 0.8"
+                ),
+                **_stiffness(240.0, "10 levels of the 4-stack sink by 19 mm; now 30 levels by 2.8 mm"),
+            },
+        ),
+        Profile(
+            "tuned",
+            "four steps of 1/240 s a frame, 16 solver substeps each, very stiff contacts",
+            substeps=4,
+            tuned_by="Stillstack, on the 4-stack, the card house and the leaning tower",
+            knobs={
+                **_THREADS,
+                **_SCALE,
+                "num_solver_iterations": Knob(
+                    16, "with 8, and half the frequency, 30 levels of the 4-stack sink by 0.7 mm"
+                ),
+                **_stiffness(960.0, "30 levels of the 4-stack sink by 0.2 mm at a quarter of the substeps' rate"),
+                "normalized_max_corrective_velocity": Knob(
+                    0.3, "3 as shipped: 0.3 m/s, which throws a plank out of 1 mm of overlap in a single frame"
+                ),
+            },
+        ),
+    )
+}
+
+_SLEEP_KNOBS: Mapping[Sleeping, Mapping[str, Knob]] = {
+    "off": {"body.can_sleep": Knob(False, "the engine's own sleeping is off")},
+    "native": {},
+    "raised": {
+        "body.activation.linear_threshold": Knob(0.2, "four times as shipped: 20 mm/s, above the sway of a tower"),
+        "body.activation.angular_threshold": Knob(2.0, "[rad/s] four times as shipped"),
+    },
+}
+
+
+class RapierSimulation(Simulation):
+    """One world of Rapier."""
+
+    engine: ClassVar[str] = "rapier"
+    profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        contact_points="up to 8 points",
+        near_contacts=True,
+        separation=True,
+        relative_velocity="from the velocities before the step",
+        forces=True,
+        freeze="fixed body",
+        frozen_contacts=False,
+        friction_law="cone",
+        deterministic="across processes",
+    )
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        profile = replace(profile, knobs={**profile.knobs, **_SLEEP_KNOBS[sleeping]})
+        super().__init__(profile, world, sleeping, expected)
+        self._engine = rapier3d.PhysicsWorld(gravity=world.gravity)
+        self._handles: dict[int, rapier3d.RigidBodyHandle] = {}
+        self._views: dict[int, rapier3d.RigidBody] = {}
+        self._colliders: dict[int, rapier3d.ColliderHandle] = {}
+        self._body_of: dict[rapier3d.ColliderHandle, int] = {}
+        self._before: Motions | None = None
+        self._has_diverged = False
+        for name, knob in profile.knobs.items():
+            self._configure(name, knob.value)
+        ground = rapier3d.Collider.cuboid(*GROUND_HALF_EXTENTS).translation(_GROUND_CENTER)
+        self._body_of[self._engine.add_collider(ground.friction(world.friction))] = GROUND
+
+    @staticmethod
+    def _version() -> str:
+        return importlib.metadata.version("rapier3d")
+
+    def _configure(self, name: str, value: float | int | str | bool) -> None:
+        """Set what belongs to the world; what belongs to a body is set as it is spawned."""
+        parameters = self._engine.integration_parameters
+        owner, _, attribute = name.rpartition(".")
+        if name == "num_threads":
+            self._engine.set_num_threads(int(value))
+        elif not owner:
+            setattr(parameters, name, value)
+        elif not name.startswith("body."):
+            coefficients = getattr(parameters, owner)  # a copy: set back whole
+            setattr(coefficients, attribute, value)
+            setattr(parameters, owner, coefficients)
+
+    # -- driven by the harness ---------------------------------------------------------------------
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        half_x, half_y, half_z = (edge / 2 for edge in brick.size)
+        box = rapier3d.Collider.cuboid(half_x, half_y, half_z).mass(brick.mass).friction(self.world.friction)
+        free = rapier3d.RigidBody.dynamic().position((brick.position, _to_rapier(brick.quaternion)))
+        handle = self._engine.add_body(free.can_sleep(self.info.sleeping != "off"), [box])
+        view = self._engine.rigid_bodies[handle]
+        if self.info.sleeping == "raised":
+            view.activation = self._raised(view.activation)
+        (collider,) = view.colliders
+        self._handles[body], self._views[body], self._colliders[body] = handle, view, collider
+        self._body_of[collider] = body
+
+    def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
+        for name, knob in _SLEEP_KNOBS["raised"].items():
+            setattr(activation, name.rpartition(".")[2], knob.value)
+        return activation
+
+    def _remove(self, body: int) -> None:
+        del self._views[body]
+        del self._body_of[self._colliders.pop(body)]
+        self._engine.remove_body(self._handles.pop(body))
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        self._views[body].apply_impulse(impulse)
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        view = self._views[body]
+        view.position = rapier3d.Isometry3(position, _to_rapier(quaternion))
+        self._stop(view)
+        view.wake_up()
+        if body in self.frozen:
+            _settle_rotation(view)
+
+    @staticmethod
+    def _stop(view: rapier3d.RigidBody) -> None:
+        view.linvel = view.angvel = rapier3d.Vec3.zeros()
+
+    def _step(self, seconds: float) -> None:
+        substeps = self.info.profile.substeps
+        self._engine.integration_parameters.dt = seconds / substeps
+        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        before = []
+        for _ in range(substeps):
+            if self.is_observed:
+                before.append((self._positions(bodies), *self._velocities(bodies)))
+            self._engine.step()
+            self._has_diverged |= not self._engine.quarantine.is_empty()
+        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        views = self._views
+        return _rows([views[body].translation.to_tuple() for body in bodies.tolist()], 3)
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        views = [self._views[body] for body in bodies.tolist()]
+        rows = _rows([view.translation.to_tuple() + view.rotation.to_tuple() for view in views], 7)
+        if self._has_diverged:
+            rows[:] = np.nan
+        return rows[:, :3], rows[:, [6, 3, 4, 5]]
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        views = [self._views[body] for body in bodies.tolist()]
+        rows = _rows([view.linvel.to_tuple() + view.angvel.to_tuple() for view in views], 6)
+        return rows[:, :3], rows[:, 3:]
+
+    def _close(self) -> None:
+        self._views.clear()
+        del self._engine
+
+    # -- driven by the core, through the port ------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        view = self._views[body]
+        self._stop(view)  # a fixed body that still has a velocity flies on
+        view.body_type = rapier3d.RigidBodyType.FIXED
+        _settle_rotation(view)
+
+    def _thaw(self, body: int) -> None:
+        view = self._views[body]
+        view.body_type = rapier3d.RigidBodyType.DYNAMIC
+        view.wake_up()
+
+    def _contacts(self) -> Contacts:
+        pairs, local = self._listed()
+        if not len(pairs):
+            return Contacts.empty()
+        normals, points_a, points_b = self._in_world(pairs, local)
+        separations = dot(points_b - points_a, normals)
+        near = np.flatnonzero(separations <= _NEAR)
+        body_a, body_b = pairs[near].T
+        point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
+        return Contacts(
+            body_a,
+            body_b,
+            point,
+            normal,
+            separations[near],
+            fastest_approach(self._before, body_a, body_b, point, normal),
+            np.full(len(near), self.world.friction),
+        )
+
+    def _listed(self) -> tuple[IntArray, FloatArray]:
+        """Rapier's own points of every contact that touches a live body, far ones too.
+
+        Returns:
+            The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the
+            point on b in b's frame [m], shape (n, 9).
+        """
+        pairs, rows = [], []
+        for body_a, body_b, pair in self._live_pairs():
+            for manifold in pair.manifolds:
+                normal = manifold.local_n1.to_tuple()
+                for point in manifold.points:
+                    pairs.append((body_a, body_b))
+                    rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
+        return np.array(pairs, np.int64), _rows(rows, 9)
+
+    def _live_pairs(self) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
+        """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""
+        live, body_of, narrow_phase = self._live, self._body_of, self._engine.narrow_phase
+        if 2 * len(live) > len(self.bricks):
+            for pair in narrow_phase.contact_pairs():
+                a, b = body_of.get(pair.collider1), body_of.get(pair.collider2)
+                if a is not None and b is not None and (a in live or b in live):
+                    yield a, b, pair
+            return
+        for body in live:
+            for pair in narrow_phase.contact_pairs_with(self._colliders[body]):
+                a, b = body_of.get(pair.collider1), body_of.get(pair.collider2)
+                if a is None or b is None:
+                    continue
+                other = b if a == body else a
+                if other < body or other not in live:  # a pair of live bodies is met twice
+                    yield a, b, pair
+
+    def _in_world(self, pairs: IntArray, local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Normals, points on a and points on b [m] in the world's frame, each (n, 3), of what ``_listed`` returns."""
+        bodies, place = np.unique(pairs, return_inverse=True)
+        positions, quaternions = self._poses(bodies[bodies != GROUND])
+        if bodies[0] == GROUND:  # the least id
+            positions = np.vstack([_GROUND_CENTER, positions])
+            quaternions = np.vstack([_NO_TURN, quaternions])
+        a, b = place.reshape(pairs.shape).T
+        return (
+            rotate(quaternions[a], local[:, :3]),
+            positions[a] + rotate(quaternions[a], local[:, 3:6]),
+            positions[b] + rotate(quaternions[b], local[:, 6:]),
+        )
+
+
+def _to_rapier(quaternion: Quaternion) -> Quaternion:
+    """Rapier's order of components is (x, y, z, w)."""
+    w, x, y, z = quaternion
+    return x, y, z, w
+
+
+def _settle_rotation(view: rapier3d.RigidBody) -> None:
+    """Bring a body's quaternion to where Rapier's scaling to unit length no longer changes a bit of it.
+
+    Most are there after one scaling. Scaling alone may go round in a circle, so that a component is nudged by its last
+    bit between attempts, each in its turn.
+    """
+    components = itertools.cycle(range(4))
+    while (scaled := _scaled_once(view)) is not None:
+        nudged = np.array(scaled, np.float32)
+        component = next(components)
+        nudged[component] = np.nextafter(nudged[component], np.float32(0.0))
+        view.rotation = nudged.tolist()
+
+
+def _scaled_once(view: rapier3d.RigidBody) -> Quaternion | None:
+    """The quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
+    before = view.rotation.to_tuple()
+    view.rotation = before  # type: ignore[assignment] # the setter takes tuples, which it scales
+    after = view.rotation.to_tuple()
+    return None if after == before else after
+
+
+def _rows(rows: Sequence[tuple[float, ...]], width: int) -> FloatArray:
+    """Rows as an array of shape (n, width), also for n = 0."""
+    return np.array(rows, np.float64).reshape(len(rows), width)
