@@ -102,7 +102,7 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
 
 def test_the_list_tells_scenarios_with_theory_engines_policies_and_studies() -> None:
     told = call("list", status=0)
-    for word in ("four_stack", "falls at 9", "bullet", "planar scenes", "at_rest", "native", "smoke"):
+    for word in ("four_stack", "falls at 9", "bullet", "contact points", "at_rest", "native", "smoke"):
         assert word in told
 
 
