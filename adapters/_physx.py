@@ -12,8 +12,8 @@ the first. All poses and velocities come in one packed block of 32-bit floats.
 Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
 
 Traps. The scene's settings are global and read when a system is made. A box's inertia is that of its density, at least
-1e-6 kg m2, more than a plank has: it is set by hand. There is no call that bounds depenetration for all bodies, each
-has its own. SAPIEN warns of a missing Vulkan when it is imported, though nothing is rendered.
+1e-6 kg m2, more than a plank has: it is set by hand. SAPIEN warns of a missing Vulkan when it is imported, though
+nothing is rendered.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
 """Of the ground [m]: room for any scene of planks."""
 
 _SCENE = ("enable_tgs", "bounce_threshold")
-_BODY = ("solver_position_iterations", "solver_velocity_iterations", "angular_damping", "max_depenetration_velocity")
+_BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
 _SHAPE = ("contact_offset",)
 
 _THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time")
@@ -117,7 +117,7 @@ class PhysxSimulation(Simulation):
         profile = replace(profile, knobs={**profile.knobs, **_SLEEP[sleeping]})
         super().__init__(profile, world, sleeping, expected)
         knobs = {name: knob.value for name, knob in profile.knobs.items()}
-        self._for_bodies = {name: knobs[name] for name in (*_BODY, "sleep_threshold") if name in knobs}
+        self._for_bodies = {name: knobs[name] for name in _BODY if name in knobs}
         self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
         scene = {name: knobs[name] for name in _SCENE if name in knobs}
         physx.set_scene_config(gravity=world.gravity, **scene)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from adapters import ENGINES, EngineNotInstalledError, Profile, capabilities, profiles
-from bench.environment import engine_version
+from adapters import ENGINES, EngineNotInstalledError, Profile, profiles
+from bench.environment import describe_engine
 from bench.policies import BENCH_POLICIES
 from bench.studies import load_study, study_names
 from reports.capabilities import capability_table
@@ -60,7 +59,7 @@ def _descriptors() -> dict[str, dict[str, Any]]:
     found = {}
     for name in ENGINES:
         try:
-            found[name] = {"version": engine_version(name), "capabilities": asdict(capabilities(name))}
+            found[name] = describe_engine(name)
         except EngineNotInstalledError:
             continue
     return found

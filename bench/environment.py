@@ -43,17 +43,24 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
         "modified": bool(_git("status", "--porcelain", "--untracked-files=no")),
         "sources": sources_digest(SUITE),
         "settings": asdict(Settings()),
-        "engines": {
-            name: {
-                "version": engine_version(name),
-                "capabilities": asdict(capabilities(name)),
-                "profiles": {key: _profile(profile) for key, profile in profiles(name).items()},
-            }
-            for name in engines
-        },
+        "engines": {name: describe_engine(name) for name in engines},
     }
     plain: dict[str, Any] = json.loads(json.dumps(environment))
     return plain
+
+
+def describe_engine(name: str) -> dict[str, Any]:
+    """Version, capabilities and profiles of one engine.
+
+    Raises:
+        EngineNotInstalledError: if its package is missing.
+    """
+    shown = capabilities(name)  # loads the engine: a missing one is told before its version is looked up
+    return {
+        "version": engine_version(name),
+        "capabilities": asdict(shown),
+        "profiles": {key: _profile(profile) for key, profile in profiles(name).items()},
+    }
 
 
 def session() -> dict[str, Any]:

@@ -42,7 +42,7 @@ class Boxes:
         """Boxes of given edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4), as (w, x, y, z)."""
         edges = np.asarray(sizes, np.float64).reshape(-1, 3)
         center = np.asarray(positions, np.float64).reshape(-1, 3)
-        axes = np.swapaxes(_rotation(np.asarray(quaternions, np.float64).reshape(-1, 4)), 1, 2)
+        axes = np.swapaxes(rotation(np.asarray(quaternions, np.float64).reshape(-1, 4)), 1, 2)
         return cls(center, axes * (edges / 2)[:, :, None])
 
     @classmethod
@@ -134,7 +134,7 @@ def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
     return np.where(beside | (enter > leave - _GRAZE), np.inf, enter)
 
 
-def _rotation(quaternion: FloatArray) -> FloatArray:
+def rotation(quaternion: FloatArray) -> FloatArray:
     """Rotation matrices, shape (n, 3, 3), of unit quaternions (w, x, y, z), shape (n, 4)."""
     w, x, y, z = quaternion.T
     rows = [

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from adapters.base import Capabilities, Profile, Simulation
+from reports.records import TrialRecord
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
 
@@ -123,6 +124,15 @@ class RogueSuite:
         told, errors = process.communicate(timeout=900)
         assert process.returncode == status, errors
         return " ".join((told + errors).split())
+
+
+CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
+
+
+@pytest.fixture
+def untimed():
+    """Tells of records, by trial, everything that does not depend on the clock, or on which core was free."""
+    return lambda records: {record.trial: record.model_dump(exclude=CIRCUMSTANCES) for record in records}
 
 
 @pytest.fixture

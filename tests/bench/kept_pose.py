@@ -20,7 +20,7 @@ import numpy as np
 
 from adapters import open_engine
 from bench.play import Play
-from scenarios.geometry import Boxes
+from scenarios.geometry import Boxes, rotation
 from scenarios.planks import LENGTH, THICKNESS
 from scenarios.registry import build
 
@@ -31,7 +31,6 @@ MOVED = THICKNESS / 2
 TURNED = np.radians(5.0)
 STRUCK = 1e-3
 """A corner [m] so close to the ground has struck it: less than the fall of one frame."""
-WALL_LIMIT_S = 300.0
 
 
 @dataclass(frozen=True)
@@ -59,20 +58,9 @@ class Fall:
         return float(abs(np.arctan2(2 * (w * y - z * x), 1 - 2 * (x * x + y * y))))
 
 
-def axes_of(quaternion: np.ndarray) -> np.ndarray:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
-    w, x, y, z = quaternion.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
-
-
 def seen_from_below(position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position (n - 1, 3) and rotation (n - 1, 3, 3) of each plank but the lowest in the frame of the one below."""
-    axes = axes_of(quaternion)
+    axes = rotation(quaternion)
     below = np.swapaxes(axes[:-1], 1, 2)
     return np.einsum("nij,nj->ni", below, np.diff(position, axis=0)), below @ axes[1:]
 
@@ -87,7 +75,7 @@ def watch_fall(engine: str, policy: str) -> Fall:
         _, position, quaternion = simulation.poses()
         poses.append((position.copy(), quaternion.copy()))
 
-    play = Play(scene, simulation, policy, WALL_LIMIT_S, keep)
+    play = Play(scene, simulation, policy, np.inf, keep)
     play.run()
     release = next(row.frame for row in play.rows if row.woken)
     size = np.array([brick.size for brick in play.builder.bricks])
@@ -134,7 +122,7 @@ def picture(fall: Fall) -> str:
     ]
     for place, frame in enumerate(moments):
         position, quaternion = fall.poses[frame]
-        for center, axes in zip(position, axes_of(quaternion), strict=True):
+        for center, axes in zip(position, rotation(quaternion), strict=True):
             signs = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
             corners = [center + axes[:, 0] * a * LENGTH / 2 + axes[:, 2] * b * THICKNESS / 2 for a, b in signs]
             points = " ".join(

@@ -4,11 +4,13 @@ import json
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from adapters import registry
 from bench.command_line import app
 from bench.plan import Trial, plan_trials
 from bench.studies import check_study
@@ -104,6 +106,15 @@ def test_the_list_tells_scenarios_with_theory_engines_policies_and_studies() -> 
     told = call("list", status=0)
     for word in ("four_stack", "falls at 9", "bullet", "contact points", "at_rest", "native", "smoke"):
         assert word in told
+
+
+def test_an_engine_that_is_not_installed_is_listed_so_and_the_others_as_ever(monkeypatch) -> None:
+    missing = replace(registry.ENGINES["rapier"], module="adapters._missing", package="no-such-package")
+    monkeypatch.setitem(registry.ENGINES, "rapier", missing)
+    told = call("list", status=0)
+    assert "not installed:" in told
+    assert "uv sync --group engines" in told
+    assert "What the engines show" in told
 
 
 def bench(*arguments: str) -> subprocess.Popen[str]:

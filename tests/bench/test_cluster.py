@@ -16,7 +16,7 @@ from bench.plan import plan_trials
 from bench.running import ClusterError
 from bench.studies import Limits, check_study
 from reports.frames import read_frames
-from reports.records import TrialRecord, read_records
+from reports.records import read_records
 
 ROOT = Path(__file__).parents[2]
 STUDY = """
@@ -30,7 +30,6 @@ ratio = false
 name = 'card_house'
 """
 TRIALS = 8
-CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
 
 
 class Cluster:
@@ -85,11 +84,7 @@ def run(folder: Path, out: str, *options: str) -> subprocess.Popen[str]:
     )
 
 
-def untimed(records: list[TrialRecord]) -> dict[str, dict[str, object]]:
-    return {record.trial: record.model_dump(exclude=CIRCUMSTANCES) for record in records}
-
-
-def test_a_cluster_that_loses_a_worker_leaves_what_this_machine_does(dask_cluster, tmp_path) -> None:
+def test_a_cluster_that_loses_a_worker_leaves_what_this_machine_does(dask_cluster, tmp_path, untimed) -> None:
     dask_cluster.add_worker()
     doomed = dask_cluster.add_worker("--no-nanny")
     kept = tmp_path / "spread" / "trials.jsonl"

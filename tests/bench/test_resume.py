@@ -8,13 +8,6 @@ import pytest
 from reports.frames import read_frames
 from reports.records import TrialRecord, read_records
 
-CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
-
-
-def untimed(records: list[TrialRecord]) -> dict[str, dict[str, object]]:
-    """Everything in the records that does not depend on the clock, or on which core was free, by trial."""
-    return {record.trial: record.model_dump(exclude=CIRCUMSTANCES) for record in records}
-
 
 def kill_after(suite, more_trials: int, pause_s: float) -> int:
     """Kill a run once it has kept some more trials, and a moment later; how many are kept then."""
@@ -61,7 +54,7 @@ def test_a_study_that_was_killed_goes_on(rogue_suite) -> None:
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::reports.records.RecordWarning")
-def test_a_study_killed_twenty_times_ends_as_if_it_had_not_been(rogue_suite) -> None:
+def test_a_study_killed_twenty_times_ends_as_if_it_had_not_been(rogue_suite, untimed) -> None:
     records = check_kills(rogue_suite, seeds=200, kills=20)
     rogue_suite.run("--fresh", "--jobs", "2")
     assert untimed(records) == untimed(read_records(rogue_suite.out / "trials.jsonl"))

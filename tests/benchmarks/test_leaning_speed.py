@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stability_core import GROUND, Contacts, Masses, Settings, StabilityExtension
+from tests.stability_core.piles import overlap
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
 MASS = 0.0119
@@ -204,21 +205,6 @@ def test_a_refusal_on_a_card_house(benchmark):
 def corners(x: float, y: float, yaw: float) -> np.ndarray:
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
     return np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (LENGTH / 2, DEPTH / 2) @ turn + (x, y)
-
-
-def overlap(subject: np.ndarray, clip: np.ndarray) -> np.ndarray:
-    """What two convex polygons share, shape (k, 2) (Sutherland and Hodgman)."""
-    shape = list(subject)
-    for a, b in zip(clip, np.roll(clip, -1, axis=0), strict=True):
-        inward = np.array([a[1] - b[1], b[0] - a[0]])
-        before, shape = shape, []
-        for p, q in zip(before, before[1:] + before[:1], strict=True):
-            inside_p, inside_q = inward @ (p - a), inward @ (q - a)
-            if inside_p >= 0:
-                shape.append(p)
-            if inside_p * inside_q < 0:
-                shape.append(p + (q - p) * (inside_p / (inside_p - inside_q)))
-    return np.array(shape).reshape(-1, 2)
 
 
 def pile_up(seed: int, planks: int) -> Stopwatch:
