@@ -31,7 +31,7 @@ def key(engine: str) -> str:
 
 def pose_hash(engine: str, repeat: int = 0) -> str | None:
     trial = Trial(engine, "game", "leaning_tower", "leaning_tower-3", {"levels": 3}, "none", 1, repeat)
-    return run_trial(trial, Limits(), "abc", lambda _: None).record.pose_hash
+    return run_trial(trial, Limits(trial_wall_s=3600), "abc", lambda _: None).record.pose_hash
 
 
 def pose_hash_in_a_fresh_process(engine: str) -> str:

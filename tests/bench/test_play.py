@@ -18,7 +18,7 @@ def scene_of(*actions: Place | Remove | Push) -> Scene:
     return Scene("test", "test", {}, World(), actions, Expectation("stand", ""), "", watch_s=2.0)
 
 
-def play(scene: Scene, simulation, wall_limit_s: float = 60.0) -> Play:
+def play(scene: Scene, simulation, wall_limit_s: float = math.inf) -> Play:
     return Play(scene, simulation, None, wall_limit_s, lambda _: None)
 
 

@@ -10,7 +10,7 @@ from reports.records import TrialRecord
 
 def run(engine: str, scenario: str, **parameters) -> TrialRecord:
     one = Trial(engine, "game", scenario, f"{scenario}-2", parameters, "none", 0, 0)
-    return trials.run_trial(one, Limits(), "abc", lambda _: None).record
+    return trials.run_trial(one, Limits(trial_wall_s=3600), "abc", lambda _: None).record
 
 
 def test_a_planar_engine_says_why_it_does_not_play_a_scene_in_space() -> None:
