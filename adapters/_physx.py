@@ -39,14 +39,12 @@ with silenced_stderr(), warnings.catch_warnings():
 
 FARTHEST = 1e-3
 """Points farther apart than this [m] are not read: twice what the core takes for touch."""
-_GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
-"""Of the ground [m]: room for any scene of planks."""
 
 _SCENE = ("enable_tgs", "bounce_threshold")
 _BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
 _SHAPE = ("contact_offset",)
 
-_THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time")
+_THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time", follows_world=True)
 _UNDAMPED = Knob(0.0, "the shipped 0.05 / s is no physics of a brick")
 _SLEEP: Mapping[Sleeping, Mapping[str, Knob]] = {
     "off": {"sleep_threshold": Knob(0.0, "the engine's own sleeping is off: the extension or nobody freezes")},
@@ -101,6 +99,7 @@ class PhysxSimulation(Simulation):
 
     engine: ClassVar[str] = "physx"
     profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    iterations: ClassVar[str] = "solver_position_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,
@@ -129,7 +128,8 @@ class PhysxSimulation(Simulation):
         self._rows: dict[int, int] = {}
         self._before: Motions | None = None
         self._ground = physx.PhysxRigidStaticComponent()
-        self._add(self._ground, _GROUND_HALF_EDGES, (0.0, 0.0, -_GROUND_HALF_EDGES[2]), (1.0, 0.0, 0.0, 0.0))
+        half_edges = self.ground_half_edges
+        self._add(self._ground, half_edges, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
         self._bodies[self._ground._physx_pointer] = GROUND
 
     @staticmethod
@@ -222,6 +222,7 @@ class PhysxSimulation(Simulation):
         return state[:, 7:10], state[:, 10:13]
 
     def _contacts(self) -> Contacts:
+        farthest = FARTHEST * self.scale
         rows = [
             (b, a, point.position, point.normal, min(separation, 0.0) if bears else separation)
             for contact in self._system.get_contacts()
@@ -231,7 +232,7 @@ class PhysxSimulation(Simulation):
             if a in self._live or b in self._live
             for point in points
             for separation, bears in ((point.separation, point.impulse.any()),)
-            if bears or separation <= FARTHEST
+            if bears or separation <= farthest
         ]
         if not rows:
             return Contacts.empty()

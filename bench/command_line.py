@@ -15,7 +15,7 @@ from typing import Annotated, TypeAlias
 import typer
 from rich.console import Console
 
-from adapters import EngineNotInstalledError
+from adapters import EngineNotInstalledError, ProfileError
 from bench.catalogue import print_catalogue
 from bench.conformance import check_engine
 from bench.environment import describe
@@ -194,6 +194,7 @@ def _input_errors() -> Iterator[None]:
         ResultsError,
         RecordError,
         EngineNotInstalledError,
+        ProfileError,
         ClusterError,
         OSError,
     ) as error:

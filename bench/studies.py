@@ -24,7 +24,7 @@ from pydantic import (
     model_validator,
 )
 
-from adapters import ENGINES, profiles
+from adapters import ENGINES, ProfileError, profile_named
 from bench.complaints import field_name, plain_words
 from bench.policies import BENCH_POLICIES
 from scenarios.registry import SCENARIOS, build
@@ -169,8 +169,8 @@ class Study(_Model):
             raise ValueError("the rules of 'include' and 'exclude' leave no trial")
         for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
-                look_up(f"profile of engine {engine}", profile, profiles(engine))
-            except UnknownNameError as error:
+                profile_named(engine, profile)
+            except (UnknownNameError, ProfileError) as error:
                 raise ValueError(str(error)) from error
         return self
 
