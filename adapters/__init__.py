@@ -1,7 +1,8 @@
 """Thin adapters over real physics engines. An engine's package is imported in its own file only."""
 
 from adapters.base import Capabilities, EngineInfo, Knob, Profile, Simulation
-from adapters.registry import ENGINES, EngineNotInstalledError, capabilities, open_engine, profiles
+from adapters.registry import ENGINES, EngineNotInstalledError, capabilities, open_engine, profile_named, profiles
+from adapters.variations import ProfileError
 
 __all__ = [
     "ENGINES",
@@ -10,8 +11,10 @@ __all__ = [
     "EngineNotInstalledError",
     "Knob",
     "Profile",
+    "ProfileError",
     "Simulation",
     "capabilities",
     "open_engine",
+    "profile_named",
     "profiles",
 ]

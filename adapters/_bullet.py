@@ -34,9 +34,6 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 with silenced_stderr():  # it announces when it was built
     import pybullet
 
-GROUND_HALF_EXTENTS = (2.0, 2.0, 0.5)
-"""Half the ground's edges [m]: room for any scene of planks, and thick enough that nothing falls through."""
-
 _WARM_START: Mapping[str, Knob] = {
     "warmStartingFactor": Knob(
         0.85, "Bullet's own value; PyBullet ships 0.1, which forgets the stack's load each step"
@@ -81,6 +78,7 @@ class BulletSimulation(Simulation):
 
     engine: ClassVar[str] = "bullet"
     profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    iterations: ClassVar[str] = "numSolverIterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",
         near_contacts=False,
@@ -110,7 +108,8 @@ class BulletSimulation(Simulation):
         self._frame_s = 0.0
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
-        ground = self._create(GROUND_HALF_EXTENTS, 0.0, (0.0, 0.0, -GROUND_HALF_EXTENTS[2]), (1.0, 0.0, 0.0, 0.0))
+        half_edges = self.ground_half_edges
+        ground = self._create(half_edges, 0.0, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
         self._bodies[ground] = GROUND
 
     @staticmethod

@@ -62,14 +62,12 @@ RAISED_THRESHOLD = 5.0
 """Factor on the shipped speed thresholds (0.01 m/s, 0.05 rad/s) when sleeping is "raised": 0.05 m/s lies above what
 a settling stack still moves, and well below one frame of free fall (0.16 m/s)."""
 
-_GROUND_SIZE = (4.0, 4.0, 1.0)
-"""A box [m] rather than a plane: box on box gives the best manifolds."""
-
 
 class DartSimulation(Simulation):
     """One DART world; see the module's docstring for how freezing, contacts and friction work."""
 
     engine = "dart"
+    iterations = "matrix_free_max_iterations"
     capabilities = Capabilities(
         contact_points="4 points or more",
         near_contacts=False,
@@ -160,9 +158,10 @@ class DartSimulation(Simulation):
     def _make_ground(self) -> Any:
         skeleton = dartpy.dynamics.Skeleton(str(GROUND))
         joint, body = skeleton.createWeldJointAndBodyNodePair()
-        self._add_shape(body, _GROUND_SIZE)
+        x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
+        self._add_shape(body, (2 * x, 2 * y, 2 * z))
         pose = dartpy.math.Isometry3()
-        pose.set_translation([0.0, 0.0, -_GROUND_SIZE[2] / 2])
+        pose.set_translation([0.0, 0.0, -z])
         joint.setTransformFromParentBodyNode(pose)
         skeleton.setMobile(False)
         return skeleton

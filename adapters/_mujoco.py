@@ -30,7 +30,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from adapters._mujoco_slots import Shape, SlotModel
+from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
@@ -44,20 +44,21 @@ _NOBODY = -2
 _AUTORESET = {"flag.autoreset": Knob("disable", "a diverged world must be seen, not silently put back to its start")}
 
 
-def _expert_knobs(timestep: float) -> dict[str, Knob]:
-    """What makes bricks of 12 g stand at a given step [s]; named ``element.attribute`` after MuJoCo's XML."""
-    return _AUTORESET | {
-        "option.cone": Knob("elliptic", "over the shipped pyramid an inverted V slips away"),
-        "option.impratio": Knob(10, "friction ten times as stiff as the normal: soft friction creeps"),
-        "geom.solref": Knob(f"{2 * timestep!r} 1", "two steps, critically damped: the stiffest that is safe"),
-        "geom.solimp": Knob("0.99 0.999 1e-4 0.5 2", "nearly rigid from 0.1 mm on: a brick at rest sinks 0.03 mm"),
-        "geom.gap": Knob(
-            2.5e-4,
-            "of each of two bricks: points that do not touch yet are listed, without force, if the core counts them: "
-            "bricks frozen while they recover from their drop differ in height by some tenths of a millimetre",
-        ),
-        "flag.speculative": Knob("enable", "a falling brick must not pass through a plank of 8 mm in one step"),
-    }
+_EXPERT: Mapping[str, Knob] = {
+    **_AUTORESET,
+    "option.cone": Knob("elliptic", "over the shipped pyramid an inverted V slips away"),
+    "option.impratio": Knob(10, "friction ten times as stiff as the normal: soft friction creeps"),
+    CONTACT_STEPS: Knob(2, "time constant of contacts in steps, critically damped: the stiffest that is safe"),
+    "geom.solimp": Knob("0.99 0.999 1e-4 0.5 2", "nearly rigid from 0.1 mm on: a brick at rest sinks 0.03 mm"),
+    "geom.gap": Knob(
+        2.5e-4,
+        "of each of two bricks: points that do not touch yet are listed, without force, if the core counts them: "
+        "bricks frozen while they recover from their drop differ in height by some tenths of a millimetre",
+        follows_world=True,
+    ),
+    "flag.speculative": Knob("enable", "a falling brick must not pass through a plank of 8 mm in one step"),
+}
+"""What makes bricks of 12 g stand; names with a dot are ``element.attribute`` of MuJoCo's XML."""
 
 
 _SLEEP_KNOBS: Mapping[Sleeping, Mapping[str, Knob]] = {
@@ -74,6 +75,7 @@ class MujocoSimulation(Simulation):
     """One MuJoCo world."""
 
     engine: ClassVar[str] = "mujoco"
+    iterations: ClassVar[str] = "option.iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points between bricks, 4 on the ground",
         near_contacts=True,
@@ -96,14 +98,14 @@ class MujocoSimulation(Simulation):
             "game",
             "one step a frame, nearly rigid contacts, elliptic friction",
             1,
-            knobs=_expert_knobs(1 / 60),
+            knobs=_EXPERT,
             tuned_by="Stillstack, on the 4-stack and the inverted V",
         ),
         "tuned": Profile(
             "tuned",
             "as game, four steps a frame",
             4,
-            knobs=_expert_knobs(1 / 240),
+            knobs=_EXPERT,
             tuned_by="Stillstack, on the 4-stack and the inverted V",
         ),
     }

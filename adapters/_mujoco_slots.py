@@ -14,6 +14,9 @@ from stability_core.port import FloatArray
 Shape: TypeAlias = tuple[Vector, float]
 """Edge lengths [m] and mass [kg]: what makes one brick fit another's slot."""
 
+CONTACT_STEPS = "contact_steps"
+"""Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` tells it in seconds."""
+
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
 
@@ -99,11 +102,14 @@ class SlotModel:
 
 def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> str:
     """The world as MuJoCo's XML; a profile's knob ``element.attribute`` is that attribute."""
+    timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
-        "option": {"timestep": profile.frame_s / profile.substeps, "gravity": _numbers(world.gravity)},
+        "option": {"timestep": timestep, "gravity": _numbers(world.gravity)},
         "flag": {"sleep": "enable"},  # parked bricks sleep in every profile; live ones as the sleep policy says
         "geom": {"friction": world.friction, "contype": 0, "conaffinity": 0},
     }
+    if CONTACT_STEPS in profile.knobs:
+        settings["geom"]["solref"] = _numbers((float(profile.knobs[CONTACT_STEPS].value) * timestep, 1))
     for name, knob in profile.knobs.items():
         element, _, attribute = name.partition(".")
         if attribute:

@@ -39,14 +39,12 @@ with silenced_stderr(), warnings.catch_warnings():
 
 FARTHEST = 1e-3
 """Points farther apart than this [m] are not read: twice what the core takes for touch."""
-_GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
-"""Of the ground [m]: room for any scene of planks."""
 
 _SCENE = ("enable_tgs", "bounce_threshold")
 _BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
 _SHAPE = ("contact_offset",)
 
-_THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time")
+_THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time", follows_world=True)
 _UNDAMPED = Knob(0.0, "the shipped 0.05 / s is no physics of a brick")
 _SLEEP: Mapping[Sleeping, Mapping[str, Knob]] = {
     "off": {"sleep_threshold": Knob(0.0, "the engine's own sleeping is off: the extension or nobody freezes")},
@@ -101,6 +99,7 @@ class PhysxSimulation(Simulation):
 
     engine: ClassVar[str] = "physx"
     profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    iterations: ClassVar[str] = "solver_position_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,
@@ -129,7 +128,8 @@ class PhysxSimulation(Simulation):
         self._rows: dict[int, int] = {}
         self._before: Motions | None = None
         self._ground = physx.PhysxRigidStaticComponent()
-        self._add(self._ground, _GROUND_HALF_EDGES, (0.0, 0.0, -_GROUND_HALF_EDGES[2]), (1.0, 0.0, 0.0, 0.0))
+        half_edges = self.ground_half_edges
+        self._add(self._ground, half_edges, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
         self._bodies[self._ground._physx_pointer] = GROUND
 
     @staticmethod
@@ -199,10 +199,12 @@ class PhysxSimulation(Simulation):
         before = []
         for _ in range(substeps):
             if self.is_observed:
-                state = self._state(bodies)
-                before.append((state[:, 4:7], state[:, 7:10], state[:, 10:13]))
+                before.append(self._state(bodies))
             self._system.step()
-        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
+        self._before = None
+        if before:
+            states = np.stack(before)
+            self._before = Motions(bodies, states[..., 4:7], states[..., 7:10], states[..., 10:])
 
     def _state(self, bodies: IntArray) -> FloatArray:
         """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
@@ -222,31 +224,46 @@ class PhysxSimulation(Simulation):
         return state[:, 7:10], state[:, 10:13]
 
     def _contacts(self) -> Contacts:
-        rows = [
-            (b, a, point.position, point.normal, min(separation, 0.0) if bears else separation)
-            for contact in self._system.get_contacts()
-            for points in (contact.points,)
-            if points
-            for a, b in (map(self._body_of, contact.bodies),)
-            if a in self._live or b in self._live
-            for point in points
-            for separation, bears in ((point.separation, point.impulse.any()),)
-            if bears or separation <= FARTHEST
-        ]
-        if not rows:
+        pairs: list[tuple[int, int]] = []
+        vectors: list[FloatArray] = []
+        separations: list[float] = []
+        for contact in self._system.get_contacts():
+            points = contact.points
+            if not points:
+                continue
+            first, second = contact.bodies
+            pair = self._body_of(second), self._body_of(first)
+            if pair[0] not in self._live and pair[1] not in self._live:
+                continue
+            for point in points:
+                separation = self._separation(point)
+                if separation is not None:
+                    pairs.append(pair)
+                    vectors += (point.position, point.normal)
+                    separations.append(separation)
+        if not pairs:
             return Contacts.empty()
-        a, b, point, normal, separation = zip(*rows, strict=True)
-        body_a, body_b = np.array(a), np.array(b)
-        points, normals = np.array(point, np.float64), np.array(normal, np.float64)
+        body_a, body_b = np.array(pairs).T
+        both = np.concatenate(vectors).astype(np.float64).reshape(-1, 2, 3)
+        position, normal = both[:, 0], both[:, 1]
         return Contacts(
             body_a,
             body_b,
-            points,
-            normals,
-            np.array(separation, np.float64),
-            fastest_approach(self._before, body_a, body_b, points, normals),
-            np.full(len(rows), self.world.friction),
+            position,
+            normal,
+            np.array(separations),
+            fastest_approach(self._before, body_a, body_b, position, normal),
+            np.full(len(pairs), self.world.friction),
         )
+
+    def _separation(self, point: Any) -> float | None:
+        """Of a point [m] that touches or nearly does; a point that the solver let bear is closed. None for others."""
+        separation: float = point.separation
+        if separation <= 0.0:
+            return separation
+        if point.impulse.any():
+            return 0.0
+        return separation if separation <= FARTHEST * self.scale else None
 
     def _body_of(self, component: Any) -> int:
         return self._bodies[component._physx_pointer]

@@ -102,6 +102,7 @@ class PymunkSimulation(Simulation):
 
     engine = "pymunk"
     profiles = PROFILES
+    iterations = "iterations"
     capabilities = Capabilities(
         contact_points="up to 2 points in the plane, lifted to the ends of the bricks' common depth",
         near_contacts=False,
@@ -134,8 +135,9 @@ class PymunkSimulation(Simulation):
         self._before = np.empty((0, 1, 3))  # velocities before each substep of the latest frame, by id
         self._buffer = batch.Buffer()
         ground = pymunk.Body(body_type=pymunk.Body.STATIC)
-        ground.position = 0.0, -_GROUND_SIZE[1] / 2
-        self._add(ground, _GROUND_SIZE)
+        width, thickness = (edge * self.scale for edge in _GROUND_SIZE)
+        ground.position = 0.0, -thickness / 2
+        self._add(ground, (width, thickness))
         self._engine_ids = np.array([ground.id])  # sorted; they are addresses, in no order of their own
         self._ids = np.array([GROUND])  # ours, in the order of the engine's
         self._depths = np.array([np.inf])  # [m], the ground's last, where -1 finds it

@@ -38,10 +38,6 @@ from adapters.vectors import dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
-GROUND_HALF_EXTENTS = (2.0, 2.0, 0.5)
-"""Half the ground's edges [m]: room for any scene of planks, and thick enough that nothing falls through."""
-
-_GROUND_CENTER = (0.0, 0.0, -GROUND_HALF_EXTENTS[2])
 _NO_TURN = (1.0, 0.0, 0.0, 0.0)
 _NEAR = 1e-4
 """Points further apart than this [m] do not touch."""
@@ -53,6 +49,7 @@ _SCALE: Mapping[str, Knob] = {
         0.1,
         "tolerances for bodies of a tenth of a metre: with 1 as shipped, contacts predicted 20 mm ahead of a plank of"
         " 8 mm turn it in mid-air, and on a slope 1 deg too steep it slides 15 mm instead of 52",
+        follows_world=True,
     ),
 }
 
@@ -123,6 +120,7 @@ class RapierSimulation(Simulation):
 
     engine: ClassVar[str] = "rapier"
     profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    iterations: ClassVar[str] = "num_solver_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points",
         near_contacts=True,
@@ -147,7 +145,8 @@ class RapierSimulation(Simulation):
         self._has_diverged = False
         for name, knob in profile.knobs.items():
             self._configure(name, knob.value)
-        ground = rapier3d.Collider.cuboid(*GROUND_HALF_EXTENTS).translation(_GROUND_CENTER)
+        self._ground_center = (0.0, 0.0, -self.ground_half_edges[2])
+        ground = rapier3d.Collider.cuboid(*self.ground_half_edges).translation(self._ground_center)
         self._body_of[self._engine.add_collider(ground.friction(world.friction))] = GROUND
 
     @staticmethod
@@ -257,7 +256,7 @@ class RapierSimulation(Simulation):
             return Contacts.empty()
         normals, points_a, points_b = self._in_world(pairs, local)
         separations = dot(points_b - points_a, normals)
-        near = np.flatnonzero(separations <= _NEAR)
+        near = np.flatnonzero(separations <= _NEAR * self.scale)
         body_a, body_b = pairs[near].T
         point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
         return Contacts(
@@ -309,7 +308,7 @@ class RapierSimulation(Simulation):
         bodies, place = np.unique(pairs, return_inverse=True)
         positions, quaternions = self._poses(bodies[bodies != GROUND])
         if bodies[0] == GROUND:  # the least id
-            positions = np.vstack([_GROUND_CENTER, positions])
+            positions = np.vstack([self._ground_center, positions])
             quaternions = np.vstack([_NO_TURN, quaternions])
         a, b = place.reshape(pairs.shape).T
         return (

@@ -18,6 +18,9 @@ from adapters.face_corners import prepare, with_missing_corners
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
+GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
+"""Half the edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
+
 _GROUND_BOX = np.array([0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0])
 """The ground as a box, for contact faces: centre [m], quaternion (w, x, y, z), half edges [m]; its top is z = 0."""
 
@@ -30,6 +33,8 @@ class Knob:
 
     value: float | int | str | bool
     reason: str
+    follows_world: bool = False
+    """True for a length that was chosen for the size of the bricks: in a scaled world it grows with them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +49,8 @@ class Profile:
     """Length of a frame [s]."""
     knobs: Mapping[str, Knob] = field(default_factory=dict)
     tuned_by: str = "as shipped"
+    scale: float = 1.0
+    """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +123,8 @@ class Simulation(ABC):
     engine: ClassVar[str]
     capabilities: ClassVar[Capabilities]
     profiles: ClassVar[Mapping[str, Profile]]
+    iterations: ClassVar[str]
+    """Name of the knob that says how often the solver iterates, at most, in a step."""
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         """Open an empty world with its ground.
@@ -147,6 +156,17 @@ class Simulation(ABC):
             if not self.capabilities.near_contacts:
                 prepare()
         return self._port
+
+    @property
+    def scale(self) -> float:
+        """What an adapter's own lengths [m] must be multiplied by, such as its ground's: the profile's scale."""
+        return self.info.profile.scale
+
+    @property
+    def ground_half_edges(self) -> Vector:
+        """Half the ground's edges, in the engine's world."""
+        x, y, z = GROUND_HALF_EDGES
+        return x * self.scale, y * self.scale, z * self.scale
 
     @property
     def is_observed(self) -> bool:

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from adapters.base import Capabilities, Profile, Simulation, Sleeping
+from adapters.scaled import scaled
+from adapters.variations import profile_of
 from scenarios.model import Brick, World
 from stability_core.lookup import look_up
 
@@ -55,6 +57,17 @@ def profiles(name: str) -> Mapping[str, Profile]:
     return _load(name).profiles
 
 
+def profile_named(engine: str, name: str) -> Profile:
+    """The profile of an engine that goes by ``name``, varied if the name says so: see ``adapters.variations``.
+
+    Raises:
+        UnknownNameError: if there is no such engine, or the engine has no such profile.
+        ProfileError: if a variation is not what it must be.
+        EngineNotInstalledError: if the engine's package is missing.
+    """
+    return profile_of(_load(engine), name)
+
+
 def open_engine(
     name: str,
     profile: str = "default",
@@ -67,8 +80,11 @@ def open_engine(
 
     Raises:
         UnknownNameError: if there is no such engine, or the engine has no such profile.
+        ProfileError: if a variation of the profile is not what it must be.
         EngineNotInstalledError: if its package is missing.
     """
     simulation = _load(name)
-    chosen = look_up(f"profile of engine {name}", profile, simulation.profiles)
+    chosen = profile_of(simulation, profile)
+    if chosen.scale != 1.0:
+        simulation = scaled(simulation)
     return simulation(chosen, world or World(), sleeping, expected)

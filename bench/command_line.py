@@ -15,7 +15,7 @@ from typing import Annotated, TypeAlias
 import typer
 from rich.console import Console
 
-from adapters import EngineNotInstalledError
+from adapters import EngineNotInstalledError, ProfileError
 from bench.catalogue import print_catalogue
 from bench.conformance import check_engine
 from bench.environment import describe
@@ -28,6 +28,7 @@ from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
+from reports.cost import cost_points, cost_table
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -151,8 +152,15 @@ def _report(folder: Path) -> list[Table]:
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
     tables = [*study_tables(records), *repeat_tables(folder, records)]
+    points = cost_points(folder, records)
+    if points:
+        tables.append(cost_table(points))
     engines = engines_of(folder)
     write_report(folder, records, [*tables, *([capability_table(engines)] if engines else [])])
+    if points:
+        from reports.cost_figure import write_cost_figure  # half a second that other reports need not wait
+
+        write_cost_figure(folder / "report" / "cost.svg", points)
     return tables
 
 
@@ -194,6 +202,7 @@ def _input_errors() -> Iterator[None]:
         ResultsError,
         RecordError,
         EngineNotInstalledError,
+        ProfileError,
         ClusterError,
         OSError,
     ) as error:

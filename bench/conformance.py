@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from adapters import profiles
+from adapters import profile_named
 from adapters.conformance import CHECKS
-from stability_core.lookup import look_up
 
 
 def check_engine(engine: str, profile: str, console: Console) -> int:
@@ -14,9 +13,10 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
 
     Raises:
         UnknownNameError: if there is no such engine, or the engine has no such profile.
+        ProfileError: if a variation of the profile is not what it must be.
         EngineNotInstalledError: if its package is missing.
     """
-    look_up(f"profile of engine {engine}", profile, profiles(engine))
+    profile_named(engine, profile)  # a name that is wrong is told once, not by every check
     failed = 0
     for check in CHECKS:
         promise = check.name.replace("_", " ")

@@ -52,7 +52,7 @@ def plan_trials(study: Study) -> list[Trial]:
     runs = list(product(range(study.seeds), range(study.repeats)))
     return [
         Trial(engine, profile, scenario, variant, parameters, policy, seed, repeat)
-        for (scenario, variant, parameters), profile, engine in product(variants, study.profiles, study.engines)
+        for (scenario, variant, parameters), (engine, profile) in product(variants, study.set_ups())
         for number, (seed, repeat) in enumerate(runs)
         for policy in (study.policies if number % 2 == 0 else reversed(study.policies))
         if study.admits(engine, profile, policy, scenario)

@@ -181,7 +181,7 @@ def _to_toml(study: Study) -> str:
     """The resolved study. TOML writes strings, numbers and flat lists as JSON does."""
     content = study.model_dump()
     scenarios, limits = content.pop("scenario"), content.pop("limits")
-    rules = {kind: content.pop(kind) for kind in ("include", "exclude")}
+    rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}
     lines = [*_assignments(content), "", "[limits]", *_assignments(limits)]
     for kind, those in rules.items():
         for rule in those:

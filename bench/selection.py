@@ -50,4 +50,6 @@ def selected(study: Study, selection: Selection) -> Study:
             for chosen in [one for one in content["scenario"] if one["name"] == name] or [{"name": name}]
         ],
     }
+    if selection.profiles:
+        content["sweep"] = []
     return check_study(content | {field: value for field, value in named.items() if value}, f"study '{study.name}'")

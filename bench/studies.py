@@ -24,7 +24,8 @@ from pydantic import (
     model_validator,
 )
 
-from adapters import ENGINES, profiles
+from adapters import ENGINES, ProfileError, profile_named
+from adapters.variations import varied_name
 from bench.complaints import field_name, plain_words
 from bench.policies import BENCH_POLICIES
 from scenarios.registry import SCENARIOS, build
@@ -118,6 +119,23 @@ class Rule(_Model):
         return self
 
 
+class Sweep(_Model):
+    """One profile of some engines with every combination of substeps and iterations: see ``adapters.variations``."""
+
+    engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
+    profile: str = "game"
+    substeps: Annotated[list[StrictInt], Distinct] = []
+    """Engine steps a frame; those of the profile if there are none."""
+    iterations: Annotated[list[StrictInt], Distinct] = []
+    """Of the engine's solver, in a step; those of the profile if there are none."""
+
+    def profiles(self) -> list[str]:
+        """The names of the varied profiles."""
+        varied = {"substeps": self.substeps, "iterations": self.iterations}
+        named = {what: values for what, values in varied.items() if values}
+        return [varied_name(self.profile, dict(zip(named, values, strict=True))) for values in product(*named.values())]
+
+
 class Limits(_Model):
     """What ends a trial that does not end by itself."""
 
@@ -135,17 +153,32 @@ class Study(_Model):
     name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
     description: str = ""
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
-    profiles: Annotated[list[str], Distinct] = Field(default=["game"], min_length=1)
+    profiles: Annotated[list[str], Distinct] = ["game"]
+    """Of every engine; may be empty if there is a sweep."""
     policies: Annotated[list[PolicyName], Distinct] = Field(min_length=1)
     scenario: list[ChosenScenario] = Field(min_length=1)
     seeds: int = Field(default=1, ge=1, le=MOST_SEEDS)
     """Seeds 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
     repeats: int = Field(default=1, ge=1, le=MOST_REPEATS)
+    sweep: list[Sweep] = []
+    """Further profiles of the engines that each names; of those engines only that the study has."""
     include: list[Rule] = []
     """If there are any, only trials are run that match at least one."""
     exclude: list[Rule] = []
     """Trials that match one of these are not run."""
     limits: Limits = Limits()
+
+    def set_ups(self) -> list[tuple[str, str]]:
+        """Every engine with every profile that it is to be run with, each once."""
+        plain = [(engine, profile) for profile in self.profiles for engine in self.engines]
+        swept = [
+            (engine, profile)
+            for sweep in self.sweep
+            for engine in sweep.engines
+            if engine in self.engines
+            for profile in sweep.profiles()
+        ]
+        return list(dict.fromkeys(plain + swept))
 
     def admits(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
         """Whether the rules let such a trial be run."""
@@ -163,19 +196,29 @@ class Study(_Model):
     def _engines_have_the_profiles(self) -> Study:
         scenarios = [chosen.name for chosen in self.scenario]
         admitted = [
-            named for named in product(self.engines, self.profiles, self.policies, scenarios) if self.admits(*named)
+            (engine, profile, policy, scenario)
+            for (engine, profile), policy, scenario in product(self.set_ups(), self.policies, scenarios)
+            if self.admits(engine, profile, policy, scenario)
         ]
+        if not self.set_ups():
+            raise ValueError("field 'profiles': must not be empty without a sweep of one of the engines")
         if not admitted:
             raise ValueError("the rules of 'include' and 'exclude' leave no trial")
         for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
-                look_up(f"profile of engine {engine}", profile, profiles(engine))
-            except UnknownNameError as error:
+                profile_named(engine, profile)
+            except (UnknownNameError, ProfileError) as error:
                 raise ValueError(str(error)) from error
         return self
 
 
-_PARTS: Mapping[str, type[_Model]] = {"limits": Limits, "scenario": ChosenScenario, "include": Rule, "exclude": Rule}
+_PARTS: Mapping[str, type[_Model]] = {
+    "limits": Limits,
+    "scenario": ChosenScenario,
+    "sweep": Sweep,
+    "include": Rule,
+    "exclude": Rule,
+}
 
 
 def study_names() -> list[str]:

@@ -13,6 +13,7 @@ from adapters import registry
 from adapters.base import Capabilities
 from adapters.conformance import contacts, freezing, housekeeping, motion
 from adapters.conformance.rig import ConformanceError, Rig
+from adapters.variations import base_name
 
 __all__ = ["CHECKS", "Check", "ConformanceError", "Rig"]
 
@@ -35,7 +36,7 @@ class Check:
 
     def applies(self, engine: str, profile: str) -> bool:
         """Whether this engine under this profile is held to the promise."""
-        return self.capable(registry.capabilities(engine)) and (self.as_shipped or profile != "default")
+        return self.capable(registry.capabilities(engine)) and (self.as_shipped or base_name(profile) != "default")
 
     def run(self, engine: str, profile: str) -> None:
         """Hold an engine to the promise.

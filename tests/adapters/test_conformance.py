@@ -1,4 +1,4 @@
-"""Every engine keeps the contract, as shipped and set up for a game."""
+"""Every engine keeps the contract, as shipped and set up for a game, also in a larger world."""
 
 import importlib.util
 import subprocess
@@ -31,9 +31,23 @@ def skip_without_adapter(engine: str) -> None:
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
-@pytest.mark.parametrize("profile", ["game", "default"])
+@pytest.mark.parametrize("profile", ["game", "default", "game@scale=100"])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_engine_keeps_the_contract(engine: str, profile: str, check: Check) -> None:
+    hold_to(check, engine, profile)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+@pytest.mark.parametrize("profile", ["game@scale=10", "default@scale=10", "default@scale=100"])
+@pytest.mark.parametrize("engine", ENGINES)
+def test_engine_keeps_the_contract_in_larger_worlds(engine: str, profile: str, check: Check) -> None:
+    if (engine, profile, check.name) == ("dart", "game@scale=10", "is_braked_by_friction_between_live_bricks"):
+        pytest.xfail("DART's friction box turns with a tilt of 0.2 deg: it brakes at 0.54 g, in any world by chance")
+    hold_to(check, engine, profile)
+
+
+def hold_to(check: Check, engine: str, profile: str) -> None:
     skip_without_adapter(engine)
     if not check.applies(engine, profile):
         pytest.skip("not asked of this engine under this profile")

@@ -151,5 +151,5 @@ def test_knobs_are_what_the_engine_runs_with(profile: str) -> None:
     assert option.timestep * simulation.info.profile.substeps == pytest.approx(FRAME_S)
     if profile != "default":
         assert option.impratio == knobs["option.impratio"].value
-        solref = [float(number) for number in str(knobs["geom.solref"].value).split()]
-        assert simulation._engine.model.geom_solref.tolist() == [solref] * 2
+        two_steps = float(knobs["contact_steps"].value) * option.timestep
+        assert simulation._engine.model.geom_solref.tolist() == [[two_steps, 1.0]] * 2

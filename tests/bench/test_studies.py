@@ -92,6 +92,10 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
             "field 'scenario[0]': scenario four_stack: levels must be a whole number from 1",
         ),
         ({"profiles": ["gam"]}, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
+        ({"profiles": ["game@scale=0"]}, "profile 'game@scale=0': scale must be a positive number, got '0'"),
+        ({"profiles": []}, "field 'profiles': must not be empty without a sweep of one of the engines"),
+        ({"sweep": [{"engines": ["bullet"], "substeps": [0]}]}, "substeps must be a whole number from 1, got '0'"),
+        ({"sweep": [{"engines": ["bullet"], "iterration": [1]}]}, "unknown field 'iterration'; did you mean"),
         ({"sceds": 3}, "unknown field 'sceds'; did you mean 'seeds'?"),
         ({"limits": {"trial_wal_s": 3}}, "unknown field 'trial_wal_s'; did you mean 'trial_wall_s'?"),
         ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': must be above 0"),
@@ -130,8 +134,20 @@ def test_a_file_that_is_no_toml_is_named_with_the_line(tmp_path) -> None:
         load_study("papr")
 
 
+def test_a_sweep_sets_an_engine_up_in_every_combination() -> None:
+    sweep = {"engines": ["bullet", "mujoco"], "profile": "tuned", "substeps": [1, 4], "iterations": [10, 50]}
+    study = check_study(VALID | {"profiles": ["game"], "sweep": [sweep]}, "test")
+    varied = ["iterations=10", "iterations=50"]
+    expected = [("bullet", "game")] + [
+        ("bullet", f"tuned@substeps={substeps},{one}") for substeps in (1, 4) for one in varied
+    ]
+    assert study.set_ups() == expected, "of the engines that the study has"
+    assert selected(study, Selection(profiles=["default"])).set_ups() == [("bullet", "default")]
+
+
 def test_the_resolved_study_reads_back_as_it_was(tmp_path) -> None:
-    study = check_study(VALID | {"description": 'quotes " and umlauts ü', "exclude": [{"policies": ["none"]}]}, "test")
+    further = {"exclude": [{"policies": ["none"]}], "sweep": [{"engines": ["bullet"], "substeps": [1, 2]}]}
+    study = check_study(VALID | {"description": 'quotes " and umlauts ü'} | further, "test")
     file = tmp_path / "study.toml"
     file.write_text(_to_toml(study), encoding="utf-8")
     assert load_study(str(file)) == study

@@ -1,0 +1,112 @@
+"""A world that is larger than the scene: what practitioners do with engines that are made for bodies of a metre.
+
+All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses; times, masses, angles
+and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own wiki ("Scaling
+The World"), which finds no need to change masses. What changes is how the engine's absolute constants compare with the
+bricks: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only what a profile set
+for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
+(``Simulation.scale``).
+
+Outside, all is in SI units of the scene, and the corners that an engine does not list are added there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from typing import ClassVar
+
+from adapters.base import EnginePort, Profile, Simulation, Sleeping
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import Contacts, FloatArray, IntArray
+
+
+class _ScaledSimulation(Simulation):
+    """Drives a larger world of an engine. Both count bodies alike, so that ids are the same in either."""
+
+    unscaled: ClassVar[type[Simulation]]
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, world, sleeping, expected)
+        larger = replace(world, gravity=_times(profile.scale, world.gravity))
+        bricks = [_enlarged(profile.scale, brick) for brick in expected]
+        self._larger = self.unscaled(profile, larger, sleeping, bricks)
+        self.info = replace(self._larger.info, unit_scale=self._larger.info.unit_scale * profile.scale)
+
+    @property
+    def port(self) -> EnginePort:
+        """The core's view; the engine is told that it is watched."""
+        _ = self._larger.port
+        return super().port
+
+    def _spawn(self, body: int, brick: Brick) -> None:  # noqa: ARG002 - both count alike
+        self._larger.spawn(_enlarged(self.scale, brick))
+
+    def _remove(self, body: int) -> None:
+        self._larger.remove(body)
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        self._larger.push(body, _times(self.scale, impulse))
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        self._larger.move(body, _times(self.scale, position), quaternion)
+
+    def _step(self, seconds: float) -> None:
+        self._larger.step(seconds)
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        positions, quaternions = self._larger._poses(bodies)
+        return positions / self.scale, quaternions
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._larger._positions(bodies) / self.scale
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        linear, angular = self._larger._velocities(bodies)
+        return linear / self.scale, angular
+
+    def _contacts(self) -> Contacts:
+        seen = self._larger._contacts()
+        return replace(
+            seen,
+            point=seen.point / self.scale,
+            separation=seen.separation / self.scale,
+            relative_velocity=seen.relative_velocity / self.scale,
+        )
+
+    def _freeze(self, body: int) -> None:
+        self._larger._sleep((body,))
+
+    def _thaw(self, body: int) -> None:
+        self._larger._wake((body,))
+
+    def _close(self) -> None:
+        self._larger.close()
+
+
+@cache
+def scaled(simulation: type[Simulation]) -> type[Simulation]:
+    """The same engine, in worlds as large as the profile's scale says."""
+
+    class Scaled(_ScaledSimulation):
+        engine = simulation.engine
+        capabilities = simulation.capabilities
+        profiles = simulation.profiles
+        unscaled = simulation
+
+        @staticmethod
+        def _version() -> str:
+            return simulation._version()
+
+    return Scaled
+
+
+def _times(scale: float, vector: Vector) -> Vector:
+    x, y, z = vector
+    return scale * x, scale * y, scale * z
+
+
+def _enlarged(scale: float, brick: Brick) -> Brick:
+    """The brick in the larger world; of the same mass."""
+    return replace(brick, size=_times(scale, brick.size), position=_times(scale, brick.position))

@@ -1,0 +1,116 @@
+"""A larger world is the same world told in larger units: all of it but the engine's absolute constants."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from adapters import ENGINES, ProfileError, capabilities, open_engine, profile_named
+from adapters.conformance.rig import LENGTH, MASS, advance, frozen_column, place_on, plank, velocity
+from scenarios.model import World
+from stability_core.lookup import UnknownNameError
+
+WEIGHTLESS = World(gravity=(0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_flies_freely_flies_alike_to_the_last_bit(engine: str) -> None:
+    """Times four, a power of two, rounds nothing: only the engine's absolute constants could tell the worlds apart."""
+    paths = []
+    for profile in ("game", "game@scale=4"):
+        simulation = open_engine(engine, profile)
+        body = simulation.spawn(plank(0.1, 5.0, lean=0.3))
+        simulation.push(body, (0.3 * MASS, 0.0, 0.2 * MASS))
+        path = []
+        for _ in range(30):
+            simulation.step(simulation.info.frame_s)
+            path.append(np.hstack([*simulation.poses()[1:], *simulation.velocities()]))
+        paths.append(np.array(path))
+        simulation.close()
+    np.testing.assert_array_equal(*paths)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_port_speaks_unscaled_si(engine: str) -> None:
+    simulation = open_engine(engine, "game@scale=100")
+    (support,) = frozen_column(simulation, 1)
+    body = place_on(simulation, 1)
+    advance(simulation, 1.0)
+    contacts, masses = simulation.port.contacts(), simulation.port.masses()
+    assert set(contacts.body_a) | set(contacts.body_b) == {support, body}
+    assert np.ptp(contacts.point[:, 0]) == pytest.approx(LENGTH, rel=0.01)
+    assert np.abs(contacts.separation).max() < 0.2e-3
+    assert np.abs(contacts.relative_velocity).max() < 1e-2
+    assert masses.mass.tolist() == [MASS]
+    assert simulation.world.gravity == (0.0, 0.0, -9.81)
+    plain = open_engine(engine, "game")
+    assert simulation.info.unit_scale == 100 * plain.info.unit_scale
+    plain.close()
+    simulation.close()
+
+
+@pytest.mark.parametrize("engine", [name for name in ENGINES if not capabilities(name).planar])
+def test_a_large_scene_has_ground_below_all_of_it(engine: str) -> None:
+    simulation = open_engine(engine, "game@scale=100")
+    body = place_on(simulation, 0, x=1.8)
+    advance(simulation, 0.5)
+    assert simulation.poses()[1][body, 2] > 0
+    simulation.close()
+
+
+def test_an_impulse_is_that_of_the_scene() -> None:
+    simulation = open_engine("bullet", "game@scale=10", world=WEIGHTLESS)
+    body = simulation.spawn(plank(z=0.5))
+    simulation.push(body, (0.4 * MASS, 0.0, 0.0))
+    assert velocity(simulation, body)[0] == pytest.approx(0.4, rel=1e-12)
+    simulation.close()
+
+
+# -- profiles by name --------------------------------------------------------------------------------
+
+
+def test_a_name_varies_a_profile() -> None:
+    base, varied = profile_named("bullet", "game"), profile_named("bullet", "game@scale=10,substeps=2,iterations=80")
+    assert (varied.scale, varied.substeps) == (10.0, 2)
+    assert varied.name == "game@scale=10,substeps=2,iterations=80"
+    assert varied.knobs["numSolverIterations"].value == 80
+    assert {name: knob for name, knob in varied.knobs.items() if name in base.knobs} == dict(base.knobs)
+
+
+def test_only_lengths_chosen_for_the_bricks_follow_the_world() -> None:
+    plain, scaled = (profile_named("rapier", name).knobs for name in ("game", "game@scale=10"))
+    assert {name for name in plain if plain[name].value != scaled[name].value} == {"length_unit"}
+    assert scaled["length_unit"].value == 10 * float(plain["length_unit"].value)
+    assert profile_named("bullet", "game@scale=10").knobs == profile_named("bullet", "game").knobs
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_iterations_are_those_of_the_engines_own_solver(engine: str) -> None:
+    """The varied knob takes effect: fewer iterations leave a stack of live bricks elsewhere than many do."""
+    heights = []
+    for iterations in (1, 500):
+        simulation = open_engine(engine, f"game@iterations={iterations}")
+        for level in range(4):
+            place_on(simulation, level)
+        advance(simulation, 0.2)
+        heights.append(simulation.poses()[1][:, 2])
+        simulation.close()
+    assert not np.array_equal(*heights)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "message"),
+    [
+        ("gam@scale=10", UnknownNameError, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
+        ("game@scal=10", UnknownNameError, "unknown variation of a profile 'scal'; did you mean 'scale'?"),
+        ("game@", UnknownNameError, "unknown variation of a profile ''"),
+        ("game@scale=0", ProfileError, "profile 'game@scale=0': scale must be a positive number, got '0'"),
+        ("game@scale=nan", ProfileError, "scale must be a positive number, got 'nan'"),
+        ("game@substeps=2.5", ProfileError, "substeps must be a whole number from 1, got '2.5'"),
+        ("game@iterations", ProfileError, "iterations must be a whole number from 1, got ''"),
+    ],
+)
+def test_a_name_that_makes_no_profile_is_refused_with_the_fix(name: str, error: type[Exception], message: str) -> None:
+    with pytest.raises(error) as caught:
+        open_engine("bullet", name)
+    assert message in str(caught.value)
