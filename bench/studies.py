@@ -25,6 +25,7 @@ from pydantic import (
 )
 
 from adapters import ENGINES, profiles
+from bench.compare.tolerance import Tolerance
 from bench.complaints import field_name, plain_words
 from bench.policies import BENCH_POLICIES
 from scenarios.registry import SCENARIOS, build
@@ -77,6 +78,8 @@ class ChosenScenario(_Model):
 
     name: ScenarioName
     parameters: Mapping[str, Value | list[Value]] = {}
+    tolerance: Tolerance = Tolerance()
+    """By how much its trials may come out worse when runs are compared."""
 
     def variants(self) -> Iterator[dict[str, Value]]:
         """The parameters of every variant: all combinations of the listed values."""
@@ -175,7 +178,7 @@ class Study(_Model):
         return self
 
 
-_PARTS: Mapping[str, type[_Model]] = {"limits": Limits, "scenario": ChosenScenario, "include": Rule, "exclude": Rule}
+_PARTS: Mapping[str, type[BaseModel]] = {"limits": Limits, "scenario": ChosenScenario, "include": Rule, "exclude": Rule}
 
 
 def study_names() -> list[str]:
@@ -227,5 +230,7 @@ def _complaint(detail: Mapping[str, Any]) -> str:
     field = field_name(location)
     if detail["type"] == "extra_forbidden":
         owner = _PARTS.get(str(location[0]), Study) if len(location) > 1 else Study
+        if location[2:3] == ("tolerance",):
+            owner = Tolerance
         return str(unknown_name("field", field.rpartition(".")[2], owner.model_fields))
     return f"field '{field}': {plain_words(detail)}" if field else plain_words(detail)
