@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import sys
 import warnings
@@ -17,6 +18,11 @@ from rich.console import Console
 
 from adapters import EngineNotInstalledError, ProfileError
 from bench.catalogue import print_catalogue
+from bench.compare import showing
+from bench.compare.baseline import BaselineError, read_baseline, write_baseline
+from bench.compare.comparison import NothingInCommonError, compare_runs
+from bench.compare.findings import GATES, chosen_gates
+from bench.compare.tracking import tracked
 from bench.conformance import check_engine
 from bench.environment import describe
 from bench.estimate import estimate
@@ -32,6 +38,7 @@ from reports.cost import cost_points, cost_table
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
+from reports.writing import write_whole
 from stability_core.lookup import UnknownNameError
 
 app = typer.Typer(
@@ -174,6 +181,51 @@ def _records(folder: Path) -> list[TrialRecord]:
     return records
 
 
+@app.command()
+def baseline(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The baseline to write, or to replace.")],
+    track: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write figures for benchmark-tracking actions, too.")
+    ] = None,
+) -> None:
+    """Keep in one small file what later runs are held against."""
+    with _input_errors():
+        side = read_baseline(folder)
+        write_baseline(side, out)
+        if track is not None:
+            write_whole(track, (json.dumps(tracked(side), indent=1) + "\n").encode())
+    _tell(f"{len(side.trials)} trials are kept in {_relative(out)}")
+
+
+@app.command()
+def compare(
+    base: Annotated[str, typer.Argument(help="A results folder or a baseline file: what is expected.")],
+    head: Annotated[str, typer.Argument(help="A results folder or a baseline file: what is judged.")],
+    fail_on: Annotated[str, typer.Option(help="Gates whose alarms end with status 1, or 'none'.")] = ",".join(GATES),
+    across_versions: Annotated[
+        bool, typer.Option("--across-versions", help="Judge the outcomes of another version of an engine, too.")
+    ] = False,
+    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the tables as Markdown.")] = None,
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")] = False,
+) -> None:
+    """Did stacking get worse, did trajectories change, did it get slower? Status 1 if so."""
+    with _input_errors():
+        gates = chosen_gates(fail_on)
+        sides = read_baseline(Path(base)), read_baseline(Path(head))
+        comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
+        if markdown is not None:
+            write_whole(markdown, showing.markdown(comparison, gates).encode())
+        if junit is not None:
+            write_whole(junit, showing.junit(comparison, gates))
+    if as_json:
+        typer.echo(showing.as_json(comparison, gates))
+    else:
+        showing.show(comparison, gates, _out)
+    raise typer.Exit(1 if comparison.alarms(gates) else 0)
+
+
 @app.command(name="list")
 def list_() -> None:
     """What can be run: scenarios and what theory says of them, engines, profiles, policies and studies."""
@@ -204,6 +256,8 @@ def _input_errors() -> Iterator[None]:
         EngineNotInstalledError,
         ProfileError,
         ClusterError,
+        BaselineError,
+        NothingInCommonError,
         OSError,
     ) as error:
         _err.print(f"error: {error}", markup=False, highlight=False, soft_wrap=True)

@@ -15,6 +15,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
+from bench.compare.tolerance import Tolerance
 from bench.environment import digest, session
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
@@ -25,7 +26,7 @@ from reports.writing import write_whole
 TRIALS = "trials.jsonl"
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
-_SESSIONS = "sessions"
+SESSIONS = "sessions"
 _LOCK = ".lock"
 _PARTS = (STUDY, ENVIRONMENT, TRIALS, "frames", "report")
 _NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "sources": "sources"}
@@ -111,8 +112,8 @@ class Results:
         folder, self._environment = self.folder, digest(environment)
         if different:
             _put_aside(folder)
-        sessions = _kept_environment(folder).get(_SESSIONS, []) if (folder / TRIALS).exists() else []
-        content = {**environment, _SESSIONS: [*sessions, session()]}
+        sessions = _kept_environment(folder).get(SESSIONS, []) if (folder / TRIALS).exists() else []
+        content = {**environment, SESSIONS: [*sessions, session()]}
         write_whole(folder / STUDY, _to_toml(study).encode())
         write_whole(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
         self._frames = folder / "frames"
@@ -166,7 +167,7 @@ def _put_aside(folder: Path) -> None:
     """Keep the environment of the earlier trials under the digest by which their records name it."""
     kept = _kept_environment(folder)
     if kept:
-        name = digest({key: value for key, value in kept.items() if key != _SESSIONS})
+        name = digest({key: value for key, value in kept.items() if key != SESSIONS})
         (folder / ENVIRONMENT).replace(folder / f"environment-{name}.json")
 
 
@@ -190,7 +191,15 @@ def _to_toml(study: Study) -> str:
         lines += ["", "[[scenario]]", f"name = {json.dumps(scenario['name'])}"]
         if scenario["parameters"]:
             lines += ["", "[scenario.parameters]", *_assignments(scenario["parameters"])]
+        if allowed := _set_tolerances(scenario["tolerance"]):
+            lines += ["", "[scenario.tolerance]", *_assignments(allowed)]
     return "\n".join(lines) + "\n"
+
+
+def _set_tolerances(tolerance: Mapping[str, Any]) -> dict[str, Any]:
+    """Those that differ from their defaults."""
+    usual = Tolerance().model_dump()
+    return {name: value for name, value in tolerance.items() if value != usual[name]}
 
 
 def _assignments(fields: Mapping[str, Any]) -> list[str]:

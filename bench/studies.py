@@ -26,6 +26,7 @@ from pydantic import (
 
 from adapters import ENGINES, ProfileError, profile_named
 from adapters.variations import varied_name
+from bench.compare.tolerance import Tolerance
 from bench.complaints import field_name, plain_words
 from bench.policies import BENCH_POLICIES
 from scenarios.registry import SCENARIOS, build
@@ -78,6 +79,8 @@ class ChosenScenario(_Model):
 
     name: ScenarioName
     parameters: Mapping[str, Value | list[Value]] = {}
+    tolerance: Tolerance = Tolerance()
+    """By how much its trials may come out worse when runs are compared."""
 
     def variants(self) -> Iterator[dict[str, Value]]:
         """The parameters of every variant: all combinations of the listed values."""
@@ -212,7 +215,7 @@ class Study(_Model):
         return self
 
 
-_PARTS: Mapping[str, type[_Model]] = {
+_PARTS: Mapping[str, type[BaseModel]] = {
     "limits": Limits,
     "scenario": ChosenScenario,
     "sweep": Sweep,
@@ -270,5 +273,7 @@ def _complaint(detail: Mapping[str, Any]) -> str:
     field = field_name(location)
     if detail["type"] == "extra_forbidden":
         owner = _PARTS.get(str(location[0]), Study) if len(location) > 1 else Study
+        if location[2:3] == ("tolerance",):
+            owner = Tolerance
         return str(unknown_name("field", field.rpartition(".")[2], owner.model_fields))
     return f"field '{field}': {plain_words(detail)}" if field else plain_words(detail)

@@ -1,0 +1,236 @@
+"""One side of a comparison: a results folder, or a baseline file that keeps what later runs are held against."""
+
+from __future__ import annotations
+
+import tomllib
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pyarrow as pa
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from bench.compare.careful_json import JsonError, parse, read_file
+from bench.compare.times import shares
+from bench.compare.tolerance import Tolerance
+from bench.environment import digest
+from bench.results import ENVIRONMENT, SESSIONS, STUDY, TRIALS
+from reports.frames import read_frames
+from reports.records import RecordError, RecordWarning, TrialRecord, read_records
+from reports.writing import write_whole
+
+FORMAT: Literal["stillstack-baseline-1"] = "stillstack-baseline-1"
+
+
+class BaselineError(ValueError):
+    """A side of a comparison that cannot be read, or kept; the message names the file and the fix."""
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Engine(_Model):
+    """An engine as it was installed where trials ran."""
+
+    version: str
+    deterministic: str
+    """"across processes", "within a process" or "no"."""
+
+
+class Machine(_Model):
+    """Where trials ran, as far as it bears on what can be compared; no name of a computer."""
+
+    processor: str
+    platform: str
+    python: str
+    commit: str | None = None
+    modified: bool = False
+    """Whether the checkout had uncommitted changes."""
+    packages: Mapping[str, str] = {}
+    engines: Mapping[str, Engine] = {}
+
+
+class Baseline(_Model):
+    """What a run left behind, as far as later runs are held against it."""
+
+    format: Literal["stillstack-baseline-1"] = FORMAT
+    study: str
+    trial_wall_s: float = Field(gt=0)
+    """Wall time [s] after which a trial was stopped."""
+    tolerances: Mapping[str, Tolerance] = {}
+    """By scenario, where the study set them."""
+    machines: Mapping[str, Machine] = {}
+    """By the digest that records name."""
+    shares: Mapping[str, Mapping[str, Annotated[float, Field(gt=0)]]] = {}
+    """By trial: time of parts of a frame over that of the engine's step (see ``times``)."""
+    trials: Sequence[TrialRecord] = Field(min_length=1)
+
+    def machine(self, record: TrialRecord) -> Machine | None:
+        """Where a trial ran; None if that was not kept."""
+        return self.machines.get(record.environment)
+
+    def repeats_itself(self, record: TrialRecord) -> bool:
+        """Whether the trial's engine goes the same way in every process, as far as is known."""
+        machine = self.machine(record)
+        engine = machine.engines.get(record.engine) if machine else None
+        return engine is not None and engine.deterministic == "across processes"
+
+    def is_limited(self, record: TrialRecord) -> bool:
+        """Whether the clock may have decided how the trial ended.
+
+        A stack that had begun to fall when its time was up is recorded as collapsed; how it fell may be cut off.
+        """
+        slow = record.status == "collapsed" and record.wall_s is not None and record.wall_s >= self.trial_wall_s
+        return record.status == "timeout" or slow
+
+
+def read_baseline(path: Path) -> Baseline:
+    """The side of a comparison that lies in a results folder or in a baseline file.
+
+    Raises:
+        BaselineError: if it is neither, or not whole.
+    """
+    try:
+        baseline = _read_folder(path) if path.is_dir() else _read_baseline_file(path)
+    except (JsonError, RecordError) as error:
+        raise BaselineError(str(error)) from error
+    except ValidationError as error:
+        raise BaselineError(f"{path}: not a baseline of this suite: {_first(error)}") from error
+    seen: set[str] = set()
+    for record in baseline.trials:
+        if record.trial in seen:
+            raise BaselineError(f"{path}: trial {record.trial[:200]!r} is there twice")
+        seen.add(record.trial)
+    return baseline
+
+
+def write_baseline(baseline: Baseline, path: Path) -> None:
+    """Keep a side in a file, whole or not at all; another baseline is replaced, no other file is.
+
+    Raises:
+        BaselineError: if something else is there, or it cannot be written.
+    """
+    if path.is_dir():
+        raise BaselineError(f"{path} is a folder: name a file with -o")
+    if path.exists():
+        try:
+            _read_baseline_file(path)
+        except (JsonError, ValidationError):
+            raise BaselineError(f"{path} is there and is no baseline: name another file with -o") from None
+    try:
+        write_whole(path, (baseline.model_dump_json(indent=1) + "\n").encode())
+    except OSError as error:
+        raise BaselineError(f"{path} cannot be written ({error.strerror}): name another file with -o") from error
+
+
+def _read_baseline_file(path: Path) -> Baseline:
+    content = read_file(path)
+    found = parse(content, str(path))
+    if not isinstance(found, dict) or found.get("format") != FORMAT:
+        raise JsonError(
+            f"{path}: not a baseline ('format' is not '{FORMAT}'): make one with 'bench baseline DIR -o FILE', or name "
+            "a results folder"
+        )
+    return Baseline.model_validate_json(content, strict=True)
+
+
+def _read_folder(folder: Path) -> Baseline:
+    path = folder / TRIALS
+    content = read_file(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)  # the torn trial is then told to be missing
+        records = read_records(path)
+    if not records:
+        raise BaselineError(f"{path}: holds no trial yet")
+    whole = content if content.endswith(b"\n") else content.rpartition(b"\n")[0]
+    for number, line in enumerate(whole.splitlines(), start=1):
+        if line.strip():
+            parse(line, f"{path}:{number}")
+    study = _study(folder / STUDY)
+    return Baseline(
+        study=study.name,
+        trial_wall_s=study.limits.trial_wall_s,
+        tolerances={one.name: one.tolerance for one in study.scenario if one.tolerance != Tolerance()},
+        machines=_machines(folder),
+        shares=_shares(folder, records),
+        trials=[record.model_copy(update={"host": None, "core": None}) for record in records],
+    )
+
+
+class _Kept(BaseModel):
+    """A part of a study file, as far as a comparison needs it: its engines need not be installed here."""
+
+    model_config = ConfigDict(extra="ignore", allow_inf_nan=False)
+
+
+class _KeptLimits(_Kept):
+    trial_wall_s: float = Field(gt=0)
+
+
+class _KeptScenario(_Kept):
+    name: str
+    tolerance: Tolerance = Tolerance()
+
+
+class _KeptStudy(_Kept):
+    name: str
+    limits: _KeptLimits
+    scenario: list[_KeptScenario]
+
+
+def _study(path: Path) -> _KeptStudy:
+    try:
+        return _KeptStudy.model_validate(tomllib.loads(read_file(path).decode("utf-8")))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise BaselineError(f"{path}: not valid TOML: {error}") from error
+    except ValidationError as error:
+        raise BaselineError(f"{path}: not a study that a run has left: {_first(error)}") from error
+
+
+def _machines(folder: Path) -> dict[str, Machine]:
+    """The machines that a folder describes; without its environment nothing but outcomes can be compared."""
+    machines = {}
+    for path in sorted(folder.glob("environment*.json")):
+        environment = parse(read_file(path), str(path))
+        if not isinstance(environment, dict):
+            raise BaselineError(f"{path}: not an environment that a run has left")
+        told = {key: value for key, value in environment.items() if key != SESSIONS}
+        name = digest(told) if path.name == ENVIRONMENT else path.stem.removeprefix("environment-")
+        try:
+            machines[name] = _machine(told)
+        except (KeyError, TypeError, AttributeError, ValidationError):
+            raise BaselineError(f"{path}: not an environment that a run has left") from None
+    return machines
+
+
+def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[str, float]]:
+    """By trial, of those that have frames."""
+    kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
+    found = {}
+    for record in records:
+        path = kept.get(record.trial)
+        if path is None or record.core_ms is None or record.timed_frames is None:
+            continue
+        try:
+            found[record.trial] = shares(read_frames(path), record.timed_frames)
+        except (pa.ArrowInvalid, OSError, KeyError, TypeError, ValueError) as error:
+            raise BaselineError(f"{path}: not the frames of a trial: {error}") from error
+    return {trial: parts for trial, parts in found.items() if parts}
+
+
+def _machine(environment: Mapping[str, Any]) -> Machine:
+    kept = {name: environment[name] for name in Machine.model_fields if name != "engines"}
+    engines = {
+        name: Engine(version=engine["version"], deterministic=engine["capabilities"]["deterministic"])
+        for name, engine in environment["engines"].items()
+    }
+    return Machine(**kept, engines=engines)
+
+
+def _first(error: ValidationError) -> str:
+    """The first complaint, without what was in the file: that may be anything."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    field = ".".join(map(str, first["loc"]))[:200]
+    return f"field '{field}': {first['msg']}" if field else str(first["msg"])

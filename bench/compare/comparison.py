@@ -1,0 +1,147 @@
+"""Holds two sides against each other, trial by trial: what can be compared goes to the gates, the rest is told."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+
+from bench.compare.baseline import Baseline
+from bench.compare.findings import Comparison, Finding
+from bench.compare.outcomes import judge_draws, judge_outcome
+from bench.compare.times import judge_times
+from bench.compare.tolerance import Tolerance
+from bench.compare.trajectories import judge_poses
+from reports.records import TrialRecord
+
+
+class NothingInCommonError(ValueError):
+    """Two sides that share no trial: neither a pass nor a regression can be told."""
+
+
+Pair = tuple[TrialRecord, TrialRecord]
+
+
+def compare_runs(
+    base: Baseline, head: Baseline, names: tuple[str, str], *, across_versions: bool = False
+) -> Comparison:
+    """What all gates say of ``head``, held against ``base``.
+
+    Args:
+        base: the run that sets what is expected.
+        head: the run that is judged, by the tolerances of its own study.
+        names: of both, for the reader.
+        across_versions: whether outcomes of different versions of an engine are held against each other.
+
+    Raises:
+        NothingInCommonError: if no trial is in both.
+    """
+    before = {record.trial: record for record in base.trials}
+    now = {record.trial: record for record in head.trials}
+    pairs = [(before[trial], now[trial]) for trial in before if trial in now]
+    if not pairs:
+        raise NothingInCommonError(f"{names[0]} and {names[1]} have no trial in common: were they of the same study?")
+    findings = [Finding("outcome", trial, "open", f"missing in {names[1]}") for trial in before if trial not in now]
+    findings += [Finding("outcome", trial, "open", f"new: not in {names[0]}") for trial in now if trial not in before]
+    comparable = []
+    for one, other in pairs:
+        why = _incomparable(base, head, one, other, across_versions)
+        if why is None:
+            comparable.append((one, other))
+        else:
+            findings.append(Finding("outcome", other.trial, "open", why))
+    findings += _outcomes(base, head, comparable)
+    hashed = list(_trajectories(base, head, comparable))
+    same_way = {finding.trial for finding in hashed if finding.judgement == "same"}
+    findings += hashed
+    findings += _times(base, head, comparable, same_way)
+    return Comparison(*names, tuple(findings), tuple(_differences(base, head)))
+
+
+def _incomparable(
+    base: Baseline, head: Baseline, one: TrialRecord, other: TrialRecord, across_versions: bool
+) -> str | None:
+    """Why two trials of one name cannot be held against each other; None if they can."""
+    if _scene(one) != _scene(other):
+        return "another scene under the same name"
+    if one.engine_version != other.engine_version and not across_versions:
+        return f"{other.engine} {other.engine_version}, was {one.engine_version} (--across-versions compares them)"
+    limited = [
+        name for name, is_limited in (("base", base.is_limited(one)), ("head", head.is_limited(other))) if is_limited
+    ]
+    return f"stopped by its time limit in {' and '.join(limited)}" if limited else None
+
+
+def _scene(record: TrialRecord) -> tuple[object, ...]:
+    expectation = record.expectation
+    return (
+        record.scenario,
+        record.scene,
+        sorted(record.parameters.items()),
+        record.levels_planned,
+        expectation.outcome,
+        expectation.level,
+    )
+
+
+def _outcomes(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator[Finding]:
+    draws: dict[str, list[Pair]] = defaultdict(list)
+    for one, other in pairs:
+        if base.repeats_itself(one) and head.repeats_itself(other):
+            yield Finding("outcome", other.trial, *judge_outcome(one, other, _tolerance(head, other)))
+        else:
+            draws[other.trial.rpartition(".r")[0]].append((one, other))
+    for name, group in draws.items():
+        before, now = zip(*group, strict=True)
+        yield Finding("outcome", name, *judge_draws(before, now, _tolerance(head, now[0])))
+
+
+def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator[Finding]:
+    for one, other in pairs:
+        if base.repeats_itself(one) and head.repeats_itself(other):
+            machines = base.machine(one), head.machine(other)
+            yield Finding("hash", other.trial, *judge_poses(one, other, machines))
+
+
+def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
+    """One finding for each engine, profile and part of a frame, over all of its trials that went the same way."""
+    groups: dict[tuple[str, str], list[Pair]] = defaultdict(list)
+    for one, other in pairs:
+        for part in base.shares.get(one.trial, {}).keys() & head.shares.get(other.trial, {}).keys():
+            groups[f"{other.engine}.{other.profile}", part].append((one, other))
+    for (name, part), group in sorted(groups.items()):
+        cell = f"{name}.{part.removesuffix('_ms')}"
+        alike = [(one, other) for one, other in group if other.trial in same_way]
+        if not alike:
+            yield Finding("time", cell, "open", "no trial is known to have gone the same way: the work was another")
+            continue
+        figures = [(base.shares[one.trial][part], head.shares[other.trial][part]) for one, other in alike]
+        least = max(_tolerance(head, other).time_share for _, other in alike)
+        yield Finding("time", cell, *judge_times(figures, least))
+
+
+def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:
+    return head.tolerances.get(record.scenario, Tolerance())
+
+
+def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
+    """What differs between the runs as a whole: processors, versions, commits."""
+    before, now = _circumstances(base), _circumstances(head)
+    for what in dict.fromkeys([*before, *now]):
+        was, are = (", ".join(sorted(side.get(what, {"unknown"}))) for side in (before, now))
+        if was != are:
+            yield f"{what}: {are}, was {was}"
+
+
+def _circumstances(side: Baseline) -> dict[str, set[str]]:
+    """What a side's trials ran on and with; several where they ran on several machines."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for machine in side.machines.values():
+        found["processor"].add(machine.processor)
+        found["platform"].add(machine.platform)
+        found["Python"].add(machine.python)
+        found["commit"].add((machine.commit or "unknown")[:12] + (" with changes" if machine.modified else ""))
+        for name, version in machine.packages.items():
+            found[name].add(version)
+        for name, engine in machine.engines.items():
+            found[name].add(engine.version)
+    return found

@@ -1,0 +1,110 @@
+"""The outcome gate: levels, the level of collapse, the verdict, sink and creep.
+
+A trial that the clock may have ended never comes here. One trial is held against one; repeats of an engine that does
+not repeat itself are held against each other as groups, since one of its trials is a draw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+from bench.compare.findings import Judgement
+from bench.compare.tolerance import Tolerance
+from reports.records import TrialRecord
+
+LEAST_REPEATS = 5
+"""Of an engine that does not repeat itself, so many trials a side are needed. That all five of one side are worse than
+all five of the other happens by chance in one of 252 cells."""
+
+_PLAYED = frozenset({"completed", "collapsed"})
+_MM = 1e3
+
+
+def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> tuple[Judgement, str]:
+    """Whether ``head`` came out worse than ``base``, and in what."""
+    if head.status not in _PLAYED or base.status not in _PLAYED:
+        return _judge_failure(base, head)
+    worse = [*_lost(base, head), *_less(base, head, tolerance)]
+    if worse:
+        return "worse", "; ".join(worse)
+    better = [*_lost(head, base), *_less(head, base, tolerance)]
+    if better:
+        return "better", f"was: {'; '.join(better)}"
+    if base.verdict != head.verdict:
+        return "open", f"{head.verdict}, was {base.verdict}: neither is right"
+    return "same", ""
+
+
+def judge_draws(
+    base: Sequence[TrialRecord], head: Sequence[TrialRecord], tolerance: Tolerance
+) -> tuple[Judgement, str]:
+    """The same for the repeats of an engine that does not repeat itself: worse only if all are worse than all."""
+    judged = [judge_outcome(one, other, tolerance) for one, other in product(base, head)]
+    kinds = {judgement for judgement, _ in judged}
+    if len(kinds) > 1:
+        return "same", ""
+    judgement, told = judged[0]
+    fewest = min(len(base), len(head))
+    if judgement in {"worse", "better"} and fewest < LEAST_REPEATS:
+        draw = f"the engine does not repeat itself, and {fewest} of the {LEAST_REPEATS} repeats that tell are there"
+        return "open", f"{told}; may be chance: {draw}"
+    return judgement, told
+
+
+def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str]:
+    """Of trials of which at least one was not played to an end."""
+    told = f"{head.status}, was {base.status}"
+    if head.message and head.status not in _PLAYED:
+        told += f" ({head.message})"
+    if base.status in _PLAYED:
+        return "worse", told
+    if head.status in _PLAYED:
+        return "better", told
+    return ("same", "") if base.status == head.status else ("open", told)
+
+
+def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
+    """A verdict that was right and is no longer."""
+    return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
+
+
+def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[str]:
+    """In what figures ``head`` falls short of ``base`` by more than is tolerated."""
+    found = []
+    if _fall_error(head) > _fall_error(base) + tolerance.levels:
+        found.append(f"{_fall(head)}, {_fall(base)} before")
+    if head.expectation.outcome != "fall" and head.height_levels < base.height_levels - tolerance.levels:
+        found.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
+    if head.height_levels == base.height_levels:  # the sink of another level is another figure
+        allowed = _allowed(base.sink_m, tolerance.sink_m, tolerance.sink_share)
+        if _exceeds(head.sink_m, allowed):
+            found.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
+    allowed = _allowed(base.creep_m_s, tolerance.creep_m_s, tolerance.creep_share)
+    if _exceeds(head.creep_m_s, allowed):
+        found.append(f"creeps {_figure(head.creep_m_s, 'mm/s')}, {_figure(base.creep_m_s, 'mm/s')} before")
+    return found
+
+
+def _fall_error(record: TrialRecord) -> int:
+    """By how many levels the collapse misses what theory demands. To stand is to fall beyond the last level."""
+    beyond = record.levels_planned + 1
+    falls_at = beyond if record.collapse_level is None else record.collapse_level
+    demanded = record.expectation.level if record.expectation.outcome == "fall" else None
+    return abs(falls_at - (beyond if demanded is None else demanded))
+
+
+def _fall(record: TrialRecord) -> str:
+    return "stands" if record.collapse_level is None else f"falls at {record.collapse_level}"
+
+
+def _allowed(base: float | None, absolute: float, share: float) -> float | None:
+    return None if base is None else base + absolute + share * abs(base)
+
+
+def _exceeds(head: float | None, allowed: float | None) -> bool:
+    return head is not None and allowed is not None and head > allowed
+
+
+def _figure(value: float | None, unit: str) -> str:
+    return "-" if value is None else f"{value * _MM:.3g} {unit}"

@@ -1,0 +1,31 @@
+"""By how much a trial may come out worse before it counts as a regression. A study may set them for a scenario."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Tolerance(BaseModel):
+    """Allowances of the gates, for all trials of a scenario.
+
+    An engine that repeats itself bit for bit needs none on the same machine: these are for its next version, another
+    processor, and engines that do not repeat themselves.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    levels: int = Field(default=0, ge=0)
+    """Levels by which a stack may fall short, or fall too early or late. None: one level less is what a stack user
+    sees. A verdict that was right must stay right whatever is allowed here."""
+    sink_m: float = Field(default=5e-5, ge=0)
+    """Deeper sink [m] that is allowed in any case: a quarter of the 0.2 mm at which the core lets a brick be frozen."""
+    sink_share: float = Field(default=0.2, ge=0)
+    """Deeper sink that is allowed, as a share of the base's."""
+    creep_m_s: float = Field(default=1e-7, ge=0)
+    """Faster creep [m/s] that is allowed in any case: half a micrometre over the 5 s of watching, some ten times what
+    an engine of single precision can resolve in a stack of a metre."""
+    creep_share: float = Field(default=0.5, ge=0)
+    """Faster creep that is allowed, as a share of the base's: it must find a doubled one, and let what another
+    processor's last digits do to a slow slide pass."""
+    time_share: float = Field(default=0.1, ge=0)
+    """Least slowdown that counts, as a share of the base's time: less is not worth a developer's attention."""

@@ -1,0 +1,23 @@
+"""A run's figures in the format that benchmark-tracking actions draw curves from (``customSmallerIsBetter``)."""
+
+from __future__ import annotations
+
+from bench.compare.baseline import Baseline
+
+_PERCENT = 100.0
+
+
+def tracked(side: Baseline) -> list[dict[str, str | float]]:
+    """Figures of which smaller is better: levels missed, and parts of a frame against the engine's step.
+
+    Times in milliseconds are left out on purpose: a curve of those of CI machines tells of the machines.
+    """
+    figures: list[dict[str, str | float]] = []
+    for record in side.trials:
+        if record.expectation.outcome == "stand" and not side.is_limited(record):
+            missed = record.levels_planned - record.height_levels
+            figures.append({"name": f"{record.trial}: levels missed", "unit": "levels", "value": missed})
+        for part, share in side.shares.get(record.trial, {}).items():
+            name = f"{record.trial}: {part.removesuffix('_ms')}"
+            figures.append({"name": name, "unit": "% of the engine's step", "value": round(_PERCENT * share, 2)})
+    return figures

@@ -1,0 +1,117 @@
+"""What can be compared is; the rest is told, and is neither a regression nor a pass."""
+
+import pytest
+
+from bench.compare.comparison import NothingInCommonError, compare_runs
+from bench.compare.findings import Finding
+from bench.compare.tolerance import Tolerance
+
+NAMES = ("base", "head")
+FELL = {"status": "collapsed", "height_levels": 2, "collapse_level": 3, "verdict": "false_collapse", "pose_hash": "bb"}
+ELSEWHERE = "bullet.game.four_stack-4.paper.s0.r0"
+
+
+def only(base, head, gate="outcome", **options) -> Finding:
+    """The one finding of a gate."""
+    (finding,) = [one for one in compare_runs(base, head, NAMES, **options).findings if one.gate == gate]
+    return finding
+
+
+def test_a_regression_alarms_both_gates(make) -> None:
+    found = compare_runs(make.side(), make.side(make.record(**FELL)), NAMES)
+    assert [(alarm.gate, alarm.judgement) for alarm in found.alarms()] == [("outcome", "worse"), ("hash", "changed")]
+    assert [alarm.gate for alarm in found.alarms(["hash"])] == ["hash"]
+    assert not compare_runs(make.side(), make.side(), NAMES).alarms()
+
+
+def test_missing_and_new_trials_are_told(make) -> None:
+    both, other = make.record(), make.record(trial=ELSEWHERE, scene="four_stack-4")
+    for base, head, told in (
+        (make.side(both, other), make.side(both), "missing in head"),
+        (make.side(both), make.side(both, other), "new: not in base"),
+    ):
+        found = compare_runs(base, head, NAMES)
+        assert Finding("outcome", ELSEWHERE, "open", told) in found.findings
+        assert not found.alarms()
+
+
+def test_runs_of_other_trials_are_refused(make) -> None:
+    with pytest.raises(NothingInCommonError, match="no trial in common"):
+        compare_runs(make.side(), make.side(make.record(trial=ELSEWHERE)), NAMES)
+
+
+def test_another_version_of_the_engine_is_told_and_judged_only_if_asked_for(make) -> None:
+    head = make.side(make.record(engine_version="2.0", **FELL))
+    found = only(make.side(), head)
+    assert (found.judgement, found.told[:24]) == ("open", "bullet 2.0, was 1.0 (--a")
+    assert only(make.side(), head, across_versions=True).judgement == "worse"
+    assert only(make.side(), head, "hash", across_versions=True).judgement == "open"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"parameters": {"levels": 3, "gap": 1}},
+        {"levels_planned": 4},
+        {"expectation": {"outcome": "study", "theory": "open"}},
+    ],
+)
+def test_another_scene_under_the_same_name_is_told(make, change) -> None:
+    assert only(make.side(), make.side(make.record(**FELL | change))).told == "another scene under the same name"
+
+
+def test_what_the_clock_ended_is_not_judged(make) -> None:
+    """Nor is a stack that was still falling when its time was up."""
+    late = make.record(**FELL, wall_s=60.0)
+    for slow in (make.record(status="timeout", height_levels=1, verdict="failed"), late):
+        for sides in ((make.side(), make.side(slow)), (make.side(slow), make.side())):
+            found = compare_runs(*sides, NAMES)
+            assert [one.judgement for one in found.findings] == ["open"]
+            assert "stopped by its time limit" in found.findings[0].told
+    assert only(make.side(), make.side(make.record(**FELL, wall_s=59.0))).judgement == "worse"
+
+
+def test_on_another_processor_only_outcomes_are_judged(make) -> None:
+    other = make.machine.model_copy(update={"processor": "P2"})
+    times = {make.name: {"core_ms": 0.5}}
+    head = make.side(make.record(**FELL), machines={"here": other}, shares={make.name: {"core_ms": 5.0}})
+    found = compare_runs(make.side(shares=times), head, NAMES)
+    judged = {one.gate: one.judgement for one in found.findings}
+    assert judged == {"outcome": "worse", "hash": "open", "time": "open"}
+    assert "processor: P2, was P1" in found.notes
+
+
+def test_without_a_description_of_the_machine_nothing_is_known_to_repeat_itself(make) -> None:
+    found = compare_runs(make.side(machines={}), make.side(make.record(**FELL), machines={}), NAMES)
+    assert [(one.gate, one.judgement) for one in found.findings] == [("outcome", "open")]
+
+
+def test_an_engine_that_does_not_repeat_itself_is_judged_by_groups_and_never_by_its_poses(make) -> None:
+    def side(**change):
+        name = "dart.game.four_stack-3.none.s0.r"
+        return make.side(
+            *(make.record(engine="dart", trial=f"{name}{k}", repeat=k, **change) for k in range(5)),
+        )
+
+    found = compare_runs(side(), side(**FELL), NAMES)
+    assert [(one.gate, one.trial, one.judgement) for one in found.findings] == [
+        ("outcome", "dart.game.four_stack-3.none.s0", "worse")
+    ]
+
+
+def test_a_studys_tolerances_are_those_of_the_head(make) -> None:
+    loose = {"four_stack": Tolerance(levels=1)}
+    less = make.record(height_levels=2)
+    assert only(make.side(), make.side(less, tolerances=loose)).judgement == "same"
+    assert only(make.side(tolerances=loose), make.side(less)).judgement == "worse"
+
+
+def test_a_slower_core_is_found_where_all_goes_the_same_way(make) -> None:
+    names = [f"bullet.game.four_stack-3.paper.s{seed}.r0" for seed in range(4)]
+    records = [make.record(trial=name, seed=seed) for seed, name in enumerate(names)]
+    base = make.side(*records, shares={name: {"core_ms": 0.5 + 0.001 * k} for k, name in enumerate(names)})
+    head = make.side(*records, shares={name: {"core_ms": 0.6 + 0.002 * k} for k, name in enumerate(names)})
+    assert only(base, head, "time").judgement == "worse"
+    assert only(base, base, "time").judgement == "same"
+    moved = [one.model_copy(update={"pose_hash": "bb"}) for one in records]
+    assert only(base, head.model_copy(update={"trials": moved}), "time").judgement == "open"
