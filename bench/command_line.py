@@ -22,12 +22,13 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
-from bench.results import TRIALS, Results, ResultsError, check_folder
+from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
+from reports.page import write_page
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -153,6 +154,8 @@ def _report(folder: Path) -> list[Table]:
     tables = [*study_tables(records), *repeat_tables(folder, records)]
     engines = engines_of(folder)
     write_report(folder, records, [*tables, *([capability_table(engines)] if engines else [])])
+    page = write_page(folder, records, missing_trials(folder, records))
+    _tell(f"the page of it all: {_relative(page)}")
     return tables
 
 
