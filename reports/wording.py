@@ -31,13 +31,14 @@ def told(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
 
 
 def percent(estimate: Estimate | None) -> str:
-    """A share: ``88 % [71, 97]``."""
+    """A share, and its interval where that has a width: ``88 % [71, 97]``."""
     if estimate is None:
         return NOTHING
     text = f"{estimate.value:.0%}".replace("%", " %")
     if estimate.low is None or estimate.high is None:
         return text
-    return f"{text} [{estimate.low * 100:.0f}, {estimate.high * 100:.0f}]"
+    low, high = f"{estimate.low * 100:.0f}", f"{estimate.high * 100:.0f}"
+    return text if low == high else f"{text} [{low}, {high}]"
 
 
 def median_level(survival: Survival | None) -> str:

@@ -72,7 +72,7 @@ def write_study(folder: Path, records: Sequence[TrialRecord], without_frames: Se
         writer.append(one)
         if one.timed_frames and one.trial not in without_frames:
             count = one.timed_frames + UNTIMED_FRAMES
-            rows = [FrameRow(i, (i + 1) / 60, 1, 1, 1, 1.0, 1.0 + i % 7, woken=i == 50) for i in range(count)]
+            rows = [FrameRow(i, (i + 1) / 60, 1, 1, 1, 1.0, 1.0 + i % 7, woken=int(i == 50)) for i in range(count)]
             write_frames(folder / "frames" / f"{one.trial}.parquet", rows)
     writer.close()
     environment = {"commit": "c0ffee", "engines": dict.fromkeys({one.engine for one in records}, DESCRIBED)}

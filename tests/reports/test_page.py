@@ -129,6 +129,7 @@ def test_a_study_of_failures_alone_has_a_page_too(tmp_path) -> None:
     assert "1 of 2 trials crashed" in told
 
 
+@pytest.mark.slow
 def test_a_thousand_trials_make_a_page_of_less_than_five_megabytes(tmp_path) -> None:
     made = [
         record(scene=f"scene-{scene}", engine=f"engine{engine}", policy=policy, seed=seed, timed_frames=None)
