@@ -28,13 +28,14 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
-from bench.results import TRIALS, Results, ResultsError, check_folder
+from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
 from reports.cost import cost_points, cost_table
+from reports.page import write_page
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -168,6 +169,8 @@ def _report(folder: Path) -> list[Table]:
         from reports.cost_figure import write_cost_figure  # half a second that other reports need not wait
 
         write_cost_figure(folder / "report" / "cost.svg", points)
+    page = write_page(folder, records, missing_trials(folder, records))
+    _tell(f"the page of it all: {_relative(page)}")
     return tables
 
 

@@ -15,12 +15,14 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
+from adapters import EngineNotInstalledError
 from bench.compare.tolerance import Tolerance
 from bench.environment import digest, session
+from bench.plan import plan_trials
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.frames import write_frames
-from reports.records import RecordWriter, read_records
+from reports.records import RecordWriter, TrialRecord, read_records
 from reports.writing import write_whole
 
 TRIALS = "trials.jsonl"
@@ -61,6 +63,19 @@ def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[
         different.append("study")
     before = _kept_environment(folder)
     return different + [_NAMES.get(key, key) for key in environment if before.get(key) != environment[key]]
+
+
+def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
+    """Ids of trials that the folder's study plans and that have no record; none if it keeps no study that can be run.
+
+    A study that no longer can be run (an engine that is not installed, a scene that is gone) can still be reported.
+    """
+    try:
+        planned = plan_trials(load_study(str(folder / STUDY)))
+    except (StudyError, EngineNotInstalledError):
+        return []
+    kept = {record.trial for record in records}
+    return [trial.id for trial in planned if trial.id not in kept]
 
 
 class Results:

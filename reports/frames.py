@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -76,6 +78,17 @@ def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
     arrays = [pa.array(values, field.type) for values, field in zip(columns, _SCHEMA, strict=True)]
     with whole_file(path) as draft:
         pq.write_table(pa.Table.from_arrays(arrays, schema=_SCHEMA), draft)
+
+
+def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.float64]]:
+    """Some numeric columns of a trial's frames, each of shape (frames,); null is nan.
+
+    Raises:
+        OSError: if the file is missing.
+        pyarrow.ArrowException: if it is no such table, or is torn.
+    """
+    table = pq.read_table(path, columns=list(names))
+    return {name: table[name].to_numpy().astype(np.float64) for name in names}
 
 
 def read_frames(path: Path) -> list[FrameRow]:

@@ -16,9 +16,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from reports.cells import ordered_policies
 from reports.records import CENSORED, TrialRecord
 
-_LEADING_POLICIES = ("none", "native", "raised", "at_rest", "paper")
 _WENT_WRONG = {
     "diverged": "diverged",
     "crashed": "crashed",
@@ -237,8 +237,7 @@ def write_report(folder: Path, records: Sequence[TrialRecord], tables: Iterable[
 
 
 def _policies(records: Iterable[TrialRecord]) -> list[str]:
-    present = dict.fromkeys(record.policy for record in records)
-    return [name for name in _LEADING_POLICIES if name in present] + [n for n in present if n not in _LEADING_POLICIES]
+    return ordered_policies(record.policy for record in records)
 
 
 def _engine_names(records: Sequence[TrialRecord]) -> Callable[[str, str], str]:

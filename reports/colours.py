@@ -1,0 +1,48 @@
+"""One colour, dash and marker for each policy and engine, everywhere: told apart also by colour-blind readers.
+
+Colours after Okabe and Ito (https://jfly.uni-koeln.de/color/); on a dark page, lighter ones of the same hue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Ink:
+    """How a policy is drawn."""
+
+    light: str
+    """On white."""
+    dark: str
+    """On a dark page."""
+    dash: tuple[float, ...]
+    """Lengths of strokes and gaps in line widths; empty for a solid line."""
+
+
+_INKS = {
+    "none": Ink("#5c5c5c", "#b8b8b8", (4, 1.5)),
+    "native": Ink("#b1609a", "#e0a3cc", (1, 1)),
+    "raised": Ink("#8a5a00", "#d9b26a", (3, 1, 1, 1)),
+    "at_rest": Ink("#c75000", "#ff9d5c", (2, 1)),
+    "paper": Ink("#0068a8", "#6bb8ee", ()),
+    "equilibrium": Ink("#007d5a", "#4fd1a5", ()),
+}
+_OTHERS = (
+    Ink("#3f6d8a", "#9fc9de", (5, 1, 1, 1)),
+    Ink("#8f7a00", "#e6d44f", (2, 2)),
+    Ink("#8a3b3b", "#e39a9a", (6, 2)),
+)
+_MARKERS = "osD^vPX*hp"
+
+
+def inks(policies: Sequence[str]) -> dict[str, Ink]:
+    """The ink of each policy; unknown ones share what is left, in their order."""
+    unknown = [name for name in policies if name not in _INKS]
+    return {name: _INKS.get(name) or _OTHERS[unknown.index(name) % len(_OTHERS)] for name in policies}
+
+
+def markers(engines: Sequence[str]) -> dict[str, str]:
+    """The marker of each engine, in matplotlib's letters."""
+    return {name: _MARKERS[number % len(_MARKERS)] for number, name in enumerate(engines)}

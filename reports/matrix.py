@@ -1,0 +1,119 @@
+"""The comparison matrix: a row for each scene, engine, profile and policy, as text and as what it is sorted by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.cells import ALONE, Cell, CellKey, compare_cells
+from reports.intervals import deviation
+from reports.tables import NOTHING, outcome
+from reports.wording import median_level, told, troubles
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """What a column shows."""
+
+    title: str
+    explanation: str
+    unit: str = ""
+
+
+COLUMNS = (
+    Column("seeds", "number of different builds; seed 0 is exact, the others are a hand's"),
+    Column("levels", "its end; of several seeds the median level of collapse [95 % interval], and how many fell"),
+    Column("right", "trials that went as theory demands, of those that theory can judge"),
+    Column("sink", "how far the highest intact level lay below its ideal height", "mm"),
+    Column("creep", "fastest mean motion of a brick while the finished stack was watched", "mm/s"),
+    Column("p50", "median frame time ± median absolute deviation over seeds", "ms"),
+    Column("p99", "99th percentile of the frame time ± median absolute deviation over seeds", "ms"),
+    Column("ratio", "frame time over that of the same standing stack all awake [95 % interval]"),
+    Column(
+        "against none", "pairs of a seed with the engine alone: how many came farther / less far; p of no difference"
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One entry of the matrix."""
+
+    text: str
+    sort: float
+    """What the column is sorted by; nan comes last."""
+
+
+@dataclass(frozen=True, slots=True)
+class MatrixRow:
+    """One cell of the comparison, with its figures in the order of ``COLUMNS``."""
+
+    cell: Cell
+    judgement: str
+    """right, wrong, mixed, or open where theory says nothing or the trials did not come so far."""
+    figures: tuple[Figure, ...]
+    trouble: str
+
+
+def matrix(cells: Sequence[Cell]) -> list[MatrixRow]:
+    """The rows of all cells, in their order."""
+    by_key = {cell.key: cell for cell in cells}
+    return [_row(cell, by_key.get(CellKey(*cell.key[:3], ALONE))) for cell in cells]
+
+
+def _row(cell: Cell, alone: Cell | None) -> MatrixRow:
+    judged, right = len(cell.judged), cell.count("right")
+    figures = (
+        Figure(str(len(cell.draws)), len(cell.draws)),
+        _levels(cell),
+        Figure(f"{right}/{judged}", right / judged) if judged else Figure(NOTHING, math.nan),
+        _measured(cell, "sink_m", 2, 1e3),
+        _measured(cell, "creep_m_s", 4, 1e3),
+        _timed(cell, "frame_ms_p50"),
+        _timed(cell, "frame_ms_p99"),
+        _ratio(cell),
+        _paired(cell, alone),
+    )
+    judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
+    return MatrixRow(cell, judgement, figures, troubles(cell))
+
+
+def _levels(cell: Cell) -> Figure:
+    survival = cell.survival
+    if len(cell.draws) == 1 or survival is None:
+        sort = survival.median if survival is not None else math.nan
+        reached = cell.draws[0].height_levels
+        return Figure(outcome(cell.draws[:1]).rstrip(" ✓✗"), reached if math.isinf(sort) else sort)
+    fallen = sum(life.fell for life in cell.lifetimes.values())
+    if not fallen:
+        least = min(life.level for life in cell.lifetimes.values())
+        return Figure(f"none fell, ≥{least}", least)
+    text = f"{median_level(survival)}; {fallen} of {len(cell.lifetimes)} fell"
+    return Figure(text, min(survival.median, float(survival.level[-1])))
+
+
+def _measured(cell: Cell, field: str, digits: int, scale: float) -> Figure:
+    estimate = cell.estimate(field)
+    return Figure(told(estimate, digits, scale), math.nan if estimate is None else estimate.value * scale)
+
+
+def _timed(cell: Cell, field: str) -> Figure:
+    estimate = cell.estimate(field)
+    if estimate is None:
+        return Figure(NOTHING, math.nan)
+    spread = deviation(cell.values(field))
+    return Figure(f"{estimate.value:.3f}" + ("" if spread is None else f" ± {spread:.3f}"), estimate.value)
+
+
+def _ratio(cell: Cell) -> Figure:
+    estimate = cell.estimate("frame_ratio")
+    return Figure(told(estimate, 2), math.nan if estimate is None else estimate.value)
+
+
+def _paired(cell: Cell, alone: Cell | None) -> Figure:
+    test = compare_cells(cell, alone) if alone is not None and cell is not alone else None
+    if test is None or test.p_value is None:
+        return Figure(NOTHING, math.nan)
+    p_value = "p < 0.001" if test.p_value < 0.001 else f"p = {test.p_value:.3f}"
+    return Figure(f"{test.first_farther} / {test.second_farther}; {p_value}", test.p_value)

@@ -1,0 +1,240 @@
+"""The page of a study: one HTML file that needs no network, made from raw records alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from reports import charts
+from reports.capabilities import capability_table, engines_of
+from reports.cells import Cell, cells_of, ordered_policies
+from reports.colours import inks
+from reports.matrix import COLUMNS, MatrixRow, matrix
+from reports.records import Status, TrialRecord
+from reports.traces import traces
+from reports.verdicts import EngineVerdict, verdicts
+from reports.wording import percent
+from reports.writing import write_whole
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_REM = 16.0
+"""Of a page's usual font [px]."""
+_MOST_MESSAGES = 3
+"""Different messages of trials told in one row."""
+_MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
+_PROFILES = {
+    "default": "as shipped",
+    "game": "one engine step a frame, or the fewest with which a dropped brick seats",
+    "tuned": "the best we could get",
+    "unity4": "an emulation of PhysX as the paper had it",
+}
+
+
+def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[str] = ()) -> Path:
+    """Write ``report/index.html`` and its figures into a results folder.
+
+    Args:
+        folder: a results folder.
+        records: its records, at least one.
+        missing: ids of trials that its study plans and that have no record.
+    """
+    report = folder / "report"
+    figures = report / "figures"
+    figures.mkdir(parents=True, exist_ok=True)
+    cells = cells_of(records)
+    told, engines = verdicts(cells), engines_of(folder)
+    thinned, without_frames = traces(folder, cells)
+    study = _study(folder)
+    policies = ordered_policies(cell.key.policy for cell in cells)
+    page = (
+        _environment(study is not None, folder)
+        .get_template("page.html.j2")
+        .render(
+            study=study or folder.resolve().name,
+            caption=caption(folder, records),
+            css=_part("page.css"),
+            js=_part("page.js"),
+            inks=inks(policies),
+            problems=_problems(records, missing, without_frames),
+            verdicts=told,
+            share_note=_share_note(cells),
+            profile_notes=_PROFILES,
+            rows=matrix(cells),
+            columns=COLUMNS,
+            marks=_MARKS,
+            choices=_choices(cells),
+            survival=_survival(cells, figures, policies),
+            speed=_speed(told, figures, policies),
+            traces=thinned,
+            replays=_replays(report),
+            engines=engines,
+            capabilities=capability_table(engines) if engines else None,
+            again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
+            environment=_machine(folder),
+        )
+    )
+    write_whole(report / "index.html", page.encode())
+    return report / "index.html"
+
+
+def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
+    """What a table or page must say of itself: n, seeds, versions and date."""
+    seeds = len({record.seed for record in records})
+    versions = sorted({f"{record.engine} {record.engine_version}" for record in records})
+    environment = _kept_environment(folder)
+    begun = [session.get("begun", "")[:10] for session in environment.get("sessions", [])]
+    when = f", run {' to '.join(dict.fromkeys([begun[0], begun[-1]]))}" if begun else ""
+    commit = f", commit {environment['commit'][:10]}" if environment.get("commit") else ""
+    return f"n = {len(records)} trials, {seeds} seed{'s' * (seeds > 1)}; {', '.join(versions)}{when}{commit}."
+
+
+def _environment(has_study: bool, folder: Path) -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
+    )
+    environment.filters["percent"] = percent
+    environment.filters["messages"] = _messages
+    environment.filters["command"] = lambda row: _command(row, _study_file(folder) if has_study else None)
+    return environment
+
+
+def _part(name: str) -> Markup:
+    """A file of ours that becomes part of the page as it is."""
+    return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _study_file(folder: Path) -> str:
+    """How to name the folder's study on the command line."""
+    return os.path.relpath(folder / "study.toml")
+
+
+def _command(row: MatrixRow, study: str | None) -> str:
+    """What makes the numbers of a row again."""
+    key, cell = row.cell.key, row.cell
+    words = ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])]
+    words += ["--engine", key.engine, "--profile", key.profile, "--scenario", cell.scenario, "--policy", key.policy]
+    return shlex.join([*words, "--seeds", str(max(trial.seed for trial in cell.trials) + 1)])
+
+
+def _messages(row: MatrixRow) -> list[str]:
+    """Why the trials of a row ended as they did, each reason once."""
+    found = list(dict.fromkeys(trial.message for trial in row.cell.draws if trial.message))
+    more = len(found) - _MOST_MESSAGES
+    return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])
+
+
+def _choices(cells: Sequence[Cell]) -> dict[str, list[str]]:
+    fields = ("scene", "engine", "profile")
+    names = {field: list(dict.fromkeys(getattr(cell.key, field) for cell in cells)) for field in fields}
+    names["policy"] = ordered_policies(cell.key.policy for cell in cells)
+    return {**names, "outcome": ["right", "wrong", "mixed", "open"]}
+
+
+def _share_note(cells: Sequence[Cell]) -> str:
+    seeds = max(len(cell.draws) for cell in cells)
+    if seeds == 1:
+        return "Shares are of stacks with an answer known by theory. n = 1 build of each: no intervals."
+    return (
+        "Shares are of stacks with an answer known by theory, with 95 % intervals by bootstrap over scenes and their "
+        f"seeds (up to {seeds}). A share of 0 or 100 % has an interval of no width: the bootstrap cannot see what "
+        "never happened."
+    )
+
+
+def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
+    """What a reader must know before believing the rest."""
+    words: dict[Status, str] = {
+        "timeout": "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
+        "diverged": "diverged",
+        "crashed": "crashed the engine's process",
+        "error": "ended in an error",
+        "out_of_memory": "ran out of memory",
+        "unsupported": "were not possible on their engine",
+    }
+    ends = [record.status for record in records]
+    found = [f"{ends.count(s)} of {len(ends)} trials {text}." for s, text in words.items() if s in ends]
+    if missing:
+        found.append(f"{len(missing)} planned trials have no record (not yet run, or cut off): {_some(missing)}.")
+    if without_frames:
+        found.append(f"Frames of {len(without_frames)} trials are missing or torn: {_some(without_frames)}.")
+    hosts = {record.host for record in records if record.host is not None}
+    if len(hosts) > 1:
+        found.append(f"Trials ran on {len(hosts)} machines: a cell that mixes them tells no times.")
+    if len({record.environment for record in records}) > 1:
+        found.append("Trials come from several environments (commits, versions or machines): compare with care.")
+    return found
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+
+
+def _survival(cells: Sequence[Cell], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
+    groups: dict[tuple[str, str], list[Cell]] = {}
+    for cell in cells:
+        groups.setdefault((cell.key.scene, cell.key.profile), []).append(cell)
+    drawn = []
+    for (scene, profile), those in groups.items():
+        if charts.has_survival(those):
+            svg = charts.save(charts.survival_figure(those), folder / f"survival-{scene}-{profile}")
+            title = f"{scene}, {profile}: theory says it {those[0].expectation}"
+            drawn.append({"title": title, **_drawing(svg, f"Survival by level of {title}", policies)})
+    return drawn
+
+
+def _speed(told: Sequence[EngineVerdict], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
+    figure = charts.speed_figure(told)
+    if figure is None:
+        return None
+    return _drawing(charts.save(figure, folder / "speed"), "Share of stacks right against frame time", policies)
+
+
+def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
+    width = re.search(r'width="([\d.]+)pt"', svg)
+    points = float(width[1]) if width else 480.0
+    return {"svg": charts.for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
+
+
+def _replays(report: Path) -> list[dict[str, str]]:
+    """Replays that lie beside the page."""
+    return [
+        {"href": f"replays/{path.name}", "title": path.stem.replace(".", " ")}
+        for path in sorted((report / "replays").glob("*.html"))
+    ]
+
+
+def _study(folder: Path) -> str | None:
+    """Name of the study that the folder keeps."""
+    try:
+        found = re.search(r'^name = "(.*)"', (folder / "study.toml").read_text(encoding="utf-8"), re.MULTILINE)
+    except (OSError, UnicodeDecodeError):
+        return None
+    return found[1] if found else None
+
+
+def _kept_environment(folder: Path) -> Mapping[str, Any]:
+    try:
+        kept = json.loads((folder / "environment.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return kept if isinstance(kept, dict) else {}
+
+
+def _machine(folder: Path) -> dict[str, str]:
+    """The environment without what stands elsewhere, as text."""
+    kept = _kept_environment(folder)
+    plain = {key: value for key, value in kept.items() if key not in ("engines", "sessions", "settings")}
+    plain |= {f"core setting {key}": value for key, value in kept.get("settings", {}).items()}
+    return {key: _flat(value) for key, value in plain.items()}
+
+
+def _flat(value: Any) -> str:
+    return ", ".join(f"{key} {item}" for key, item in value.items()) if isinstance(value, dict) else str(value)

@@ -1,0 +1,61 @@
+"""Frame times over a trial, thinned so that a page can draw thousands of frames: per bin the median and the worst."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from reports.cells import Cell
+from reports.frames import UNTIMED_FRAMES, read_columns
+from reports.records import TrialRecord
+
+BINS = 240
+"""About one to three pixels each on a page."""
+_STEPS_A_DECADE = 100
+"""Times are kept as whole hundredths of a decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
+
+
+def traces(folder: Path, cells: Sequence[Cell]) -> tuple[list[dict[str, Any]], list[str]]:
+    """The traces of the first trial of each cell that has one, and ids of trials whose frames are missing or torn.
+
+    Args:
+        folder: a results folder.
+        cells: of its records.
+    """
+    kept, missing = [], []
+    for cell in cells:
+        trial = next((draw for draw in cell.draws if draw.frame_ms_p50 is not None), None)
+        if trial is None:
+            continue
+        try:
+            kept.append({**cell.key._asdict(), "seed": trial.seed, **_trace(folder, trial)})
+        except (OSError, pa.ArrowException):
+            missing.append(trial.trial)
+    return kept, missing
+
+
+def _trace(folder: Path, trial: TrialRecord) -> dict[str, Any]:
+    """Seconds of the last frame, thinned times, and when bricks were woken and the stack fell."""
+    path = folder / "frames" / f"{trial.trial}.parquet"
+    columns = read_columns(path, ("time_s", "frame_ms", "woken"))
+    time, frame = columns["time_s"][UNTIMED_FRAMES:], columns["frame_ms"][UNTIMED_FRAMES:]
+    bins = np.array_split(frame, min(BINS, len(frame)))
+    woken = time[columns["woken"][UNTIMED_FRAMES:] > 0]
+    return {
+        "from": round(float(time[0]), 3),
+        "to": round(float(time[-1]), 3),
+        "median": _quantised(np.array([np.median(part) for part in bins])),
+        "worst": _quantised(np.array([part.max() for part in bins])),
+        "wakes": np.unique(np.round(woken, 1)).tolist(),
+        "falls": round(float(time[trial.timed_frames - 1]), 2) if trial.collapse_level and trial.timed_frames else None,
+    }
+
+
+def _quantised(times_ms: npt.NDArray[np.float64]) -> list[int]:
+    quantised: list[int] = np.rint(_STEPS_A_DECADE * np.log10(np.maximum(times_ms * 1e3, 1.0))).astype(int).tolist()
+    return quantised
