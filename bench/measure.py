@@ -158,11 +158,18 @@ def creep(before: FloatArray, after: FloatArray, seconds: float) -> float:
     return float(np.linalg.norm(after - before, axis=1).max() / seconds)
 
 
-def verdict(expectation: Expectation, status: Status, collapse_level: int | None, kind: CollapseKind | None) -> Verdict:
+def verdict(
+    expectation: Expectation,
+    status: Status,
+    collapse_level: int | None,
+    kind: CollapseKind | None,
+    collapse_s: float | None = None,
+) -> Verdict:
     """Was the outcome what theory demands?
 
-    Standing is right if the trial ran to its end; falling is right only at the level itself, by toppling or
-    sliding. A trial that did not get to its end, and one that sank where it had to fall, has failed.
+    Standing is right if the trial ran to its end; falling is right only at the level itself and not before it is
+    due, by toppling or sliding. A trial that did not get to its end, and one that sank where it had to fall, has
+    failed.
     """
     if expectation.outcome == "study" or status == "unsupported":
         return "none"
@@ -174,6 +181,7 @@ def verdict(expectation: Expectation, status: Status, collapse_level: int | None
         raise ValueError("a scene that must fall names the level at which it does")
     if collapse_level is None or collapse_level > expectation.level:
         return "false_stand"
-    if collapse_level < expectation.level:
+    is_early = collapse_s is not None and collapse_s < expectation.not_before_s
+    if collapse_level < expectation.level or is_early:
         return "false_collapse"
     return "failed" if kind == "sink" else "right"

@@ -91,7 +91,7 @@ def bare_record(
     trial: Trial, scene: Scene, environment: str, status: Status, message: str, **fields: Any
 ) -> TrialRecord:
     """The record of a trial: who it was, how it ended, what ``fields`` were measured, and the verdict."""
-    collapse_level, kind = fields.get("collapse_level"), fields.get("collapse_kind")
+    collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
     return TrialRecord(
         **{
             "trial": trial.id,
@@ -100,6 +100,7 @@ def bare_record(
             "profile": trial.profile,
             "scenario": trial.scenario,
             "scene": trial.scene,
+            "pair": scene.pair,
             "parameters": scene.parameters,
             "policy": trial.policy,
             "seed": trial.seed,
@@ -107,7 +108,7 @@ def bare_record(
             "status": status,
             "message": message,
             "expectation": scene.expectation,
-            "verdict": measure.verdict(scene.expectation, status, collapse_level, kind),
+            "verdict": measure.verdict(scene.expectation, status, *collapse),
             "environment": environment,
             "levels_planned": scene.levels,
             **fields,
@@ -148,7 +149,7 @@ def _seen(play: Play) -> dict[str, Any]:
             "drift_m": standing.drift_m,
         }
     if collapse is not None:
-        fields |= {"collapse_level": collapse.level, "collapse_kind": collapse.kind}
+        fields |= {"collapse_level": collapse.level, "collapse_kind": collapse.kind, "collapse_s": collapse.time}
     if play.is_steered:
         fields |= {
             "wakes": play.sleepers.wakes,

@@ -104,6 +104,8 @@ class TrialRecord(BaseModel):
     """Digest of the environment.json of the run."""
     collapse_kind: CollapseKind | None = None
     """What the collapse was: sink only if nothing toppled or slid within a second of it."""
+    collapse_s: float | None = None
+    """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
     """Level of the stack on which ``frame_ratio`` was taken."""
     frame_ratio_message: str = ""
@@ -121,6 +123,8 @@ class TrialRecord(BaseModel):
     run tells how steady the machine was."""
     core: int | None = None
     """The processor core that the trial was kept to; null if it was not."""
+    pair: str = ""
+    """Id that a scene which must stand shares with its partner that must fall; empty if it has none."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
 

@@ -6,8 +6,8 @@ levels; the top has no roof. All of it lies in the x-z plane.
 
 Layout. The ridges of a storey are so far apart that a roof plank covers both and overhangs by ``OVERHANG``. Over three
 ridges two roof planks must meet above the middle one, each on its own side of it, so they are moved outward until they
-leave the usual gap between them. Upper Vs stand centred between the ridges below. With three storeys planks cannot
-reach further: four ridges would need a roof plank of another length.
+leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four and
+more ridges whole planks do not fit: those between the outermost two are sawn off to leave the usual gap.
 
 Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
 ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
@@ -50,7 +50,7 @@ def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU) -
         theta: angle [deg] between a leaning plank and the ground.
         friction: Coulomb coefficient of every pair.
     """
-    storeys = whole("storeys", storeys, least=1, most=3)
+    storeys = whole("storeys", storeys, least=1, most=10)
     theta = real("theta", theta, least=45, most=85)
     friction = real("friction", friction, least=0, most=2)
     parameters: dict[str, Value] = {"storeys": storeys, "theta": theta, "friction": friction}
@@ -63,6 +63,7 @@ def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU) -
         actions=one_a_second(_groups(storeys, angle)),
         expectation=expected(angle, friction),
         look_for="feet that creep apart and a ridge that drops; standing on too little friction is glue",
+        pair=variant_of(card_house, parameters | {"friction": MU}),
         planar=True,
     )
 
@@ -96,8 +97,21 @@ def _groups(storeys: int, theta: float) -> list[Sequence[Brick]]:
         pairs = [_inverted_v(x, theta, level, bottom) for x in _row(ridges, spacing)]
         groups.extend(pairs if storey == 0 else [[plank for pair in pairs for plank in pair]])
         if ridges > 1:
-            groups.append([lay(x, level=level + 1, bottom=bottom + height) for x in _row(ridges - 1, LENGTH + GAP)])
+            groups.append(_roofs(ridges, spacing, level + 1, bottom + height))
     return groups
+
+
+def _roofs(ridges: int, spacing: float, level: int, bottom: float) -> list[Brick]:
+    """Planks across each two neighbouring ridges: the outermost whole, those between sawn off."""
+    middles, sawn = _row(ridges - 1, spacing), spacing - GAP
+    if ridges == 2:
+        return [lay(0.0, level=level, bottom=bottom)]
+    outward = (LENGTH - sawn) / 2
+    return [
+        lay(middles[0] - outward, level=level, bottom=bottom),
+        *(lay(x, level=level, bottom=bottom, length=sawn) for x in middles[1:-1]),
+        lay(middles[-1] + outward, level=level, bottom=bottom),
+    ]
 
 
 def _half_foot_spread(theta: float) -> float:

@@ -15,24 +15,29 @@ import math
 
 from scenarios.model import Expectation, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
-from scenarios.planks import LENGTH, MU, lay, one_a_second
+from scenarios.planks import MU, box, one_a_second, plank_of
 
 CERTAIN = 0.05
 """Least distance from the limit, as a share of half a plank's length, at which theory's answer survives a real hand."""
 
 
-def leaning_tower(*, ratio: float = 8.5, levels: int = 13) -> Scene:
+def leaning_tower(*, ratio: float = 8.5, levels: int = 13, scale: float = 1.0) -> Scene:
     """Flat planks, each shifted along x by the same offset, until they topple.
 
     Args:
         ratio: a plank's length over the offset; below 2 a plank falls off the one below.
         levels: number of planks.
+        scale: size of the planks over that of the standard plank.
     """
     ratio = real("ratio", ratio, least=1.1, most=1000)
     levels = whole("levels", levels, least=1, most=500)
-    parameters: dict[str, Value] = {"ratio": ratio, "levels": levels}
-    offset = LENGTH / ratio
-    planks = [lay((level - 1) * offset, level=level) for level in range(1, levels + 1)]
+    scale = real("scale", scale, least=0.1, most=100)
+    parameters: dict[str, Value] = {"ratio": ratio, "levels": levels, "scale": scale}
+    length, width, thickness, mass = plank_of(scale)
+    planks = [
+        box((length, width, thickness), above * length / ratio, level=above + 1, bottom=above * thickness, mass=mass)
+        for above in range(levels)
+    ]
     return Scene(
         scenario="leaning_tower",
         variant=variant_of(leaning_tower, parameters),
@@ -41,6 +46,7 @@ def leaning_tower(*, ratio: float = 8.5, levels: int = 13) -> Scene:
         actions=one_a_second([plank] for plank in planks),
         expectation=expected(ratio, levels),
         look_for="turns about its lowest plank's edge, whole; standing any longer is glue",
+        pair=variant_of(leaning_tower, parameters | {"levels": 13}),
         planar=True,
     )
 

@@ -89,6 +89,8 @@ class Expectation:
     """Why, in one line, with its source."""
     level: int | None = None
     """The level at which it must fall; None unless ``outcome`` is "fall"."""
+    not_before_s: float = 0.0
+    """When [s] that becomes due at the earliest: a scene that is undermined must stand until then."""
 
     def __str__(self) -> str:
         return (
@@ -111,6 +113,9 @@ class Scene:
     expectation: Expectation
     look_for: str
     """What a person who watches should look for."""
+    pair: str = ""
+    """Id that a scene which must stand shares with one that must fall and differs from it only in what decides: only
+    both together tell a stability test from glue. Empty if it has no partner."""
     planar: bool = False
     """True if every brick stays in the x-z plane, so that a 2-D engine can play it."""
     watch_s: float = 5.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from scenarios.model import Scene
@@ -32,6 +32,18 @@ def real(name: str, value: object, *, least: float, most: float) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most:
         return float(value)
     raise ValueError(f"{name} must be a number from {least:g} to {most:g}, got {value!r}")
+
+
+def choice(name: str, value: object, among: Sequence[str]) -> str:
+    """``value`` as one of the words ``among`` which it must be.
+
+    Raises:
+        ValueError: if it is anything else; the message names them all.
+    """
+    for word in among:
+        if value == word:
+            return word
+    raise ValueError(f"{name} must be one of {', '.join(among)}, got {value!r}")
 
 
 def defaults(builder: Callable[..., Scene]) -> dict[str, Value]:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
-from scenarios.model import Brick, Place, Quaternion
+from scenarios.model import Brick, Place, Quaternion, Vector
 
 LENGTH = 117.0e-3
 """Nominal length [m]."""
@@ -23,6 +23,8 @@ MASS = 11.9e-3
 MU = 0.45
 """Coulomb coefficient of every pair. It is OUR choice: reported values for pine on pine spread from 0.12 to 0.45, and
 only the upper end lets a card house stand whichever normal an engine reports at its ridge (see ``card_house``)."""
+DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
+"""Mean density [kg/m3]."""
 GAP = 2.0e-3
 """Gap [m] between neighbours of one level: with 0.5 mm an unsteady hand pushes one plank into the next."""
 
@@ -60,6 +62,40 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
     z = bottom + (LENGTH * along[1] + THICKNESS * across[1]) / 2
     tilt: Quaternion = (math.cos(theta / 2), 0.0, -toward * math.sin(theta / 2), 0.0)
     return Brick((LENGTH, WIDTH, THICKNESS), MASS, (x, 0.0, z), tilt, level)
+
+
+def plank_of(scale: float) -> tuple[float, float, float, float]:
+    """Length, width and thickness [m] and mass [kg] of a plank that is ``scale`` times as large, of the same wood.
+
+    What tips needs size: the energy [J] with which a brick lands grows with its mass alone, for it is always let go
+    ``CLEARANCE`` above its support; what it takes to tip a stack grows with its size as well.
+    """
+    return scale * LENGTH, scale * WIDTH, scale * THICKNESS, scale**3 * MASS
+
+
+def box(
+    size: Vector,
+    x: float,
+    y: float = 0.0,
+    *,
+    level: int,
+    bottom: float = 0.0,
+    yaw: float = 0.0,
+    mass: float | None = None,
+) -> Brick:
+    """A box that stands upright.
+
+    Args:
+        size: edge lengths [m] along its own x, y and z.
+        x: centre along x [m].
+        y: centre along y [m].
+        level: the level it belongs to, from 1.
+        bottom: height of its lower face [m].
+        yaw: turn about z [rad].
+        mass: [kg]; by default that of a box of the planks' wood.
+    """
+    turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+    return Brick(size, math.prod(size) * DENSITY if mass is None else mass, (x, y, bottom + size[2] / 2), turn, level)
 
 
 def one_a_second(groups: Iterable[Sequence[Brick]]) -> tuple[Place, ...]:

@@ -6,13 +6,26 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from scenarios.branches import branches
 from scenarios.brick_wall import brick_wall
+from scenarios.cantilever import cantilever
 from scenarios.card_house import card_house
+from scenarios.corbelled_arch import corbelled_arch
 from scenarios.four_stack import four_stack
+from scenarios.harmonic_overhang import harmonic_overhang
+from scenarios.incline import incline
+from scenarios.jenga import jenga
 from scenarios.leaning_tower import leaning_tower
+from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
 from scenarios.parameters import Value, defaults
+from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
+from scenarios.pyramid import pyramid
+from scenarios.random_tower import random_tower
+from scenarios.robbed_stack import robbed_stack
+from scenarios.table import table
+from scenarios.wall_plank import wall_plank
 from stability_core.lookup import look_up
 
 
@@ -34,7 +47,27 @@ class Scenario:
 
 
 SCENARIOS: Mapping[str, Scenario] = {
-    builder.__name__: Scenario(builder) for builder in (plank_tower, four_stack, leaning_tower, card_house, brick_wall)
+    builder.__name__: Scenario(builder)
+    for builder in (
+        plank_tower,
+        four_stack,
+        leaning_tower,
+        card_house,
+        brick_wall,
+        pyramid,
+        log_cabin,
+        jenga,
+        robbed_stack,
+        random_tower,
+        harmonic_overhang,
+        cantilever,
+        plank_bridge,
+        corbelled_arch,
+        table,
+        branches,
+        wall_plank,
+        incline,
+    )
 }
 
 

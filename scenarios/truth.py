@@ -8,6 +8,7 @@ answer holds in an engine only at some distance from the limit.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def equilibrium(
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     """The level at which a scene, built action by action, first finds no equilibrium; None if it always stands.
 
-    After a removal it is the highest level that was placed so far.
+    After a removal it is the highest level that was placed so far. What happens at one time is judged as one.
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
@@ -55,7 +56,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     patches = contact_patches(scene.bricks, ridge=ridge)
     present: list[int] = []
     placed = level = 0
-    for action in scene.actions:
+    for action, then in zip_longest(scene.actions, scene.actions[1:]):
         match action:
             case Place(bricks=bricks):
                 present += range(placed, placed + len(bricks))
@@ -65,7 +66,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 present.remove(brick)
             case Push():
                 raise ValueError(f"{scene.variant} pushes a brick: statics cannot tell what a push does")
-        if not present:
+        if not present or (then is not None and then.time == action.time):
             continue
         statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)
         if statics.verdict == "doubt":

@@ -1,0 +1,73 @@
+"""A cantilever: a beam on a pier, a counterweight on its inner end, a load on its outer end; then one is taken.
+
+Theory: moments about the pier's edge, in a beam's mass m and length L: the beam holds with m L / 20, the counterweight
+of 2 m with 0.4 L, and the load p pulls with 0.3 L, so all of it stands while p < 2.83 m. Without the counterweight the
+beam carries no more than m / 6, and falls; without the load it stands all the better.
+
+What to look for: the counterweight decides, though it does not lie above the load: a rule that looks only at what rests
+on what lies straight below lets the beam stand when its counterweight has gone, or tips it when it is there.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Action, Expectation, Remove, Scene, World
+from scenarios.parameters import Value, choice, real, variant_of
+from scenarios.planks import MU, box, one_a_second, plank_of
+
+PIER = 6.0
+"""Height of the pier in thicknesses of a plank: room to tip."""
+COUNTERWEIGHT = 2.0
+"""Mass of the counterweight over that of the beam."""
+BEAM_ARM, COUNTERWEIGHT_ARM, LOAD_ARM = -0.05, -0.4, 0.3
+"""Centres along x from the pier's edge, in lengths of the beam."""
+PIECE = 0.3
+"""Length of counterweight and load, in lengths of the beam."""
+LIMIT = -(BEAM_ARM + COUNTERWEIGHT * COUNTERWEIGHT_ARM) / LOAD_ARM
+"""The load that balances everything, over the mass of the beam."""
+
+
+def cantilever(*, margin: float = 0.3, taken: str = "nothing", scale: float = 1.5) -> Scene:
+    """A beam that reaches beyond its pier, held by a counterweight; then load or counterweight is taken away.
+
+    Args:
+        margin: share by which the load is lighter than the limit; a negative one is heavier.
+        taken: "nothing", "load" or "counterweight", two seconds after the load was laid.
+        scale: size of everything over that of the standard plank.
+    """
+    margin = signed_margin(margin)
+    taken = choice("taken", taken, ("nothing", "load", "counterweight"))
+    scale = real("scale", scale, least=0.1, most=100)
+    if taken != "nothing" and margin <= 0:
+        raise ValueError(f"margin must be positive where something is taken, got {margin:g}: it has fallen before")
+    parameters: dict[str, Value] = {"margin": margin, "taken": taken, "scale": scale}
+    length, width, thickness, mass = plank_of(scale)
+    top, piece = PIER * thickness, (PIECE * length, width, thickness)
+    bricks = [
+        box((length, width, top), -length / 2, level=1),
+        box((length, width, thickness), BEAM_ARM * length, level=2, bottom=top),
+        box(piece, COUNTERWEIGHT_ARM * length, level=3, bottom=top + thickness, mass=COUNTERWEIGHT * mass),
+        box(piece, LOAD_ARM * length, level=4, bottom=top + thickness, mass=(1 - margin) * LIMIT * mass),
+    ]
+    actions: tuple[Action, ...] = one_a_second([brick] for brick in bricks)
+    time = actions[-1].time + 2.0
+    expectation = by_margin(margin, f"a load of {LIMIT:.2f} times the beam, by moments about the edge", falls_at=4)
+    common: dict[str, Value] = {"margin": abs(margin)}
+    if taken != "nothing":
+        actions += (Remove(time, {"counterweight": 2, "load": 3}[taken]),)
+        common["taken"] = "load"
+    if taken == "load":
+        expectation = Expectation("stand", "without its load the beam is held all the better")
+    elif taken == "counterweight":
+        expectation = Expectation("fall", "alone the beam carries a sixth of its mass", 4, not_before_s=time)
+    return Scene(
+        scenario="cantilever",
+        variant=variant_of(cantilever, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=actions,
+        expectation=expectation,
+        look_for="the beam turns about the pier's edge as soon as its counterweight is too light or gone",
+        pair=variant_of(cantilever, parameters | common),
+        planar=True,
+    )

@@ -1,0 +1,62 @@
+"""A corbelled arch: from two sides planks step inward, one a course, until a capstone bridges the gap.
+
+Theory: each side alone is a leaning tower of n planks and stands while n d < L (d: the step). The capstone adds half a
+plank's weight to each side, which acts at best at the outer end of what they share, o from the top plank's end, so at
+(n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about that one's inner edge give the largest step:
+d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push the sides apart by mu / 2 of its weight, (n - 1) t
+above that edge (t: thickness), which adds mu t to L. A known answer stands without that, or falls in spite of it.
+Upper parts are shorter and safer. Both sides are mirror images and come together.
+
+What to look for: nothing locks a corbelled arch but weight. Beyond the limit both sides turn inward, about their
+lowest planks' edges, as soon as the capstone lies on them.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Brick, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import MU, box, one_a_second, plank_of
+
+SHARED = 0.15
+"""o: how much of the capstone lies on each side, in lengths of a plank."""
+
+
+def corbelled_arch(*, courses: int = 5, margin: float = 0.1, scale: float = 2.0) -> Scene:
+    """Two sides of planks that step inward, and a capstone across the gap.
+
+    Args:
+        courses: planks of each side.
+        margin: share by which the steps are smaller than the limit without friction; negative ones are larger than
+            that with friction. Some -1 / ``courses`` would let the sides fall before the capstone comes.
+        scale: size of everything over that of the standard plank.
+    """
+    courses = whole("courses", courses, least=2, most=30)
+    margin = signed_margin(margin)
+    scale = real("scale", scale, least=0.1, most=100)
+    length, width, thickness, _ = plank_of(scale)
+    help_of_friction = 0.0 if margin > 0 else MU * thickness / length
+    limit = (1 + SHARED / (courses - 1) + help_of_friction) / (courses + 1)
+    step = (1 - margin) * limit
+    if courses * step >= 1:
+        least = 1 - 1 / (courses * limit)
+        raise ValueError(f"margin must be above {least:.3f} with {courses} courses, or the sides fall by themselves")
+    parameters: dict[str, Value] = {"courses": courses, "margin": margin, "scale": scale}
+    top_inner_end = (length - 2 * SHARED * length) / 2
+    foot = top_inner_end + length / 2 + (courses - 1) * step * length
+    groups: list[list[Brick]] = []
+    for course in range(courses):
+        x, bottom = foot - course * step * length, course * thickness
+        groups.append([box((length, width, thickness), s * x, level=course + 1, bottom=bottom) for s in (-1, 1)])
+    groups.append([box((length, width, thickness), 0.0, level=courses + 1, bottom=courses * thickness)])
+    return Scene(
+        scenario="corbelled_arch",
+        variant=variant_of(corbelled_arch, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second(groups),
+        expectation=by_margin(margin, f"steps of {limit:.3f} L, by moments with the capstone", falls_at=courses + 1),
+        look_for="beyond the limit both sides turn inward as soon as the capstone lies on them",
+        pair=variant_of(corbelled_arch, parameters | {"margin": abs(margin)}),
+        planar=True,
+    )

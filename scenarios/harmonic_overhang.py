@@ -1,0 +1,52 @@
+"""The harmonic overhang: planks at a table's edge, each as far out beyond the one below as it will go.
+
+Theory: of n planks of length L the k-th from the top may reach L / (2 k) beyond the one below it (the lowest: beyond
+the table). Then the centre of mass of the upper k planks lies just above the edge that carries them, for every k at
+once; with all offsets shrunk by a share it keeps that share of L / 2 inside every edge, and enlarged it lies as far
+outside. Whatever is there before the last plank has room to spare.
+
+What to look for: all joints give at once, so it tips as one or not at all; the tip reaches out by L (1 + 1/2 + 1/3 ...)
+/ 2. A tower that settles by some tenths of a millimetre leans outward, and falls early.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import MU, box, one_a_second, plank_of
+
+TABLE = 6.0
+"""Height of the table in thicknesses of a plank: room to tip."""
+
+
+def harmonic_overhang(*, bricks: int = 5, margin: float = 0.15, scale: float = 1.0) -> Scene:
+    """Planks at a table's edge, each reaching beyond the one below by a harmonic offset.
+
+    Args:
+        bricks: number of planks, table not counted.
+        margin: share by which the offsets are smaller than the limit; negative ones are larger.
+        scale: size of everything over that of the standard plank.
+    """
+    bricks = whole("bricks", bricks, least=2, most=50)
+    margin = signed_margin(margin)
+    scale = real("scale", scale, least=0.1, most=100)
+    parameters: dict[str, Value] = {"bricks": bricks, "margin": margin, "scale": scale}
+    length, width, thickness, _ = plank_of(scale)
+    tower = [box((length, width, TABLE * thickness), 0.0, level=1)]
+    x = 0.0
+    for level in range(2, bricks + 2):
+        from_top = bricks + 2 - level
+        x += (1 - margin) * length / (2 * from_top)
+        tower.append(box((length, width, thickness), x, level=level, bottom=(TABLE + level - 2) * thickness))
+    return Scene(
+        scenario="harmonic_overhang",
+        variant=variant_of(harmonic_overhang, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([brick] for brick in tower),
+        expectation=by_margin(margin, "offsets of L / (2 k), k planks from the top", falls_at=bricks + 1),
+        look_for="every joint gives at once, so it tips as one; a tower that settles unevenly leans outward first",
+        pair=variant_of(harmonic_overhang, parameters | {"margin": abs(margin)}),
+        planar=True,
+    )

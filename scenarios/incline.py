@@ -1,0 +1,67 @@
+"""A tile on a ramp: the oldest test of friction.
+
+Theory: it slides if tan(theta) > mu, whatever its mass. The ramp is a heavy slab that stands on its lower edge and
+leans on a heavy block's edge; it needs less than two thirds of that friction itself (exact statics), for most of its
+weight presses on the ground and on the block's corner.
+
+What to look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; one that sticks
+below it was frozen where it landed.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Brick, Scene, World
+from scenarios.parameters import Value, real, variant_of
+from scenarios.planks import LENGTH, MASS, THICKNESS, WIDTH, one_a_second
+
+RAMP = (0.30, 0.10, 0.02)
+"""Edges of the slab [m]."""
+BLOCK = (0.08, 0.10)
+"""Edges of the block in x and y [m]; its height follows from the angle."""
+HEAVY = 100 * MASS
+"""Mass [kg] of slab and block."""
+TILE = (0.3 * LENGTH, WIDTH, THICKNESS)
+"""Edges of what may slide [m]."""
+LEANS_AT, LIES_AT = 0.27, 0.20
+"""Where the slab leans on the block's edge, and where the tile's middle lies, along the slab from its foot [m]."""
+
+
+def incline(*, theta: float = 20.0, margin: float = 0.15) -> Scene:
+    """A tile on a ramp.
+
+    Args:
+        theta: angle [deg] between ramp and ground.
+        margin: share by which the friction exceeds its limit; with a negative one it falls short.
+    """
+    theta = real("theta", theta, least=5, most=30)
+    margin = signed_margin(margin)
+    parameters: dict[str, Value] = {"theta": theta, "margin": margin}
+    angle = math.radians(theta)
+    limit = math.tan(angle)
+    tilt = (math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0)
+
+    def on_slab(size: tuple[float, float, float], along: float, above: float, level: int, mass: float) -> Brick:
+        """A box parallel to the slab, its lower face ``above`` the slab's lower face [m]."""
+        across = above + size[2] / 2
+        x = along * math.cos(angle) - across * math.sin(angle)
+        z = along * math.sin(angle) + across * math.cos(angle)
+        return Brick(size, mass, (x, 0.0, z), tilt, level)
+
+    height = LEANS_AT * math.sin(angle)
+    block = Brick((*BLOCK, height), HEAVY, (LEANS_AT * math.cos(angle) + BLOCK[0] / 2, 0.0, height / 2), level=1)
+    slab = on_slab(RAMP, RAMP[0] / 2, 0.0, 1, HEAVY)
+    tile = on_slab(TILE, LIES_AT, RAMP[2], 2, MASS * 0.3)
+    return Scene(
+        scenario="incline",
+        variant=variant_of(incline, parameters),
+        parameters=parameters,
+        world=World(friction=(1 + margin) * limit),
+        actions=one_a_second([[block, slab], [tile]]),
+        expectation=by_margin(margin, f"mu = tan(theta) = {limit:.3f}", falls_at=2),
+        look_for="a tile that creeps where it must hold, or sticks where it must slide",
+        pair=variant_of(incline, parameters | {"margin": abs(margin)}),
+        planar=True,
+    )

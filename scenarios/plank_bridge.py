@@ -1,0 +1,62 @@
+"""A bridge: two planks reach out from piers toward each other, and a third lies on their tips.
+
+Theory: a plank of mass m has its middle 0.2 L behind the pier's edge and its tip 0.3 L before it. The middle plank
+shares 0.1 L with each, so half its mass k acts at best 0.2 L before the edge: all stands while k / 2 < m, by moments
+about either edge. Friction below the middle plank may push the others apart by mu k / 2, a thickness t above the edge,
+which takes mu t from its arm. A known answer stands without that, or falls in spite of it. The two outer planks come
+together, as mirror images.
+
+What to look for: both tip at once, and the middle plank drops between them. Each outer plank alone stands easily.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Brick, Scene, World
+from scenarios.parameters import Value, real, variant_of
+from scenarios.planks import MU, box, one_a_second, plank_of
+
+PIER = 6.0
+"""Height of the piers in thicknesses of a plank: room to tip."""
+BEHIND, SHARED, GAP = 0.2, 0.1, 0.4
+"""Middle of an outer plank behind its pier's edge, what the middle plank shares with it, and the gap between the tips,
+in lengths of a plank."""
+TIP = 0.5 - BEHIND
+ARM = TIP - SHARED
+"""Where half the middle plank acts at best, before the edge."""
+
+
+def plank_bridge(*, margin: float = 0.3, scale: float = 2.5) -> Scene:
+    """Two planks that reach out from piers, and a third that lies on their tips.
+
+    Args:
+        margin: share by which the middle plank is lighter than the limit without friction; a negative one is heavier
+            than that with friction.
+        scale: size of everything over that of the standard plank.
+    """
+    margin = signed_margin(margin)
+    scale = real("scale", scale, least=0.1, most=100)
+    parameters: dict[str, Value] = {"margin": margin, "scale": scale}
+    length, width, thickness, mass = plank_of(scale)
+    limit = 2 * BEHIND / (ARM if margin > 0 else ARM - MU * thickness / length)
+    top, edge = PIER * thickness, (TIP + GAP / 2) * length
+    piers = [box((length, width, top), side * (edge + length / 2), level=1) for side in (-1, 1)]
+    outer = [box((length, width, thickness), side * (edge + BEHIND * length), level=2, bottom=top) for side in (-1, 1)]
+    middle: Brick = box(
+        ((GAP + 2 * SHARED) * length, width, thickness),
+        0.0,
+        level=3,
+        bottom=top + thickness,
+        mass=(1 - margin) * limit * mass,
+    )
+    return Scene(
+        scenario="plank_bridge",
+        variant=variant_of(plank_bridge, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([piers, outer, [middle]]),
+        expectation=by_margin(margin, f"a middle of {limit:.2f} times an outer plank, by moments", falls_at=3),
+        look_for="both outer planks tip at once, and the middle one drops between them",
+        pair=variant_of(plank_bridge, parameters | {"margin": abs(margin)}),
+        planar=True,
+    )

@@ -1,0 +1,42 @@
+"""A pyramid of planks in a plane: rows of n, n - 1, ... 1, each plank across the gap between two below.
+
+Theory: give every plank's load to its two supports in equal halves, through the middles of what they share. Loads and
+supports then lie mirror-like about the plank's middle, so nothing turns, and all forces press: it stands at any height.
+
+What to look for: gaps of half a plank, so each plank rests on its ends alone; an engine that shares a row's load
+unevenly lets the lowest row creep apart.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Expectation, Scene, World
+from scenarios.parameters import Value, variant_of, whole
+from scenarios.planks import LENGTH, MU, lay, one_a_second
+
+PITCH = 1.5 * LENGTH
+"""From plank to plank [m]: each rests with a quarter of its length on either support."""
+
+
+def pyramid(*, rows: int = 4) -> Scene:
+    """Rows of planks, each row one plank shorter and across the gaps of the one below.
+
+    Args:
+        rows: number of rows, as many planks in the lowest.
+    """
+    rows = whole("rows", rows, least=1, most=30)
+    parameters: dict[str, Value] = {"rows": rows}
+    planks = [
+        lay((index - (rows - level) / 2) * PITCH, level=level)
+        for level in range(1, rows + 1)
+        for index in range(rows - level + 1)
+    ]
+    return Scene(
+        scenario="pyramid",
+        variant=variant_of(pyramid, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([plank] for plank in planks),
+        expectation=Expectation("stand", "every plank shares its load in equal halves between two supports"),
+        look_for="the lowest row creeping apart; planks rest on their ends alone",
+        planar=True,
+    )

@@ -1,0 +1,86 @@
+"""A tower of planks, each laid at random on the one below: its middle anywhere from end to end of that one.
+
+Theory: n planks stand if, for every plank, the centre of mass of all above it lies over it; the first n for which it
+does not is where the tower falls. Two always stand. The third tips the second if the offsets satisfy u2 + u3 / 2 > L /
+2 or < -L / 2, which has probability 1/8; on average such a tower falls at its 7.11th plank.
+
+One draw is one tower, so each has a known answer of its own, unless a centre of mass lies so near an edge that the
+energy of laying a plank may decide: k planks tip with k m g e^2 / (k t) (e: the distance, t: thickness), ten times
+the energy of laying one only if e > sqrt(10 t c), 6.2 mm (c: the height from which it is let go).
+
+What to look for: which joint gives. It need not be the topmost, and the fall must not come a plank early or late.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Sequence
+from itertools import accumulate
+
+from scenarios.model import CLEARANCE, Expectation, Scene, World
+from scenarios.parameters import Value, variant_of, whole
+from scenarios.planks import LENGTH, MU, THICKNESS, lay, one_a_second
+
+SURE = math.sqrt(10 * THICKNESS * CLEARANCE)
+"""Least distance [m] from an edge at which a centre of mass gives a known answer."""
+MOST = 60
+"""Longest tower: not one in a million grows so high."""
+
+
+def random_tower(*, draw: int = 1, levels: int = 12) -> Scene:
+    """Planks laid at random along x, each with its middle somewhere over the one below.
+
+    Args:
+        draw: which tower: its offsets follow from this number alone.
+        levels: number of planks.
+    """
+    draw = whole("draw", draw, least=0, most=10**9)
+    levels = whole("levels", levels, least=2, most=MOST)
+    parameters: dict[str, Value] = {"draw": draw, "levels": levels}
+    middles = middles_of(draw)[:levels]
+    planks = [lay(x, level=level) for level, x in enumerate(middles, start=1)]
+    return Scene(
+        scenario="random_tower",
+        variant=variant_of(random_tower, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([plank] for plank in planks),
+        expectation=expected(middles),
+        look_for="which joint gives: it need not be the topmost, and not a plank early or late",
+        pair=variant_of(random_tower, parameters | {"levels": 12}),
+        planar=True,
+    )
+
+
+def middles_of(draw: int) -> list[float]:
+    """Where along x [m] the middles of a draw's planks lie, shape (MOST,); the lowest at 0."""
+    generator = random.Random(draw)
+    return list(accumulate((LENGTH * (generator.random() - 0.5) for _ in range(MOST - 1)), initial=0.0))
+
+
+def room(middles: Sequence[float]) -> float:
+    """Least distance [m] from the centre of mass of an upper part to the edges below it; negative beyond one."""
+    least, total = math.inf, 0.0
+    for above, middle in enumerate(reversed(middles)):
+        if above:
+            least = min(least, LENGTH / 2 - abs(total / above - middle))
+        total += middle
+    return least
+
+
+def falls_at(middles: Sequence[float]) -> int | None:
+    """The first number of planks that cannot stand; None if all can."""
+    return next((n for n in range(2, len(middles) + 1) if room(middles[:n]) < 0), None)
+
+
+def expected(middles: Sequence[float]) -> Expectation:
+    """What must happen to planks with these ``middles`` [m]."""
+    fall = falls_at(middles)
+    standing = middles if fall is None else middles[: fall - 1]
+    sure = all(room(standing[:n]) > SURE for n in range(2, len(standing) + 1))
+    if not sure or (fall is not None and room(middles[:fall]) > -SURE):
+        return Expectation("study", f"a centre of mass within {SURE * 1e3:.1f} mm of an edge: how it is laid decides")
+    if fall is None:
+        return Expectation("stand", "every upper part's centre of mass lies over the plank below it")
+    return Expectation("fall", f"{fall} planks are the first with a centre of mass beside what carries it", fall)

@@ -1,0 +1,76 @@
+"""A stack that stands, and from which something is taken: what lies on top, or what carries the rest.
+
+Theory: exact statics of what is left (``scenarios.truth``); no closed form is needed, for in each case a brick has lost
+the support under one side of its centre of mass, or the partner that it leaned against.
+
+What to look for: engines that let bricks sleep may leave them hanging in the air when their support goes. What rested
+on it must fall, and what did not must stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from scenarios.brick_wall import brick_wall
+from scenarios.card_house import card_house
+from scenarios.four_stack import four_stack
+from scenarios.log_cabin import log_cabin
+from scenarios.model import Action, Expectation, Remove, Scene
+from scenarios.parameters import Value, choice, variant_of
+from scenarios.pyramid import pyramid
+
+PAUSE_S = 2.0
+"""From the last brick to the removal [s]: time to settle."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Robbery:
+    """What is built, and what may be taken."""
+
+    build: Callable[[], Scene]
+    load: tuple[int, ...]
+    """Bricks on top, which carry nothing, by their places in the order of placement."""
+    support: int
+    """A brick of the lowest level, by its place in the order of placement."""
+
+
+STACKS: Mapping[str, _Robbery] = {
+    "four_stack": _Robbery(lambda: four_stack(levels=3), load=(11,), support=0),
+    "brick_wall": _Robbery(lambda: brick_wall(courses=4, width=2), load=(8,), support=0),
+    "pyramid": _Robbery(lambda: pyramid(rows=3), load=(5,), support=0),
+    "log_cabin": _Robbery(lambda: log_cabin(levels=4), load=(7,), support=0),
+    "card_house": _Robbery(lambda: card_house(storeys=2), load=(5, 6), support=0),
+}
+
+
+def robbed_stack(*, stack: str = "four_stack", taken: str = "load") -> Scene:
+    """A stack that stands, from which the topmost load or a lowest support is taken.
+
+    Args:
+        stack: which, a name of ``STACKS``.
+        taken: "load" or "support".
+    """
+    stack = choice("stack", stack, tuple(STACKS))
+    taken = choice("taken", taken, ("load", "support"))
+    parameters: dict[str, Value] = {"stack": stack, "taken": taken}
+    robbery = STACKS[stack]
+    built = robbery.build()
+    time = built.actions[-1].time + PAUSE_S
+    removals: tuple[Action, ...] = tuple(
+        Remove(time, brick) for brick in (robbery.load if taken == "load" else (robbery.support,))
+    )
+    if taken == "load":
+        expectation = Expectation("stand", "what is left stood before, under more load")
+    else:
+        expectation = Expectation("fall", "exact statics finds no equilibrium without it", built.levels, time)
+    return replace(
+        built,
+        scenario="robbed_stack",
+        variant=variant_of(robbed_stack, parameters),
+        parameters=parameters,
+        actions=built.actions + removals,
+        expectation=expectation,
+        look_for="what rested on it must fall, and what did not must stay",
+        pair=variant_of(robbed_stack, parameters | {"taken": "load"}),
+    )

@@ -1,0 +1,72 @@
+"""A table: one plate merges two, three or four legs, and a load lies beyond them.
+
+Theory: all legs reach to the same line x = a toward the load, and the plate's centre of mass lies at x = 0, so it tips
+about that line once the load p at a + q outweighs it: p q > m a. With two legs the table is a beam in the x-z plane;
+with three, two of them stand on the load's side; a load as far out on the other side would tip it sooner.
+
+What to look for: the legs behind lift off while those in front take everything. Shares got wrong (each leg a third,
+say) put the load where no leg is lifted and nothing falls.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Brick, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import MU, box, one_a_second, plank_of
+
+HEIGHT = 6.0
+"""Height of the legs in thicknesses of a plank: room to tip."""
+FOOT = 0.14
+"""Edge of a leg's square foot in lengths of the plate; with two legs, of its side along x."""
+REACH = 0.22
+"""a: how far in front of the plate's middle the foremost legs end, in lengths of the plate."""
+ARM = 0.2
+"""q: how far beyond that the load's middle lies, in lengths of the plate."""
+LIMIT = REACH / ARM
+"""The load that balances the plate, over the plate's mass."""
+_FRONT, _BACK, _ASIDE = REACH - FOOT / 2, -0.4, 0.3
+LEGS = {
+    2: ((_FRONT, 0.0), (-_FRONT, 0.0)),
+    3: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (_BACK, 0.0)),
+    4: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (-_FRONT, _ASIDE), (-_FRONT, -_ASIDE)),
+}
+"""Middles of the legs in x and y, in lengths of the plate."""
+
+
+def table(*, legs: int = 4, margin: float = 0.3, scale: float = 2.5) -> Scene:
+    """A plate on legs, and a load that lies beyond them.
+
+    Args:
+        legs: 2, 3 or 4; two carry a plank, more a square plate.
+        margin: share by which the load is lighter than the limit; a negative one is heavier.
+        scale: size of everything over that of the standard plank.
+    """
+    legs = whole("legs", legs, least=2, most=4)
+    margin = signed_margin(margin)
+    scale = real("scale", scale, least=0.1, most=100)
+    parameters: dict[str, Value] = {"legs": legs, "margin": margin, "scale": scale}
+    length, width, thickness, _ = plank_of(scale)
+    height, foot, depth = HEIGHT * thickness, FOOT * length, width if legs == 2 else length
+    standing = [
+        box((foot, width if legs == 2 else foot, height), x * length, y * length, level=1) for x, y in LEGS[legs]
+    ]
+    plate = box((length, depth, thickness), 0.0, level=2, bottom=height)
+    load: Brick = box(
+        (foot, width, thickness),
+        (REACH + ARM) * length,
+        level=3,
+        bottom=height + thickness,
+        mass=(1 - margin) * LIMIT * plate.mass,
+    )
+    return Scene(
+        scenario="table",
+        variant=variant_of(table, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=one_a_second([*([leg] for leg in standing), [plate], [load]]),
+        expectation=by_margin(margin, f"a load of {LIMIT:.1f} times the plate beyond its legs", falls_at=3),
+        look_for="the legs behind are freed of all load before it tips about those in front",
+        pair=variant_of(table, parameters | {"margin": abs(margin)}),
+        planar=legs == 2,
+    )

@@ -1,0 +1,77 @@
+"""A plank that leans against a wall, its foot on the ground: two, three or four bodies hold it.
+
+Theory, with the foot at the origin, the upper contact at (X, Y) and the centre of mass at x_c. Both contacts are about
+to slip at the limit, so the wall pushes with N = mu n and carries mu N, where n is what the ground carries:
+n (1 + mu^2) = weight. Moments about the foot: x_c (1 + mu^2) = mu Y + mu^2 X. For a thin plank that is tan(theta) =
+(1 - mu^2) / (2 mu). An edge meets an unambiguous face at either end: every engine and convention agrees on the normals.
+
+The wall may be split down the middle, so that a half of it holds each corner of the plank, and the ground too, into two
+tiles: it changes nothing in theory, but more bodies than two hold the plank, where the paper's rule knows two.
+
+What to look for: the foot slips, and the plank slides down the wall; a plank that stays below the limit is glued.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Brick, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import GAP, LENGTH, MASS, THICKNESS, box, lean, one_a_second
+
+WALL = (0.08, 0.08, 0.16)
+"""Edges of the wall [m]; each half has half its depth, less half the usual gap."""
+TILE = (0.06, 0.08, THICKNESS)
+"""Edges of the ground's two tiles together [m]."""
+HEAVY = 100 * MASS
+"""Mass [kg] of the wall, and of the tiles, so that they stay where they are."""
+
+
+def wall_plank(*, held_by: int = 2, theta: float = 65.0, margin: float = 0.15) -> Scene:
+    """A plank that leans against a wall.
+
+    Args:
+        held_by: bodies that hold the plank: 2, ground and wall; 3, with the wall in halves; 4, the ground too.
+        theta: angle [deg] between plank and ground.
+        margin: share by which the friction exceeds its limit; with a negative one it falls short.
+    """
+    held_by = whole("held_by", held_by, least=2, most=4)
+    theta = real("theta", theta, least=50, most=80)
+    margin = signed_margin(margin)
+    parameters: dict[str, Value] = {"held_by": held_by, "theta": theta, "margin": margin}
+    limit = least_friction(math.radians(theta))
+    return Scene(
+        scenario="wall_plank",
+        variant=variant_of(wall_plank, parameters),
+        parameters=parameters,
+        world=World(friction=(1 + margin) * limit),
+        actions=one_a_second([_group(held_by, math.radians(theta))]),
+        expectation=by_margin(margin, f"mu = {limit:.3f}, at which foot and top slip together", falls_at=1),
+        look_for="the foot slips and the plank slides down the wall; staying below the limit is glue",
+        pair=variant_of(wall_plank, parameters | {"margin": abs(margin)}),
+        planar=held_by == 2,
+    )
+
+
+def least_friction(theta: float) -> float:
+    """The least Coulomb coefficient at which a plank that leans at ``theta`` [rad] can rest."""
+    x, y = LENGTH * math.cos(theta), LENGTH * math.sin(theta)
+    center = (x - THICKNESS * math.sin(theta)) / 2
+    return (math.sqrt(y * y + 4 * center * (x - center)) - y) / (2 * (x - center))
+
+
+def _group(held_by: int, theta: float) -> list[Brick]:
+    """The plank and all that holds it: they come together, for a hand's error would part plank and wall."""
+    floor = TILE[2] if held_by == 4 else 0.0
+    plank = lean(0.0, theta=theta, toward=1, level=1, bottom=floor)
+    wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, held_by >= 3)
+    return [*(_in_halves(TILE, 0.0, True) if held_by == 4 else []), *wall, plank]
+
+
+def _in_halves(size: tuple[float, float, float], x: float, is_split: bool) -> list[Brick]:
+    if not is_split:
+        return [box(size, x, level=1, mass=HEAVY)]
+    depth = (size[1] - GAP) / 2
+    half = (size[0], depth, size[2])
+    return [box(half, x, side * (depth + GAP) / 2, level=1, mass=HEAVY / 2) for side in (-1, 1)]
