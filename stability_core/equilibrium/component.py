@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.equilibrium.problem import Problem
-from stability_core.equilibrium.verdict import BoolArray
+from stability_core.equilibrium.problem import BoolArray, Problem
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import FROZEN, LIVE, NONE, SUPPORT, Graph
 
@@ -81,7 +80,9 @@ def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: 
 
 
 @compiled
-def problem_of(graph: Graph, ids: IntArray, gravity: float, margin: float, grip: float) -> tuple[Problem, BoolArray]:
+def problem_of(
+    graph: Graph, ids: IntArray, gravity: float, margin: float, grip: float
+) -> tuple[Problem, BoolArray, IntArray]:
     """The statics of the bodies ``ids`` alone: O(bodies + patches).
 
     Args:
@@ -92,7 +93,8 @@ def problem_of(graph: Graph, ids: IntArray, gravity: float, margin: float, grip:
         grip: by what each friction coefficient is multiplied.
 
     Returns:
-        The problem, with the bodies in the order of ``ids``; and which contacts can carry a vertical force, (m,).
+        The problem, with the bodies in the order of ``ids``; which contacts can carry a vertical force, (m,); and the
+        rows of the patches, each of whose vertices is a contact, in this order.
     """
     n = len(ids)
     index = np.full(len(graph.bodies), -1)
@@ -121,4 +123,4 @@ def problem_of(graph: Graph, ids: IntArray, gravity: float, margin: float, grip:
             lever_a[c] /= size[body_a[c]]
     for i in range(n):
         load[i, 2] = graph.bodies[ids[i]].mass * gravity
-    return Problem(body_a, body_b, lever_a, lever_b, normal, friction, load), level
+    return Problem(body_a, body_b, lever_a, lever_b, normal, friction, load), level, patches

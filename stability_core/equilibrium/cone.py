@@ -90,3 +90,17 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
     direction[1] = direction[2]
     weight[1] = mu * (along + mu * across) / ((1.0 + mu * mu) * across)
     return 2
+
+
+@compiled
+def add_derivative_along(
+    z: FloatArray, normal: FloatArray, friction: FloatArray, dz: FloatArray, force: FloatArray
+) -> None:
+    """Add to each ``force`` (m, 3) what the derivative of the projection at ``z`` makes of ``dz``, all (m, 3)."""
+    direction, weight = np.empty((3, 3)), np.empty(3)
+    for c in range(len(z)):
+        for k in range(derivative(z[c], normal[c], friction[c], direction, weight)):
+            u = direction[k]
+            along = weight[k] * (u[0] * dz[c, 0] + u[1] * dz[c, 1] + u[2] * dz[c, 2])
+            for i in range(3):
+                force[c, i] += along * u[i]

@@ -123,26 +123,60 @@ def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int)
     return Envelope(first, offset, size)
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})  # reassociation lets the sum use SIMD lanes
-def _dot(values: FloatArray, p: int, q: int, count: int) -> float:
-    total = 0.0
-    for k in range(count):
-        total += values[p + k] * values[q + k]
-    return total
+@njit(cache=True, fastmath={"reassoc", "contract"})  # reassociation lets the sums use SIMD lanes
+def _products(matrix: FloatArray, offset: IntArray, i: int, j: int, low: int, tile: FloatArray) -> None:
+    """tile[a, b] = row i + a times row j + b over the columns ``low`` to j: nine sums that share what they read."""
+    a0, b0 = matrix[offset[i] + low : offset[i] + j], matrix[offset[j] + low : offset[j] + j]
+    a1, b1 = matrix[offset[i + 1] + low : offset[i + 1] + j], matrix[offset[j + 1] + low : offset[j + 1] + j]
+    a2, b2 = matrix[offset[i + 2] + low : offset[i + 2] + j], matrix[offset[j + 2] + low : offset[j + 2] + j]
+    s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
+    for k in range(len(a0)):
+        x0, x1, x2 = a0[k], a1[k], a2[k]
+        y0, y1, y2 = b0[k], b1[k], b2[k]
+        s00 += x0 * y0
+        s01 += x0 * y1
+        s02 += x0 * y2
+        s10 += x1 * y0
+        s11 += x1 * y1
+        s12 += x1 * y2
+        s20 += x2 * y0
+        s21 += x2 * y1
+        s22 += x2 * y2
+    tile[0, 0], tile[0, 1], tile[0, 2] = s00, s01, s02
+    tile[1, 0], tile[1, 1], tile[1, 2] = s10, s11, s12
+    tile[2, 0], tile[2, 1], tile[2, 2] = s20, s21, s22
 
 
 @compiled
 def factorize(matrix: FloatArray, envelope: Envelope) -> None:
-    """Replace a positive definite matrix by its Cholesky factor, in place; the diagonal is stored inverted."""
+    """Replace a positive definite matrix by its Cholesky factor, in place; the diagonal is stored inverted.
+
+    In tiles of 3 x 3, for which the width of a block must be a multiple of 3.
+    """
     first, offset = envelope.first, envelope.offset
-    for i in range(len(first)):
-        for j in range(first[i], i):
-            low = max(first[i], first[j])
-            inner = _dot(matrix, offset[i] + low, offset[j] + low, j - low)
-            matrix[offset[i] + j] = (matrix[offset[i] + j] - inner) * matrix[offset[j] + j]
-        at = offset[i] + first[i]
-        pivot = matrix[offset[i] + i] - _dot(matrix, at, at, i - first[i])
-        matrix[offset[i] + i] = 1.0 / np.sqrt(max(pivot, 1e-300))
+    tile = np.empty((3, 3))
+    for i in range(0, len(first), 3):
+        for j in range(first[i], i + 1, 3):
+            _products(matrix, offset, i, j, max(first[i], first[j]), tile)
+            for a in range(3):
+                row = offset[i + a] + j
+                for b in range(a + 1 if i == j else 3):
+                    diagonal = offset[j + b] + j
+                    entry = matrix[row + b] - tile[a, b]
+                    for k in range(b):
+                        entry -= matrix[row + k] * matrix[diagonal + k]
+                    if i == j and a == b:
+                        matrix[row + b] = 1.0 / np.sqrt(max(entry, 1e-300))
+                    else:
+                        matrix[row + b] = entry * matrix[diagonal + b]
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
+def _dot(left: FloatArray, right: FloatArray) -> float:
+    total = 0.0
+    for k in range(len(left)):
+        total += left[k] * right[k]
+    return total
 
 
 @compiled
@@ -151,11 +185,10 @@ def substitute(factor: FloatArray, envelope: Envelope, x: FloatArray) -> None:
     first, offset = envelope.first, envelope.offset
     n = len(first)
     for i in range(n):
-        total = x[i]
-        for j in range(first[i], i):
-            total -= factor[offset[i] + j] * x[j]
-        x[i] = total * factor[offset[i] + i]
+        row = factor[offset[i] + first[i] : offset[i] + i]
+        x[i] = (x[i] - _dot(row, x[first[i] : i])) * factor[offset[i] + i]
     for i in range(n - 1, -1, -1):
+        row, above = factor[offset[i] + first[i] : offset[i] + i], x[first[i] : i]
         x[i] *= factor[offset[i] + i]
-        for j in range(first[i], i):
-            x[j] -= factor[offset[i] + j] * x[i]
+        for k in range(len(row)):
+            above[k] -= row[k] * x[i]

@@ -5,13 +5,20 @@ Both proofs are checked by recomputing them, however the forces or the motion we
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from stability_core.compiled import compiled
 from stability_core.equilibrium.cone import project
 from stability_core.port import FloatArray, IntArray
+
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+
+
+BALANCED = 1e-9
+"""Imbalance, relative to the largest force on the body, that counts as none: rounding leaves about 1e-12."""
 
 
 class Problem(NamedTuple):
@@ -107,3 +114,42 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
             gained += ray[i, k] * problem.load[i, k]
             weight += abs(problem.load[i, k])
     return gained / (resisted * weight) if gained > 0.0 else 0.0
+
+
+@compiled
+def joined(problem: Problem, seeds: BoolArray, through: BoolArray) -> BoolArray:
+    """Which bodies contacts join to the ``seeds`` (n,), by way of bodies in ``through`` (n,) alone, these included.
+
+    O(m) a sweep over the contacts, back and forth until nothing is added.
+    """
+    reached = seeds & through
+    grows = True
+    while grows:
+        grows = False
+        for sweep in range(2):
+            for i in range(len(problem.body_a)):
+                c = i if sweep == 0 else len(problem.body_a) - 1 - i
+                a, b = problem.body_a[c], problem.body_b[c]
+                if a >= 0 and b >= 0 and through[a] and through[b] and reached[a] != reached[b]:
+                    reached[a] = reached[b] = grows = True
+    return reached
+
+
+def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolArray]:
+    """The bodies that may move, (n,), alone, all others fixed; and which contacts are theirs, (m,).
+
+    What falls then falls in the whole problem as well: fixed bodies withstand more than free ones.
+    """
+    index = np.full(len(moves) + 1, -1)  # the last row is the ground's
+    index[:-1][moves] = np.arange(np.count_nonzero(moves))
+    body_a, body_b = index[problem.body_a], index[problem.body_b]
+    theirs: BoolArray = (body_a >= 0) | (body_b >= 0)
+    return Problem(
+        body_a[theirs],
+        body_b[theirs],
+        problem.lever_a[theirs],
+        problem.lever_b[theirs],
+        problem.normal[theirs],
+        problem.friction[theirs],
+        problem.load[moves],
+    ), theirs

@@ -16,8 +16,8 @@ from stability_core.checks import (
     first_bad_contact,
     first_bad_mass,
 )
-from stability_core.equilibrium.problem import Problem
-from stability_core.equilibrium.verdict import BoolArray, Verdict, decide
+from stability_core.equilibrium.problem import BoolArray, Problem
+from stability_core.equilibrium.verdict import Verdict, decide
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 ROUNDING = 1e-12

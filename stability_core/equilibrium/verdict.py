@@ -5,32 +5,80 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from stability_core.equilibrium.newton import FALLING, HELD, solve
-from stability_core.equilibrium.problem import Problem
+from stability_core.equilibrium.correction import correct
+from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, solve
+from stability_core.equilibrium.problem import BoolArray, Problem, held_by_the_rest, joined, weakest_equilibrium
 from stability_core.port import FloatArray
 
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
 Verdict: TypeAlias = Literal["stable", "unstable", "doubt"]
+Answer: TypeAlias = tuple[Verdict, FloatArray | None, FloatArray, float]
 
 ALL_ROWS = np.arange(6)
 VERTICAL_ROWS = np.array([2, 3, 4])
 """A vertical force has no part in the others: F_z, M_x, M_y."""
+MOVES = 1e-2
+"""Share of the largest unbalanced force below which a body does not take part in a mechanism."""
 
 
-def decide(problem: Problem, level: BoolArray) -> tuple[Verdict, FloatArray | None, FloatArray, float]:
-    """Try vertical forces on level contacts first, at an eighth of the cost, then all that the cones allow.
+def takes_part(rest: FloatArray) -> BoolArray:
+    """Which bodies move in a mechanism, or are left unbalanced by a failed search, (n,), from the ``rest`` (n, 6)."""
+    unbalanced = np.abs(rest).max(axis=1, initial=0.0)
+    moves: BoolArray = unbalanced > MOVES * unbalanced.max(initial=0.0)
+    return moves
+
+
+def decide(
+    problem: Problem, level: BoolArray, start: FloatArray | None = None, changed: BoolArray | None = None
+) -> Answer:
+    """Correct the forces of before; what they cannot hold may fall by itself; only then start from scratch.
+
+    One to four steps, or twelve and a small problem, decide nearly all; see ``correction`` and ``newton`` for a step.
 
     Args:
         problem: n bodies and m contacts, z up.
         level: contacts whose cone contains the vertical, shape (m,).
+        start: forces that nearly hold the bodies [N], shape (m, 3), or None.
+        changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand without
+            self-stress, shape (n,); None for all.
 
     Returns:
         The verdict; forces (m, 3) that hold the bodies, or None; what vertical forces, or for "unstable" any forces,
         leave unbalanced, (n, 6): not nought for the bodies that fall, or that would without friction; the greatest
         imbalance of a body relative to the largest force on it.
     """
+    if start is None:
+        start = np.zeros_like(problem.normal)
+    if changed is None:
+        changed = np.ones(len(problem.load), np.bool_)
+    if level.all():
+        held, force, rest, residual = correct(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, start)
+    else:
+        held, force, rest, residual = correct(problem, ALL_ROWS, start)
+    if held and (level.all() or _stands_without_self_stress(problem, level, changed)):
+        return "stable", force, rest, residual
+    falls = None if held else _falls_by_itself(problem, takes_part(rest))
+    return falls or _decide_from_scratch(problem, level, changed)
+
+
+def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
+    """The proof that some of the bodies that may move, (n,), fall even if all others are fixed; None if they do not."""
+    if moves.all():
+        return None
+    part, _ = held_by_the_rest(problem, moves)
+    verdict, _, ray, residual = solve(part, ALL_ROWS)
+    if verdict != FALLING:
+        return None
+    motion = np.zeros_like(problem.load)
+    motion[moves] = ray
+    work = np.empty_like(problem.normal)
+    if weakest_equilibrium(problem, motion, work, np.empty_like(work)) < STRONGEST:
+        return None
+    return "unstable", None, motion, residual
+
+
+def _decide_from_scratch(problem: Problem, level: BoolArray, changed: BoolArray) -> Answer:
+    """Try vertical forces on level contacts first, at an eighth of the cost, then all that the cones allow."""
     verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS)
     if verdict == HELD:
         forces = np.zeros((len(level), 3))
@@ -40,7 +88,7 @@ def decide(problem: Problem, level: BoolArray) -> tuple[Verdict, FloatArray | No
     if verdict == FALLING:
         return "unstable", None, ray, residual
     if verdict == HELD:
-        natural = _stands_without_self_stress(problem, level)
+        natural = _stands_without_self_stress(problem, level, changed)
         return "stable" if natural else "doubt", force, rest, residual
     return "doubt", None, rest, residual
 
@@ -65,11 +113,12 @@ def _verticals(problem: Problem) -> FloatArray:
     return vertical
 
 
-def _stands_without_self_stress(problem: Problem, level: BoolArray) -> bool:
+def _stands_without_self_stress(problem: Problem, level: BoolArray, changed: BoolArray) -> bool:
     """True if what does not lean would stand on forces along the normals or the vertical alone.
 
     A body leans if it stands on a level contact and touches something that is not level: as it begins to fall it
-    presses on both, so that the forces that hold it do arise. Leaning bodies count as held here.
+    presses on both, so that the forces that hold it do arise. Leaning bodies count as held here. They divide the
+    others into parts, of which only those with a ``changed`` body (n,) are solved.
     """
     n = len(problem.load)
     stands, touches = np.zeros(n + 1, np.bool_), np.zeros(n + 1, np.bool_)  # the last row is the ground's
@@ -77,9 +126,7 @@ def _stands_without_self_stress(problem: Problem, level: BoolArray) -> bool:
         stands[index[level & (upward > 0.0)]] = True
         touches[index[~level]] = True
     upright = ~(stands & touches)[:n]
-    index = np.full(n + 1, -1)
-    index[:n][upright] = np.arange(np.count_nonzero(upright))
-    body_a, body_b = index[problem.body_a], index[problem.body_b]
     direction = np.where(level[:, None], _verticals(problem), problem.normal)
-    rest = problem._replace(body_a=body_a, body_b=body_b, load=problem.load[upright])
-    return solve(_along(rest, (body_a >= 0) | (body_b >= 0), direction), ALL_ROWS)[0] == HELD
+    part, theirs = held_by_the_rest(problem, joined(problem, changed, upright))
+    along = _along(part, np.ones(len(part.normal), np.bool_), direction[theirs])
+    return solve(along, VERTICAL_ROWS if level[theirs].all() else ALL_ROWS)[0] == HELD

@@ -15,6 +15,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.component import component, problem_of
+from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.region import (
     Regions,
     is_proven,
@@ -25,7 +26,7 @@ from stability_core.equilibrium.region import (
     regions_for,
     topples_alone,
 )
-from stability_core.equilibrium.verdict import decide
+from stability_core.equilibrium.verdict import decide, takes_part
 from stability_core.policies.base import Decision, Policy
 from stability_core.polygon import width
 from stability_core.port import FloatArray, IntArray
@@ -35,8 +36,6 @@ from stability_core.stack import FROZEN, LIVE, NONE, Bodies, Graph, Patches, tak
 from stability_core.stack_mass import support_polygon
 from stability_core.watch import AT_REST, LEANING, Watch, listed
 
-MOVES = 1e-2
-"""Share of the largest unbalanced force below which a body does not take part in a mechanism."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
 
@@ -152,54 +151,68 @@ class Equilibrium(Policy):
         """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
         super().__init__(gravity, settings)
         self._regions = regions_for(0)
+        self._memory = memory_for(0)
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
 
-        O(1) a changed body while safe regions decide, else some solves of its component.
+        O(1) a changed body while safe regions decide, else some solves of its component that begin at its latest
+        forces.
         """
         if len(graph.bodies) > len(self._regions.links):
             self._regions = regions_for(len(graph.bodies), self._regions)
+        if len(graph.patches) > len(self._memory.pair):
+            self._memory = memory_for(len(graph.patches), self._memory)
         frozen, unsolved, are_candidates = _settle_safely(*graph, *self._regions, *watch, self.limits)
         reasons = dict.fromkeys(frozen.tolist(), "safe region")
         if are_candidates:
-            reasons.update(dict.fromkeys(self._freeze_together(graph, unsolved).tolist(), "equilibrium"))
+            together, patches = self._freeze_together(graph, unsolved)
+            reasons.update(dict.fromkeys(together.tolist(), "equilibrium"))
             unsolved = _finish(graph, self._regions, watch, self.limits)
+            hand_on(graph, self._memory, patches, together)
         return Decision(reasons, self._unbalanced(graph, unsolved) if len(unsolved) else unsolved)
 
-    def _freeze_together(self, graph: Graph, group: IntArray) -> IntArray:
-        """Freeze all of ``group``, less what would fall, until the rest stands; returns what was frozen."""
+    def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[IntArray, IntArray]:
+        """Freeze all of ``group``, less what would fall, until the rest stands.
+
+        Returns what was frozen, and the rows of the patches that were solved.
+        """
         while len(group):
             ids = component(graph, group, group, False)
-            falling = self._falling(graph, ids, 0.0, 1.0)
+            falling, patches = self._falling(graph, ids, group, 0.0, 1.0)
             if not len(falling):
                 graph.bodies["state"][group] = FROZEN
                 graph.bodies["leans"][group] = False
                 self._prove(graph, ids)
-                return group
+                return group, patches
             if not np.isin(group, falling).any():
                 break
             group = group[~np.isin(group, falling)]
-        return group[:0]
+        return group[:0], group[:0]
 
     def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
         """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance."""
         ids = component(graph, unproven, unproven[:0], True)
-        falling = self._falling(graph, ids, self.settings.wake_margin, WAKE_GRIP)
+        falling, _ = self._falling(graph, ids, unproven, self.settings.wake_margin, WAKE_GRIP)
         woken: IntArray = falling[graph.bodies["state"][falling] == FROZEN]
         if not len(woken):
             self._prove(graph, ids[graph.bodies["state"][ids] == FROZEN])
         return woken
 
-    def _falling(self, graph: Graph, ids: IntArray, margin: float, grip: float) -> IntArray:
-        """Which of ``ids`` do not provably stand, shape (k,)."""
-        problem, level = problem_of(graph, ids, self.gravity, margin, grip)
-        verdict, _, rest, _ = decide(problem, level)
-        if verdict == "stable":
-            return ids[:0]
-        unbalanced = np.abs(rest).max(axis=1)
-        falling: IntArray = ids[unbalanced > MOVES * unbalanced.max()]
-        return falling
+    def _falling(
+        self, graph: Graph, ids: IntArray, changed: IntArray, margin: float, grip: float
+    ) -> tuple[IntArray, IntArray]:
+        """Which of ``ids`` do not provably stand, shape (k,), and the rows of their patches, shape (p,).
+
+        O(ids) a step of the solve, for layers of bounded width; one to four steps if they stand, a dozen if not.
+        """
+        problem, level, patches = problem_of(graph, ids, self.gravity, margin, grip)
+        start = recall(graph, self._memory, patches, len(level))
+        verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, changed))
+        if verdict == "stable" and forces is not None:
+            remember(graph, self._memory, patches, forces)
+            return ids[:0], patches
+        return ids[takes_part(rest)], patches
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
         """Note that the frozen bodies ``ids`` stand together, lowest first, as regions rest on those below."""
