@@ -29,6 +29,7 @@ from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
 from reports.cost import cost_points, cost_table
+from reports.falls import fall_tables
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -151,7 +152,7 @@ def _report(folder: Path) -> list[Table]:
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    tables = [*study_tables(records), *repeat_tables(folder, records)]
+    tables = [*study_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
     points = cost_points(folder, records)
     if points:
         tables.append(cost_table(points))
