@@ -35,6 +35,7 @@ from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
 from reports.cost import cost_points, cost_table
+from reports.falls import fall_tables
 from reports.page import write_page
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
@@ -159,7 +160,7 @@ def _report(folder: Path) -> list[Table]:
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    tables = [*study_tables(records), *repeat_tables(folder, records)]
+    tables = [*study_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
     points = cost_points(folder, records)
     if points:
         tables.append(cost_table(points))
