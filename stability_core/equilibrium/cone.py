@@ -59,35 +59,27 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
         k, from 0 to 3.
     """
     along = z[0] * normal[0] + z[1] * normal[1] + z[2] * normal[2]
-    across = 0.0
-    for k in range(3):
-        direction[1, k] = z[k] - along * normal[k]
-        across += direction[1, k] ** 2
-    across = np.sqrt(across)
+    ex, ey, ez = z[0] - along * normal[0], z[1] - along * normal[1], z[2] - along * normal[2]
+    across = np.sqrt(ex * ex + ey * ey + ez * ez)
     if along < 0.0 and mu * across <= -along:
         return 0
     if mu == 0.0:
-        direction[0] = normal
+        for k in range(3):
+            direction[0, k] = normal[k]
         weight[0] = 1.0
         return 1
-    inside = across <= mu * along
-    if across > 1e-14 * abs(along):
-        direction[1] /= across
-    else:  # any tangent will do
-        axis = np.argmin(np.abs(normal))
-        direction[1] = -normal[axis] * normal
-        direction[1, axis] += 1.0
-        direction[1] /= np.sqrt(1.0 - normal[axis] ** 2)
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        direction[2, k] = normal[i] * direction[1, j] - normal[j] * direction[1, i]
-    if inside:
-        direction[0] = normal
-        weight[:] = 1.0
+    if across <= mu * along:
+        for k in range(3):
+            for i in range(3):
+                direction[k, i] = 1.0 if i == k else 0.0
+            weight[k] = 1.0
         return 3
-    direction[0] = (normal + mu * direction[1]) / np.sqrt(1.0 + mu * mu)
+    ex, ey, ez = ex / across, ey / across, ez / across
+    length = np.sqrt(1.0 + mu * mu)
+    direction[0, 0], direction[1, 0] = (normal[0] + mu * ex) / length, normal[1] * ez - normal[2] * ey
+    direction[0, 1], direction[1, 1] = (normal[1] + mu * ey) / length, normal[2] * ex - normal[0] * ez
+    direction[0, 2], direction[1, 2] = (normal[2] + mu * ez) / length, normal[0] * ey - normal[1] * ex
     weight[0] = 1.0
-    direction[1] = direction[2]
     weight[1] = mu * (along + mu * across) / ((1.0 + mu * mu) * across)
     return 2
 

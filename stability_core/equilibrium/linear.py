@@ -66,39 +66,43 @@ def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArra
 
 
 @compiled
-def _add_product(space: Workspace, i: int, j: int, weight: float, left: FloatArray, right: FloatArray) -> None:
+def _add_product(
+    matrix: FloatArray, offset: IntArray, i: int, j: int, weight: float, left: FloatArray, right: FloatArray
+) -> None:
     """Add weight left right^T to the block of the bodies in places i >= j; the upper half of a diagonal is left out."""
     width = len(left)
     for k in range(width):
-        at = space.envelope.offset[i * width + k] + j * width
-        for h in range(k + 1 if i == j else width):
-            space.matrix[at + h] += weight * left[k] * right[h]
+        start = offset[i * width + k] + j * width
+        row = matrix[start : start + (k + 1 if i == j else width)]
+        scale = weight * left[k]
+        for h in range(len(row)):
+            row[h] += scale * right[h]
 
 
 @compiled
 def _assemble(problem: Problem, space: Workspace, rho: float) -> None:
     """The generalised Hessian A P_K'(z) A^T + rho 1 at ``space.z``, written to ``space.matrix``."""
-    width = len(space.rows)
+    width, matrix, offset = len(space.rows), space.matrix, space.envelope.offset
     direction, weight = np.empty((3, 3)), np.empty(3)
     on_a, on_b = np.empty(width), np.empty(width)
-    space.matrix[:] = 0.0
+    matrix[:] = 0.0
     for i in range(len(space.step)):
-        space.matrix[space.envelope.offset[i] + i] = rho
+        matrix[offset[i] + i] = rho
     for c in range(len(problem.normal)):
         terms = derivative(space.z[c], problem.normal[c], problem.friction[c], direction, weight)
         a, b = problem.body_a[c], problem.body_b[c]
         for k in range(terms):
             if a >= 0:
                 _wrench(direction[k], problem.lever_a[c], -1.0, space.rows, on_a)
-                _add_product(space, space.place[a], space.place[a], weight[k], on_a, on_a)
+                _add_product(matrix, offset, space.place[a], space.place[a], weight[k], on_a, on_a)
             if b >= 0:
                 _wrench(direction[k], problem.lever_b[c], 1.0, space.rows, on_b)
-                _add_product(space, space.place[b], space.place[b], weight[k], on_b, on_b)
+                _add_product(matrix, offset, space.place[b], space.place[b], weight[k], on_b, on_b)
             if a >= 0 and b >= 0:
                 if space.place[a] > space.place[b]:
-                    _add_product(space, space.place[a], space.place[b], weight[k], on_a, on_b)
+                    _add_product(matrix, offset, space.place[a], space.place[b], weight[k], on_a, on_b)
                 else:
-                    _add_product(space, space.place[b], space.place[a], weight[k], on_b, on_a)
+                    _add_product(matrix, offset, space.place[b], space.place[a], weight[k], on_b, on_a)
 
 
 @compiled
