@@ -1,4 +1,4 @@
-"""The hand that builds a scene in an engine: lets bricks go, takes them away, pushes them."""
+"""The hand that builds a scene in an engine: lets bricks go, takes them away, pushes and pulls them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from collections import Counter
 from dataclasses import replace
 
 from adapters.base import Simulation
+from bench.grip import Grip, Listener
 from bench.measure import FloatArray, Plan
 from scenarios.geometry import Boxes, resting_shift
-from scenarios.model import Brick, Place, Push, Remove, Scene
+from scenarios.model import CLEARANCE, Action, Brick, Place, Pull, Push, Remove, Scene
 
+HOLD_S = 0.1
+"""How long [s] before it is pushed or pulled a brick is held: the extension wakes it in the frame after it is told."""
 _EARLY_S = 1e-9
 """An action is due if it lies no more than this [s] ahead: frame times are rounded sums."""
 
@@ -17,8 +20,10 @@ _EARLY_S = 1e-9
 class Builder:
     """Carries out a scene's actions on a simulation, each in the frame in which it is due."""
 
-    def __init__(self, scene: Scene, simulation: Simulation) -> None:
+    def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
+        """Build ``scene`` in an empty ``simulation``; ``listener`` is told what the hand holds."""
         self._simulation = simulation
+        self._grip = Grip(simulation, listener)
         self._pending = list(reversed(scene.actions))
         self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
         self._bodies: list[int] = []  # in the order of placement
@@ -38,10 +43,13 @@ class Builder:
     @property
     def is_done(self) -> bool:
         """True when every action has been carried out."""
-        return not self._pending
+        return not self._pending and not self._grip.pulls
 
     def act(self, time: float) -> None:
-        """Carry out all actions that are due at ``time`` [s]."""
+        """Carry out all actions that are due at ``time`` [s], and go on with those that take longer."""
+        for body in self._grip.pull_on(time):
+            del self._planned[body]
+            self.plan = Plan.of(self.bricks)
         while action := self._due(time):
             self._pending.pop()
             if isinstance(action, Place):
@@ -50,17 +58,32 @@ class Builder:
                 body = self._bodies[action.brick]
                 self._simulation.remove(body)
                 del self._planned[body]
+            elif isinstance(action, Push):
+                self._grip.push(self._bodies[action.brick], action.impulse)
             else:
-                self._simulation.push(self._bodies[action.brick], action.impulse)
+                self._grip.pull(self._bodies[action.brick], action)
             self.plan = Plan.of(self.bricks)
+        for action in self._pending:
+            if isinstance(action, Push | Pull) and action.time <= time + HOLD_S and action.brick < len(self._bodies):
+                self._grip.hold(self._bodies[action.brick])
+        if self._grip.pulls:
+            self._follow_the_hand()
 
-    def _due(self, time: float) -> Place | Remove | Push | None:
+    def _follow_the_hand(self) -> None:
+        """What the hand pulls is in its place wherever it is."""
+        bodies, position, quaternion = self._simulation.poses()
+        for row, body in enumerate(bodies.tolist()):
+            if body in self._grip.pulls:
+                self._planned[body] = at_pose(self._planned[body], position[row], quaternion[row])
+        self.plan = Plan.of(self.bricks)
+
+    def _due(self, time: float) -> Action | None:
         if self._pending and self._pending[-1].time <= time + _EARLY_S:
             return self._pending[-1]
         return None
 
     def _place(self, action: Place, time: float) -> None:
-        shift = resting_shift(Boxes.of(action.bricks), self._supports(action))
+        shift = resting_shift(Boxes.of(action.bricks), self._supports(action)) + action.height - CLEARANCE
         for brick in action.bricks:
             x, y, z = brick.position
             body = self._simulation.spawn(replace(brick, position=(x, y, z + shift)))

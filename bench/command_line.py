@@ -41,6 +41,7 @@ from reports.records import RecordError, RecordWarning, TrialRecord, read_record
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
 from reports.writing import write_whole
+from scenarios.registry import SCENARIOS, build
 from stability_core.lookup import UnknownNameError
 
 app = typer.Typer(
@@ -231,9 +232,18 @@ def compare(
 
 
 @app.command(name="list")
-def list_() -> None:
+def list_(
+    pictures: Annotated[bool, typer.Option("--pictures", help="Draw every scene on one sheet instead.")] = False,
+    out: Annotated[Path, typer.Option(help="Where the sheet goes; .png, .svg or .pdf.")] = Path("scenes.png"),
+) -> None:
     """What can be run: scenarios and what theory says of them, engines, profiles, policies and studies."""
-    print_catalogue(_out)
+    if not pictures:
+        print_catalogue(_out)
+        return
+    from bench.contact_sheet import draw_contact_sheet  # a second of imports that nothing else needs
+
+    draw_contact_sheet(out, [build(name) for name in SCENARIOS])
+    _tell(f"{len(SCENARIOS)} scenes drawn in {out}")
 
 
 @app.command()

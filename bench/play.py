@@ -75,7 +75,7 @@ class Play:
         self._tell = tell
         self._last_action_s = scene.actions[-1].time
         self._hash = blake2b(digest_size=16)
-        self.builder = Builder(scene, simulation)
+        self.builder = Builder(scene, simulation, self._frames)
         self.watch = StackWatch(self._last_action_s + SEATING_S)
         self.sleepers = Sleepers()
         self.rows: list[FrameRow] = []

@@ -56,6 +56,12 @@ class PlainFrames:
         self._simulation.step(self._simulation.info.frame_s)
         return FrameTimes(perf_counter() - begin), None
 
+    def disturb(self, bodies: Sequence[int]) -> None:
+        """There is no extension that must know what a user holds."""
+
+    def release(self, bodies: Sequence[int]) -> None:
+        """There is no extension that must know what a user lets go."""
+
 
 class SteeredFrames:
     """Frames of the engine with the stability extension."""
@@ -79,3 +85,11 @@ class SteeredFrames:
         return times, Steering(
             port.contact_points, change.frozen, change.woken, [change.reasons[body] for body in change.woken]
         )
+
+    def disturb(self, bodies: Sequence[int]) -> None:
+        """Tell the extension that a user holds ``bodies``."""
+        self._extension.disturb(bodies)
+
+    def release(self, bodies: Sequence[int]) -> None:
+        """Tell the extension that the user let ``bodies`` go."""
+        self._extension.release(bodies)

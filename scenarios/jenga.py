@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import math
 
-from scenarios.model import Action, Expectation, Remove, Scene, World
+from scenarios.model import Action, Brick, Expectation, Remove, Scene, World
 from scenarios.parameters import Value, choice, variant_of, whole
-from scenarios.planks import GAP, MU, WIDTH, lay, one_a_second
+from scenarios.planks import GAP, LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
 
 ROBBED = 2
 """The level from which planks are taken."""
+TALL = 3
+"""Height of that level's planks in thicknesses: room to fall."""
 PAUSE_S = 1.0
 """From the last plank to the first removal, and from that to the next [s]: time to settle."""
 
@@ -31,13 +33,7 @@ def jenga(*, levels: int = 6, left: str = "middle") -> Scene:
     levels = whole("levels", levels, least=ROBBED + 1, most=100)
     left = choice("left", left, ("middle", "side"))
     parameters: dict[str, Value] = {"levels": levels, "left": left}
-    planks = [
-        lay(0.0, place * (WIDTH + GAP), level=level)
-        if level % 2
-        else lay(place * (WIDTH + GAP), level=level, yaw=math.pi / 2)
-        for level in range(1, levels + 1)
-        for place in (-1, 0, 1)
-    ]
+    planks = [_plank(level, place * (WIDTH + GAP)) for level in range(1, levels + 1) for place in (-1, 0, 1)]
     groups = [[plank for plank in planks if plank.level == level] for level in range(1, levels + 1)]
     actions: tuple[Action, ...] = one_a_second(groups)
     first = 3 * (ROBBED - 1)
@@ -63,3 +59,11 @@ def jenga(*, levels: int = 6, left: str = "middle") -> Scene:
         look_for="does it turn over about the plank that is left, in one piece?",
         pair=variant_of(jenga, parameters | {"left": "middle"}),
     )
+
+
+def _plank(level: int, aside: float) -> Brick:
+    """A plank of a level, so far [m] aside of the middle."""
+    height = TALL * THICKNESS if level == ROBBED else THICKNESS
+    bottom = (level - 1) * THICKNESS + ((TALL - 1) * THICKNESS if level > ROBBED else 0.0)
+    x, y, yaw = (0.0, aside, 0.0) if level % 2 else (aside, 0.0, math.pi / 2)
+    return box((LENGTH, WIDTH, height), x, y, level=level, bottom=bottom, yaw=yaw)

@@ -15,6 +15,11 @@ Quaternion: TypeAlias = tuple[float, float, float, float]
 UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
+CLEARANCE = 0.5e-3
+"""Gap [m] between a brick that is let go and its actual support. Absolute heights would punish a stack
+that sinks with ever larger drops."""
+
+
 @dataclass(frozen=True, slots=True)
 class World:
     """What every brick of a scene shares. The ground's upper face is z = 0."""
@@ -45,12 +50,14 @@ class Place:
     """Let bricks go together, as one rigid group, a little above their actual support.
 
     The group keeps its planned x, y and orientation and its relative heights; the hand lowers it
-    until the first of its bricks is ``CLEARANCE`` above whatever really lies below.
+    until the first of its bricks is ``height`` above whatever really lies below.
     """
 
     time: float
     """When [s], from the start of the trial."""
     bricks: tuple[Brick, ...]
+    height: float = CLEARANCE
+    """From where [m] they are dropped, above their actual support."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,11 +80,23 @@ class Push:
     """Impulse [N s]."""
 
 
-Action: TypeAlias = Place | Remove | Push
+@dataclass(frozen=True, slots=True)
+class Pull:
+    """Pull a brick sideways by its centre of mass, as hard as it takes, and then take it out of the world.
 
-CLEARANCE = 0.5e-3
-"""Gap [m] between a brick that is let go and its actual support. Absolute heights would punish a stack
-that sinks with ever larger drops."""
+    The hand has the brick from the first: wherever it goes, it is in its place.
+    """
+
+    time: float
+    brick: int
+    """The brick's index in the order of placement, from 0."""
+    velocity: tuple[float, float]
+    """In x and y [m/s]."""
+    seconds: float
+    """How long [s]."""
+
+
+Action: TypeAlias = Place | Remove | Push | Pull
 
 
 @dataclass(frozen=True, slots=True)

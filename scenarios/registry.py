@@ -11,6 +11,7 @@ from scenarios.brick_wall import brick_wall
 from scenarios.cantilever import cantilever
 from scenarios.card_house import card_house
 from scenarios.corbelled_arch import corbelled_arch
+from scenarios.dropped_plank import dropped_plank
 from scenarios.four_stack import four_stack
 from scenarios.harmonic_overhang import harmonic_overhang
 from scenarios.incline import incline
@@ -21,6 +22,8 @@ from scenarios.model import Scene
 from scenarios.parameters import Value, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
+from scenarios.pulled_plank import pulled_plank
+from scenarios.pushed_plank import pushed_plank
 from scenarios.pyramid import pyramid
 from scenarios.random_tower import random_tower
 from scenarios.robbed_stack import robbed_stack
@@ -67,6 +70,9 @@ SCENARIOS: Mapping[str, Scenario] = {
         branches,
         wall_plank,
         incline,
+        pushed_plank,
+        pulled_plank,
+        dropped_plank,
     )
 }
 

@@ -3,6 +3,9 @@
 Theory: exact statics of what is left (``scenarios.truth``); no closed form is needed, for in each case a brick has lost
 the support under one side of its centre of mass, or the partner that it leaned against.
 
+Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is what is taken: without it
+a brick falls far enough to be seen, not by a thickness onto the next one.
+
 What to look for: engines that let bricks sleep may leave them hanging in the air when their support goes. What rested
 on it must fall, and what did not must stay.
 """
@@ -16,12 +19,15 @@ from scenarios.brick_wall import brick_wall
 from scenarios.card_house import card_house
 from scenarios.four_stack import four_stack
 from scenarios.log_cabin import log_cabin
-from scenarios.model import Action, Expectation, Remove, Scene
+from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene
 from scenarios.parameters import Value, choice, variant_of
+from scenarios.planks import THICKNESS
 from scenarios.pyramid import pyramid
 
 PAUSE_S = 2.0
 """From the last brick to the removal [s]: time to settle."""
+PEDESTAL = 6 * THICKNESS
+"""Height of a pedestal [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +39,8 @@ class _Robbery:
     """Bricks on top, which carry nothing, by their places in the order of placement."""
     support: int
     """A brick of the lowest level, by its place in the order of placement."""
+    is_raised: bool = True
+    """Whether it stands on pedestals; then the bricks above are counted from the first that is none."""
 
 
 STACKS: Mapping[str, _Robbery] = {
@@ -40,7 +48,7 @@ STACKS: Mapping[str, _Robbery] = {
     "brick_wall": _Robbery(lambda: brick_wall(courses=4, width=2), load=(8,), support=0),
     "pyramid": _Robbery(lambda: pyramid(rows=3), load=(5,), support=0),
     "log_cabin": _Robbery(lambda: log_cabin(levels=4), load=(7,), support=0),
-    "card_house": _Robbery(lambda: card_house(storeys=2), load=(5, 6), support=0),
+    "card_house": _Robbery(lambda: card_house(storeys=2), load=(5, 6), support=0, is_raised=False),
 }
 
 
@@ -55,11 +63,11 @@ def robbed_stack(*, stack: str = "four_stack", taken: str = "load") -> Scene:
     taken = choice("taken", taken, ("load", "support"))
     parameters: dict[str, Value] = {"stack": stack, "taken": taken}
     robbery = STACKS[stack]
-    built = robbery.build()
+    built = _raised(robbery.build()) if robbery.is_raised else robbery.build()
     time = built.actions[-1].time + PAUSE_S
-    removals: tuple[Action, ...] = tuple(
-        Remove(time, brick) for brick in (robbery.load if taken == "load" else (robbery.support,))
-    )
+    pedestals = len(built.bricks) - len(robbery.build().bricks)
+    bricks = [pedestals + brick for brick in robbery.load] if taken == "load" else [robbery.support]
+    removals: tuple[Action, ...] = tuple(Remove(time, brick) for brick in bricks)
     if taken == "load":
         expectation = Expectation("stand", "what is left stood before, under more load")
     else:
@@ -74,3 +82,26 @@ def robbed_stack(*, stack: str = "four_stack", taken: str = "load") -> Scene:
         look_for="what rested on it must fall, and what did not must stay",
         pair=variant_of(robbed_stack, parameters | {"taken": "load"}),
     )
+
+
+def _raised(scene: Scene) -> Scene:
+    """The scene on pedestals, which come together, a second before its first brick."""
+    pedestals = tuple(_pedestal(brick) for brick in scene.bricks if brick.level == 1)
+    lifted: list[Action] = [
+        Place(action.time + 1.0, tuple(_lifted(brick) for brick in action.bricks))
+        for action in scene.actions
+        if isinstance(action, Place)
+    ]
+    return replace(scene, actions=(Place(0.0, pedestals), *lifted))
+
+
+def _pedestal(brick: Brick) -> Brick:
+    """What stands below a brick of the lowest level, as long and as wide."""
+    (length, width, height), (x, y, _) = brick.size, brick.position
+    mass = brick.mass * PEDESTAL / height
+    return replace(brick, size=(length, width, PEDESTAL), mass=mass, position=(x, y, PEDESTAL / 2))
+
+
+def _lifted(brick: Brick) -> Brick:
+    x, y, z = brick.position
+    return replace(brick, position=(x, y, z + PEDESTAL), level=brick.level + 1)

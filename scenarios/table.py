@@ -15,9 +15,9 @@ from scenarios.model import Brick, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
 from scenarios.planks import MU, box, one_a_second, plank_of
 
-HEIGHT = 6.0
-"""Height of the legs in thicknesses of a plank: room to tip."""
-FOOT = 0.14
+HEIGHT = 3.0
+"""Height of the legs in thicknesses of a plank: room to tip, but too little for a leg to be knocked over."""
+FOOT = 0.2
 """Edge of a leg's square foot in lengths of the plate; with two legs, of its side along x."""
 REACH = 0.22
 """a: how far in front of the plate's middle the foremost legs end, in lengths of the plate."""
@@ -25,11 +25,11 @@ ARM = 0.2
 """q: how far beyond that the load's middle lies, in lengths of the plate."""
 LIMIT = REACH / ARM
 """The load that balances the plate, over the plate's mass."""
-_FRONT, _BACK, _ASIDE = REACH - FOOT / 2, -0.4, 0.3
+_FRONT, _BACK, _ASIDE = REACH - FOOT / 2, -0.3, 0.3
 LEGS = {
-    2: ((_FRONT, 0.0), (-_FRONT, 0.0)),
+    2: ((_FRONT, 0.0), (_BACK, 0.0)),
     3: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (_BACK, 0.0)),
-    4: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (-_FRONT, _ASIDE), (-_FRONT, -_ASIDE)),
+    4: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (_BACK, _ASIDE), (_BACK, -_ASIDE)),
 }
 """Middles of the legs in x and y, in lengths of the plate."""
 

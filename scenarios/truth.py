@@ -14,7 +14,7 @@ import numpy as np
 
 from scenarios.contact_patch import GROUND, Patch, Ridge, contact_patches
 from scenarios.force_balance import Statics, solve_balance
-from scenarios.model import Brick, Place, Push, Remove, Scene, World
+from scenarios.model import Brick, Place, Pull, Push, Remove, Scene, World
 
 
 class UndecidedError(ArithmeticError):
@@ -49,8 +49,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
-        ValueError: if the scene pushes bricks, for which statics has no answer, or lays one where another, since
-            removed, was planned: they would overlap.
+        ValueError: if the scene pushes or pulls bricks, for which statics has no answer, or lays one where another,
+            since removed, was planned: they would overlap.
     """
     _check(scene.bricks, (), scene.world)
     patches = contact_patches(scene.bricks, ridge=ridge)
@@ -64,8 +64,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 level = max(level, *(brick.level for brick in bricks))
             case Remove(brick=brick):
                 present.remove(brick)
-            case Push():
-                raise ValueError(f"{scene.variant} pushes a brick: statics cannot tell what a push does")
+            case Push() | Pull():
+                raise ValueError(f"{scene.variant} pushes a brick: statics cannot tell what a push or pull does")
         if not present or (then is not None and then.time == action.time):
             continue
         statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)

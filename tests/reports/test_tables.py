@@ -1,8 +1,8 @@
 """The tables of hand-made records, against a page that was read and found right."""
 
 import csv
-import json
 import io
+import json
 from pathlib import Path
 
 import pytest

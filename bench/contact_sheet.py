@@ -1,0 +1,115 @@
+"""A contact sheet: every scene as it is planned, on one picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from graphlib import TopologicalSorter
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from scenarios.geometry import Boxes, FloatArray
+from scenarios.model import Brick, Scene
+
+COLUMNS = 5
+CELL_IN = 2.6
+"""Edge of a picture [inch]."""
+AZIMUTH, ELEVATION = math.radians(-62), math.radians(20)
+"""Where the viewer stands: seen from in front, a little from the right and from above."""
+LIGHT = np.array([0.35, -0.55, 0.76])
+"""Whither the light comes from; unit length but for rounding."""
+AMBIENT = 0.45
+"""Share of the light that comes from everywhere."""
+FAMILY_COLOR = {"stand": "#d9a760", "fall": "#c9694f", "study": "#8fa3b5"}
+"""Wood for what must stand, brick for what must fall, slate for what theory leaves open."""
+_GRAZE = 1e-6
+"""Overlap [m] in the picture that nobody sees."""
+_FACES = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
+"""Axis and sign of each face of a box."""
+
+
+def draw_contact_sheet(path: Path, scenes: Sequence[Scene]) -> None:
+    """Write a picture of all ``scenes`` to ``path``, in the format of its suffix.
+
+    Raises:
+        ValueError: if the suffix is none that matplotlib can write.
+    """
+    rows = math.ceil(len(scenes) / COLUMNS)
+    figure = Figure(figsize=(COLUMNS * CELL_IN, rows * CELL_IN), layout="constrained")
+    cells = np.atleast_2d(figure.subplots(rows, COLUMNS)).ravel()
+    for cell in cells:
+        cell.set_axis_off()
+    for cell, scene in zip(cells, scenes, strict=False):
+        _draw(cell, scene)
+    figure.savefig(path, dpi=110, facecolor="white")
+
+
+def _draw(axes: Axes, scene: Scene) -> None:
+    """One scene: its faces from back to front."""
+    polygons, colors = faces(scene.bricks, FAMILY_COLOR[scene.expectation.outcome])
+    axes.add_collection(PolyCollection(list(polygons), facecolors=list(colors), edgecolors="#3b2a1a", linewidths=0.35))
+    corners = polygons.reshape(-1, 2)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle, reach = (low + high) / 2, 0.56 * (high - low).max()
+    axes.set_xlim(middle[0] - reach, middle[0] + reach)
+    axes.set_ylim(middle[1] - reach, middle[1] + reach)
+    axes.set_aspect("equal")
+    axes.set_title(f"{scene.variant}\n{scene.expectation}", fontsize=8, color="#333333")
+
+
+def faces(bricks: Sequence[Brick], color: str) -> tuple[FloatArray, FloatArray]:
+    """The visible faces of ``bricks``, from back to front: corners in the picture (n, 4, 2) and colours (n, 3)."""
+    right, up, toward = _view()
+    boxes = Boxes.of(bricks)
+    polygons, colors = [], []
+    for index in from_back_to_front(boxes, toward):
+        center, half_axes = boxes.center[index], boxes.half_axes[index]
+        for axis, sign in _FACES:
+            outward = sign * half_axes[axis] / np.linalg.norm(half_axes[axis])
+            if outward @ toward <= 0:
+                continue
+            u, v = half_axes[(axis + 1) % 3], half_axes[(axis + 2) % 3]
+            corners = center + sign * half_axes[axis] + np.array([-u - v, u - v, u + v, -u + v])
+            polygons.append(np.column_stack([corners @ right, corners @ up]))
+            colors.append(np.array(to_rgb(color)) * (AMBIENT + (1 - AMBIENT) * max(0.0, float(outward @ LIGHT))))
+    return np.array(polygons), np.clip(colors, 0, 1)
+
+
+def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
+    """The order in which to paint boxes that do not overlap, seen from ``toward``: the painter's algorithm.
+
+    Of two boxes that a plane parallel to one of their faces divides, the one on the viewer's side is painted later;
+    those that do not overlap in the picture, even grazing, may come in any order.
+    """
+    order: TopologicalSorter[int] = TopologicalSorter(dict.fromkeys(range(len(boxes)), ()))
+    corners = boxes.corners
+    normals = boxes.half_axes / np.linalg.norm(boxes.half_axes, axis=2, keepdims=True)
+    normals *= np.where(normals @ toward < 0, -1.0, 1.0)[:, :, None]
+    for a, b in combinations(range(len(boxes)), 2):
+        directions = np.concatenate([normals[a], normals[b]])
+        in_picture = np.cross(toward, directions)
+        if max(_gap(corners[a], corners[b], in_picture), _gap(corners[b], corners[a], in_picture)) > -_GRAZE:
+            continue
+        b_in_front = _gap(corners[a], corners[b], directions) > _gap(corners[b], corners[a], directions)
+        order.add(*((b, a) if b_in_front else (a, b)))
+    return list(order.static_order())
+
+
+def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
+    """The widest gap [m] from the lower box to the upper one along ``directions`` (n, 3); corners (8, 3)."""
+    return float(((upper @ directions.T).min(axis=0) - (lower @ directions.T).max(axis=0)).max())
+
+
+def _view() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Unit vectors to the right of the picture, up in it, and out of it toward the viewer."""
+    toward = np.array(
+        [math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * math.sin(AZIMUTH), math.sin(ELEVATION)]
+    )
+    right = np.array([-math.sin(AZIMUTH), math.cos(AZIMUTH), 0.0])
+    return right, np.cross(toward, right), toward

@@ -1,0 +1,44 @@
+"""A tower from whose middle a plank is pulled out along its length, slowly or fast: the tablecloth.
+
+Theory: the pulled plank drags what lies above with mu times its weight, whatever the speed. Pulled slowly, all above it
+comes along, for it rests on nothing else. Pulled fast, the drag lasts for a time T = L / v only: it moves the upper
+part by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then that drops by a thickness, and how it lands no
+statics tells: a study.
+
+What to look for: slowly pulled, the upper part travels with the plank; at some speed it is left behind and drops.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Action, Expectation, Pull, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MU, lay, one_a_second
+
+PAUSE_S = 2.0
+"""From the last plank to the pull [s]."""
+WAY = 1.2 * LENGTH
+"""How far it is pulled [m]: all the way out."""
+
+
+def pulled_plank(*, speed: float = 0.1, levels: int = 4) -> Scene:
+    """A tower whose last plank but one is pulled out along its length.
+
+    Args:
+        speed: of the pull [m/s].
+        levels: number of planks.
+    """
+    speed = real("speed", speed, least=0.01, most=20)
+    levels = whole("levels", levels, least=3, most=100)
+    parameters: dict[str, Value] = {"speed": speed, "levels": levels}
+    actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
+    actions += (Pull(actions[-1].time + PAUSE_S, levels - 2, (speed, 0.0), WAY / speed),)
+    return Scene(
+        scenario="pulled_plank",
+        variant=variant_of(pulled_plank, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=actions,
+        expectation=Expectation("study", "how far the plank above comes along, and how it lands, dynamics decide"),
+        look_for="slowly pulled, the plank above travels along; pulled fast, it is left behind and drops",
+        planar=True,
+    )

@@ -1,0 +1,63 @@
+"""A tower whose topmost plank is struck along its length.
+
+Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops it after s = (J / m)^2 / (2 mu g), and
+drags the tower below with no more than mu m g, while that one's own friction resists with more: only the struck plank
+moves. It counts as out of place beyond its thickness: with s at half of that the stack stands, with s well above it
+the plank has slid, and beyond L / 2 it falls off.
+
+What to look for: nothing but the struck plank may move. A stack that is frozen must feel the blow: whoever strikes a
+brick tells the extension so.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.model import Action, Expectation, Push, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MASS, MU, THICKNESS, lay, one_a_second
+
+GRAVITY = 9.81
+"""[m/s2]"""
+PAUSE_S = 2.0
+"""From the last plank to the blow [s]."""
+SURE = 1.5
+"""How many times shorter or longer than a thickness the slide must be for a known answer: engines take friction in
+steps, and a real plank yaws a little."""
+
+
+def pushed_plank(*, slide: float = 4.0, levels: int = 4) -> Scene:
+    """A tower whose topmost plank is struck along its length.
+
+    Args:
+        slide: how far [mm] the blow lets it slide.
+        levels: number of planks.
+    """
+    slide = real("slide", slide, least=0.1, most=1000)
+    levels = whole("levels", levels, least=2, most=100)
+    parameters: dict[str, Value] = {"slide": slide, "levels": levels}
+    actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
+    time = actions[-1].time + PAUSE_S
+    impulse = MASS * math.sqrt(2 * MU * GRAVITY * slide * 1e-3)
+    actions += (Push(time, levels - 1, (impulse, 0.0, 0.0)),)
+    return Scene(
+        scenario="pushed_plank",
+        variant=variant_of(pushed_plank, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=actions,
+        expectation=_expected(slide * 1e-3, levels, time),
+        look_for="nothing but the struck plank may move; what is frozen must feel the blow",
+        pair=variant_of(pushed_plank, parameters | {"slide": 4.0}),
+        planar=True,
+    )
+
+
+def _expected(slide: float, levels: int, time: float) -> Expectation:
+    """What must happen to a plank that slides so far [m]."""
+    way = f"it slides {slide * 1e3:g} mm = (J / m)^2 / (2 mu g)"
+    if slide * SURE <= THICKNESS:
+        return Expectation("stand", f"{way}, less than its thickness")
+    if slide >= SURE * THICKNESS and not LENGTH / 2 / SURE < slide < SURE * LENGTH / 2:
+        return Expectation("fall", f"{way}, more than its thickness", levels, not_before_s=time)
+    return Expectation("study", f"{way}, near a thickness or near half its length")
