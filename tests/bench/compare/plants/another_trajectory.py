@@ -1,0 +1,14 @@
+# ruff: noqa: D100, E402 - appended to bench/trial.py of a copy of the suite
+from dataclasses import replace
+
+from adapters.base import Simulation
+
+_spawn = Simulation.spawn
+
+
+def _a_nanometre_off(simulation, brick):
+    x, y, z = brick.position
+    return _spawn(simulation, replace(brick, position=(x + 1e-9, y, z)))
+
+
+Simulation.spawn = _a_nanometre_off
