@@ -1,4 +1,5 @@
-# ruff: noqa: D100, E402 - appended to bench/trial.py of a copy of the suite
+"""Appended to bench/trial.py of a copy of the suite."""
+
 from dataclasses import replace
 
 from adapters.base import Simulation

@@ -1,4 +1,7 @@
-# ruff: noqa: D100, D101, D102, E402 - appended to bench/trial.py of a copy of the suite
+"""Appended to bench/trial.py of a copy of the suite."""
+
+from time import perf_counter
+
 from bench import timed_frames
 from stability_core import StabilityExtension
 
