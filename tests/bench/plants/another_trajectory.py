@@ -1,4 +1,4 @@
-"""Appended to bench/trial.py of a copy of the suite."""
+"""Imported in every trial's process of a run (see ``planted_bench``)."""
 
 from dataclasses import replace
 
