@@ -20,8 +20,10 @@ from adapters import EngineNotInstalledError, ProfileError
 from bench.catalogue import print_catalogue
 from bench.compare import showing
 from bench.compare.baseline import BaselineError, read_baseline, write_baseline
+from bench.compare.checkouts import CheckoutError, prepare
 from bench.compare.comparison import NothingInCommonError, compare_runs
 from bench.compare.findings import GATES, chosen_gates
+from bench.compare.interleaved import run_interleaved
 from bench.compare.tracking import tracked
 from bench.conformance import check_engine
 from bench.environment import describe
@@ -205,8 +207,10 @@ def baseline(
 
 @app.command()
 def compare(
-    base: Annotated[str, typer.Argument(help="A results folder or a baseline file: what is expected.")],
-    head: Annotated[str, typer.Argument(help="A results folder or a baseline file: what is judged.")],
+    base: Annotated[
+        str, typer.Argument(help="What is expected: a results folder, a baseline file; a version (--run).")
+    ],
+    head: Annotated[str, typer.Argument(help="What is judged: the same.")],
     fail_on: Annotated[str, typer.Option(help="Gates whose alarms end with status 1, or 'none'.")] = ",".join(GATES),
     across_versions: Annotated[
         bool, typer.Option("--across-versions", help="Judge the outcomes of another version of an engine, too.")
@@ -214,11 +218,26 @@ def compare(
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the tables as Markdown.")] = None,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")] = False,
+    run_both: Annotated[
+        bool, typer.Option("--run", help="BASE and HEAD are commits, branches, tags or checkouts: run both here.")
+    ] = False,
+    study: Annotated[str, typer.Option(help="With --run: the study that both run.")] = "smoke",
+    rounds: Annotated[int, typer.Option(min=1, max=100, help="With --run: how often each runs it, in turns.")] = 2,
+    base_with: Annotated[list[str] | None, typer.Option(help="With --run: a package or wheel for BASE.")] = None,
+    head_with: Annotated[list[str] | None, typer.Option(help="With --run: a package or wheel for HEAD.")] = None,
+    out: Annotated[Path | None, typer.Option(help="With --run: results folder [results/compare-TIME].")] = None,
 ) -> None:
     """Did stacking get worse, did trajectories change, did it get slower? Status 1 if so."""
     with _input_errors():
         gates = chosen_gates(fail_on)
-        sides = read_baseline(Path(base)), read_baseline(Path(head))
+        if run_both:
+            plan = load_study(study)
+            folder = out or RESULTS / f"compare-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+            check_folder(folder)
+            versions = prepare(base, base_with or (), _err), prepare(head, head_with or (), _err)
+            sides = run_interleaved(versions, plan, rounds, folder, _err)
+        else:
+            sides = read_baseline(Path(base)), read_baseline(Path(head))
         comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
         if markdown is not None:
             write_whole(markdown, showing.markdown(comparison, gates).encode())
@@ -271,6 +290,7 @@ def _input_errors() -> Iterator[None]:
         ProfileError,
         ClusterError,
         BaselineError,
+        CheckoutError,
         NothingInCommonError,
         OSError,
     ) as error:

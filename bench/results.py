@@ -129,7 +129,7 @@ class Results:
             _put_aside(folder)
         sessions = _kept_environment(folder).get(SESSIONS, []) if (folder / TRIALS).exists() else []
         content = {**environment, SESSIONS: [*sessions, session()]}
-        write_whole(folder / STUDY, _to_toml(study).encode())
+        write_whole(folder / STUDY, to_toml(study).encode())
         write_whole(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
         self._frames = folder / "frames"
         self._frames.mkdir(exist_ok=True)
@@ -193,7 +193,7 @@ def _refusal(folder: Path, different: Sequence[str]) -> str:
     )
 
 
-def _to_toml(study: Study) -> str:
+def to_toml(study: Study) -> str:
     """The resolved study. TOML writes strings, numbers and flat lists as JSON does."""
     content = study.model_dump()
     scenarios, limits = content.pop("scenario"), content.pop("limits")

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pyarrow as pa
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from bench.compare.careful_json import JsonError, parse, read_file
-from bench.compare.times import shares
+from bench.compare.times import PARTS, Part, shares
 from bench.compare.tolerance import Tolerance
 from bench.environment import digest
 from bench.results import ENVIRONMENT, SESSIONS, STUDY, TRIALS
@@ -48,8 +48,15 @@ class Machine(_Model):
     commit: str | None = None
     modified: bool = False
     """Whether the checkout had uncommitted changes."""
+    sources: str | None = None
+    """Digest of the suite's code."""
     packages: Mapping[str, str] = {}
     engines: Mapping[str, Engine] = {}
+
+    def runs_same_code(self, other: Machine) -> bool:
+        """Whether the suite and what it is compiled with are the same; engines may differ."""
+        mine, its = ((one.sources, one.python, one.packages) for one in (self, other))
+        return self.sources is not None and mine == its
 
 
 class Baseline(_Model):
@@ -63,9 +70,15 @@ class Baseline(_Model):
     """By scenario, where the study set them."""
     machines: Mapping[str, Machine] = {}
     """By the digest that records name."""
-    shares: Mapping[str, Mapping[str, Annotated[float, Field(gt=0)]]] = {}
+    shares: Mapping[str, Mapping[Part, Annotated[float, Field(gt=0)]]] = {}
     """By trial: time of parts of a frame over that of the engine's step (see ``times``)."""
     trials: Sequence[TrialRecord] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _shares_are_whole(self) -> Baseline:
+        if any(set(parts) != set(PARTS) for parts in self.shares.values()):
+            raise ValueError(f"shares: each trial has all of {', '.join(PARTS)}")
+        return self
 
     def machine(self, record: TrialRecord) -> Machine | None:
         """Where a trial ran; None if that was not kept."""
@@ -205,7 +218,7 @@ def _machines(folder: Path) -> dict[str, Machine]:
     return machines
 
 
-def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[str, float]]:
+def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part, float]]:
     """By trial, of those that have frames."""
     kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
     found = {}

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 
-from bench.compare.baseline import Baseline
+from bench.compare.baseline import Baseline, Machine
 from bench.compare.findings import Comparison, Finding
 from bench.compare.outcomes import judge_draws, judge_outcome
-from bench.compare.times import judge_times
+from bench.compare.times import PARTS, Part, judge_times
 from bench.compare.tolerance import Tolerance
-from bench.compare.trajectories import judge_poses
+from bench.compare.trajectories import judge_poses, other_processor
 from reports.records import TrialRecord
 
 
@@ -103,20 +103,38 @@ def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iter
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
-    """One finding for each engine, profile and part of a frame, over all of its trials that went the same way."""
-    groups: dict[tuple[str, str], list[Pair]] = defaultdict(list)
+    """One finding for each engine, profile and part of a frame, over all of its trials that have a yardstick."""
+    groups: dict[str, list[Pair]] = defaultdict(list)
     for one, other in pairs:
-        for part in base.shares.get(one.trial, {}).keys() & head.shares.get(other.trial, {}).keys():
-            groups[f"{other.engine}.{other.profile}", part].append((one, other))
-    for (name, part), group in sorted(groups.items()):
-        cell = f"{name}.{part.removesuffix('_ms')}"
-        alike = [(one, other) for one, other in group if other.trial in same_way]
-        if not alike:
-            yield Finding("time", cell, "open", "no trial is known to have gone the same way: the work was another")
-            continue
-        figures = [(base.shares[one.trial][part], head.shares[other.trial][part]) for one, other in alike]
-        least = max(_tolerance(head, other).time_share for _, other in alike)
-        yield Finding("time", cell, *judge_times(figures, least))
+        if one.trial in base.shares and other.trial in head.shares:
+            groups[f"{other.engine}.{other.profile}"].append((one, other))
+    for name, group in sorted(groups.items()):
+        figures: dict[str, list[tuple[float, float]]] = defaultdict(list)
+        for one, other in group:
+            machines = base.machine(one), head.machine(other)
+            yardstick = _yardstick(*machines, other.trial in same_way)
+            if yardstick is not None:
+                before, now = base.shares[one.trial], head.shares[other.trial]
+                for part in PARTS:
+                    if part != yardstick:
+                        cell = f"{name}.{part} / {yardstick}"
+                        figures[cell].append((before[part] / before[yardstick], now[part] / now[yardstick]))
+        if not figures:
+            yield Finding(
+                "time", name, "open", "no yardstick: the core is another, and so is what the engine had to do"
+            )
+        least = max(_tolerance(head, other).time_share for _, other in group)
+        for cell, those in figures.items():
+            yield Finding("time", cell, *judge_times(those, least))
+
+
+def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) -> Part | None:
+    """The part of a frame that both sides share; None if there is none, or the processor is another."""
+    if base is None or head is None or other_processor(base, head) is not None:
+        return None
+    if base.runs_same_code(head):
+        return "core"
+    return "engine" if went_same_way else None
 
 
 def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:

@@ -18,7 +18,8 @@ from reports.tables import Table, render, to_markdown
 
 _KINDS: tuple[Judgement, ...] = get_args(Judgement)
 _RATIO = (
-    f"Times: of a typical frame's part over that of the engine's step, head to base, and the {CONFIDENCE:.0%} interval."
+    "Times: part / yardstick, of a typical frame of each trial; the ratio of head to base, and its "
+    f"{CONFIDENCE:.0%} interval. The yardstick is the part that has not changed."
 )
 _ASIDE = "Another engine, scene, processor or an end by the clock is told as such: neither a regression nor a pass."
 

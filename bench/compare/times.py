@@ -1,9 +1,10 @@
-"""The timing gate: did the core, or reading contacts, become slower against the engine's step of the very same frames?
+"""The timing gate: did a part of a frame become slower against another part of the very same frames?
 
 A machine that runs twice as fast a minute later, as shared ones do, makes times of two runs useless, and those of two
-machines always are. But both parts of a frame run within a millisecond: their ratio, its median over the frames of a
-trial, varies by some percent where the times themselves vary by a factor. The engine is a fair yardstick only while it
-does the same work, so only trials of one engine version that went the same way on one model of processor are compared.
+machines always are. But the parts of a frame run within a millisecond: their ratio, its median over the frames of a
+trial, varies by some percent where the times themselves vary by a factor. The yardstick is the part that has not
+changed: the core, if both sides run the same sources, as when builds of an engine are compared; else the engine's step,
+if it is of one version and every brick went the same way, so that its work was the same.
 
 The median tells of a typical frame; what happens in few frames, such as freezing, it does not see.
 """
@@ -14,6 +15,7 @@ import math
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from scipy.stats import t as student_t
@@ -21,8 +23,9 @@ from scipy.stats import t as student_t
 from bench.compare.findings import Judgement
 from reports.frames import UNTIMED_FRAMES, FrameRow
 
-PARTS = ("core_ms", "readback_ms")
-"""Parts of a frame that are judged, by their column. Freezing and waking take place in too few frames to tell."""
+Part: TypeAlias = Literal["engine", "readback", "core"]
+"""Parts of a frame: the engine's step, reading contacts, the core. Freezing and waking take too few frames to tell."""
+PARTS: tuple[Part, ...] = get_args(Part)
 LEAST_PAIRS = 3
 """Fewer pairs of trials than this have no spread to speak of."""
 CONFIDENCE = 0.99
@@ -43,21 +46,18 @@ class Interval:
         return f"{self.ratio:.2f} ({self.low:.2f}-{self.high:.2f})"
 
 
-def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[str, float]:
+def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
     """Time of each part over that of the engine's step in the same frame: its median over a trial's timed frames.
 
     Empty for trials without an extension, and for those of too few frames.
     """
     timed = rows[UNTIMED_FRAMES : UNTIMED_FRAMES + timed_frames]
-    if len(timed) < _LEAST_FRAMES:
+    columns = [(row.engine_ms, row.readback_ms, row.core_ms) for row in timed]
+    times = np.array(columns, np.float64)  # what is null becomes NaN
+    if len(times) < _LEAST_FRAMES or not (times > 0).all():
         return {}
-    engine = np.array([row.engine_ms for row in timed])
-    found = {}
-    for part in PARTS:
-        times = [getattr(row, part) for row in timed]
-        if None not in times and engine.min() > 0:
-            found[part] = float(np.median(np.array(times) / engine))
-    return {part: share for part, share in found.items() if share > 0}
+    medians = np.median(times / times[:, :1], axis=0)
+    return dict(zip(PARTS, medians.tolist(), strict=True))
 
 
 def interval(pairs: Sequence[tuple[float, float]]) -> Interval:

@@ -18,6 +18,8 @@ def tracked(side: Baseline) -> list[dict[str, str | float]]:
             missed = record.levels_planned - record.height_levels
             figures.append({"name": f"{record.trial}: levels missed", "unit": "levels", "value": missed})
         for part, share in side.shares.get(record.trial, {}).items():
-            name = f"{record.trial}: {part.removesuffix('_ms')}"
+            if part == "engine":
+                continue
+            name = f"{record.trial}: {part}"
             figures.append({"name": name, "unit": "% of the engine's step", "value": round(_PERCENT * share, 2)})
     return figures

@@ -73,8 +73,8 @@ def test_what_the_clock_ended_is_not_judged(make) -> None:
 
 def test_on_another_processor_only_outcomes_are_judged(make) -> None:
     other = make.machine.model_copy(update={"processor": "P2"})
-    times = {make.name: {"core_ms": 0.5}}
-    head = make.side(make.record(**FELL), machines={"here": other}, shares={make.name: {"core_ms": 5.0}})
+    times = {make.name: parts(core=0.5)}
+    head = make.side(make.record(**FELL), machines={"here": other}, shares={make.name: parts(core=5.0)})
     found = compare_runs(make.side(shares=times), head, NAMES)
     judged = {one.gate: one.judgement for one in found.findings}
     assert judged == {"outcome": "worse", "hash": "open", "time": "open"}
@@ -106,12 +106,45 @@ def test_a_studys_tolerances_are_those_of_the_head(make) -> None:
     assert only(make.side(tolerances=loose), make.side(less)).judgement == "worse"
 
 
-def test_a_slower_core_is_found_where_all_goes_the_same_way(make) -> None:
+def parts(core: float, engine: float = 1.0) -> dict[str, float]:
+    """Shares of a frame as a run keeps them, of an engine that takes ``engine`` times as long as it did."""
+    return {"engine": 1.0, "readback": 0.3 / engine, "core": core / engine}
+
+
+def timed(make, sources="of the base", pose_hash="aa", **times):
+    """A run of four seeds with such times."""
     names = [f"bullet.game.four_stack-3.paper.s{seed}.r0" for seed in range(4)]
-    records = [make.record(trial=name, seed=seed) for seed, name in enumerate(names)]
-    base = make.side(*records, shares={name: {"core_ms": 0.5 + 0.001 * k} for k, name in enumerate(names)})
-    head = make.side(*records, shares={name: {"core_ms": 0.6 + 0.002 * k} for k, name in enumerate(names)})
-    assert only(base, head, "time").judgement == "worse"
-    assert only(base, base, "time").judgement == "same"
-    moved = [one.model_copy(update={"pose_hash": "bb"}) for one in records]
-    assert only(base, head.model_copy(update={"trials": moved}), "time").judgement == "open"
+    return make.side(
+        *(make.record(trial=name, seed=seed, pose_hash=pose_hash) for seed, name in enumerate(names)),
+        machines={"here": make.machine.model_copy(update={"sources": sources})},
+        shares={name: parts(**times) for name in names},
+    )
+
+
+def judged(base, head) -> dict[str, str]:
+    """What the timing gate says of each part."""
+    found = compare_runs(base, head, NAMES).findings
+    return {one.trial.removeprefix("bullet.game."): one.judgement for one in found if one.gate == "time"}
+
+
+def test_a_slower_core_is_found_against_the_engine_if_it_did_the_same(make) -> None:
+    base = timed(make, core=0.5)
+    other = judged(base, timed(make, "of the head", core=0.6))
+    assert other == {"core / engine": "worse", "readback / engine": "same"}
+    assert judged(base, timed(make, "of the head", core=0.6, pose_hash="bb")) == {"bullet.game": "open"}
+
+
+def test_a_slower_engine_is_found_against_the_core_if_that_is_the_same_code(make) -> None:
+    """Another build of an engine may let bricks go another way; the core's typical frame costs the same."""
+    base = timed(make, core=0.5)
+    slower = {"engine / core": "worse", "readback / core": "same"}
+    for pose_hash in ("aa", "bb"):
+        assert judged(base, timed(make, core=0.5, engine=1.2, pose_hash=pose_hash)) == slower
+    assert judged(base, base) == {"engine / core": "same", "readback / core": "same"}
+
+
+def test_without_a_known_version_of_the_code_the_core_is_no_yardstick(make) -> None:
+    assert set(judged(timed(make, None, core=0.5), timed(make, None, core=0.5))) == {
+        "core / engine",
+        "readback / engine",
+    }

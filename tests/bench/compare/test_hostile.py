@@ -55,7 +55,8 @@ HOSTILE = {
     "unknown status": (lambda good: trial(good, status="won"), "status"),
     "no trial": (lambda good: edited(good, trials=[]), "trials"),
     "trial twice": (lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2), "is there twice"),
-    "negative share": (lambda good: edited(good, shares={"x": {"core_ms": -1}}), "shares"),
+    "negative share": (lambda good: edited(good, shares={"x": {"engine": 1, "readback": 1, "core": -1}}), "shares"),
+    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "each trial has all of"),
     "negative tolerance": (lambda good: edited(good, tolerances={"x": {"levels": -1}}), "tolerances"),
 }
 

@@ -1,0 +1,26 @@
+"""Imported in every trial's process of a run (see ``planted_bench``)."""
+
+from time import perf_counter
+
+from bench import timed_frames
+from stability_core import StabilityExtension
+
+
+class _SlowerCore(StabilityExtension):
+    """Spends a fifth more time than it needs."""
+
+    def __init__(self, port, **options):
+        super().__init__(port, **options)
+        self._timed = port
+
+    def update(self, dt):
+        begin = perf_counter()
+        change = super().update(dt)
+        passed = perf_counter() - begin
+        until = begin + passed + 0.2 * (passed - self._timed.readback_s - self._timed.steering_s)
+        while perf_counter() < until:
+            pass
+        return change
+
+
+timed_frames.StabilityExtension = _SlowerCore
