@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,7 +13,7 @@ from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
-from stability_core.port import Contacts, FloatArray, IntArray, Masses, StabilityPort
+from stability_core.port import Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
 from stability_core.stack import (
     ABSENT,
@@ -40,16 +41,7 @@ class Change:
     """Why, for each of them."""
 
 
-def _ids(array: IntArray) -> IntArray:
-    """As the kernels are compiled for it, whatever layout an adapter reads from its engine."""
-    return np.ascontiguousarray(array, np.int64)
-
-
-def _numbers(array: FloatArray) -> FloatArray:
-    """As the kernels are compiled for it, whatever layout an adapter reads from its engine."""
-    return np.ascontiguousarray(array, np.float64)
-
-
+IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 UNCHANGED = Change((), (), {})
 
 
@@ -123,7 +115,7 @@ class StabilityExtension:
         Raises:
             ValueError: if dt is not positive, or the port gives malformed contacts or masses.
         """
-        if not (np.isfinite(dt) and dt > 0.0):
+        if not 0.0 < dt < math.inf:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         contacts, masses = self.port.contacts(), self.port.masses()
         self._forget(masses.removed)
@@ -143,25 +135,27 @@ class StabilityExtension:
         room = max(2 * len(contacts), len(masses.body))
         if room >= self._watch.due.shape[1]:
             self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
-        fault, row = NO_ROOM, -1
-        while fault == NO_ROOM:
-            self._graph = grown(self._graph, row + 1, 0)
+        while True:
+            laid_out = np.ascontiguousarray  # as the kernels are compiled for it, whatever an adapter reads
             fault, row, due, rows = observe(
                 self._graph.bodies,
                 *self._watch,
                 self._limits,
                 dt,
-                _ids(masses.body),
-                _ids(contacts.body_a),
-                _ids(contacts.body_b),
-                _numbers(masses.mass),
-                _numbers(masses.center_of_mass),
-                _numbers(contacts.point),
-                _numbers(contacts.normal),
-                _numbers(contacts.separation),
-                _numbers(contacts.relative_velocity),
-                _numbers(contacts.friction),
+                laid_out(masses.body, IDS),
+                laid_out(contacts.body_a, IDS),
+                laid_out(contacts.body_b, IDS),
+                laid_out(masses.mass, NUMBERS),
+                laid_out(masses.center_of_mass, NUMBERS),
+                laid_out(contacts.point, NUMBERS),
+                laid_out(contacts.normal, NUMBERS),
+                laid_out(contacts.separation, NUMBERS),
+                laid_out(contacts.relative_velocity, NUMBERS),
+                laid_out(contacts.friction, NUMBERS),
             )
+            if fault != NO_ROOM:
+                break
+            self._graph = grown(self._graph, row + 1, 0)
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
         return due, rows
@@ -176,29 +170,31 @@ class StabilityExtension:
             self._wake(body)
         self._graph = grown(self._graph, 0, 4 * rows)
         frozen, unbalanced = self.policy.settle(self._graph, self._watch)
-        struck = self._watch.due[STRUCK, 1 : 1 + self._watch.due[STRUCK, 0]]
-        for reason, roots in (("struck", struck), ("unbalanced", unbalanced)):
-            if not len(roots):
-                continue
-            for body in with_all_above(self._graph, roots).tolist():
-                if self._graph.bodies["state"][body] == FROZEN:
-                    woken[body] = reason if body in roots else f"rested on what was {reason}"
-                    self._wake(body)
+        struck = self._watch.due.item(STRUCK, 0)
+        if struck:
+            self._wake_above(self._watch.due[STRUCK, 1 : 1 + struck], "struck", frozen, woken)
+        if len(unbalanced):
+            self._wake_above(unbalanced, "unbalanced", frozen, woken)
         return self._tell(frozen, woken)
 
+    def _wake_above(self, roots: IntArray, reason: str, frozen: dict[int, str], woken: dict[int, str]) -> None:
+        """Wake the ``roots`` and what rests on them; what was frozen and woken at once never slept."""
+        for body in with_all_above(self._graph, roots).tolist():
+            if self._graph.bodies["state"][body] == FROZEN:
+                self._wake(body)
+                if frozen.pop(body, None) is None:
+                    woken[body] = reason if body in roots else f"rested on what was {reason}"
+
     def _tell(self, frozen: dict[int, str], woken: dict[int, str]) -> Change:
-        """One sleep and one wake batch for the engine; what was frozen and woken at once never slept."""
+        """One sleep and one wake batch for the engine."""
         if not frozen and not woken:
             return UNCHANGED
-        told = frozen | woken
-        reasons = {body: told[body] for body in sorted(frozen.keys() ^ woken.keys())}
-        asleep = tuple(body for body in reasons if body in frozen)
-        awake = tuple(body for body in reasons if body in woken)
+        asleep, awake = tuple(sorted(frozen)), tuple(sorted(woken))
         if asleep:
             self.port.sleep(asleep)
         if awake:
             self.port.wake(awake)
-        return Change(asleep, awake, reasons)
+        return Change(asleep, awake, frozen | woken)
 
     def _wake(self, body: int) -> None:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""

@@ -8,55 +8,72 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.port import FloatArray
+from stability_core.port import FloatArray, IntArray
 
 
 @compiled
-def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
-    """Twice the signed area of the plan triangle a, b, c; positive if it turns left."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+def _turn(points: FloatArray, a: int, b: int, c: int) -> float:
+    """Twice the signed area of the plan triangle of rows a, b, c; positive if it turns left."""
+    ax, ay = points[a, 0], points[a, 1]
+    return float((points[b, 0] - ax) * (points[c, 1] - ay) - (points[b, 1] - ay) * (points[c, 0] - ax))
 
 
 @compiled
-def _sorted_in_plan(points: FloatArray) -> FloatArray:
-    """The points by x, then y, without repetitions (insertion sort: manifolds are short)."""
-    ranked = np.empty((len(points), 3))
+def _ranked_in_plan(points: FloatArray) -> IntArray:
+    """The rows by x, then y, without repetitions (insertion sort: manifolds are short, and an index is soon moved)."""
+    ranked = np.empty(len(points), np.int64)
     size = 0
-    for i in range(len(points)):
-        x, y = points[i, 0], points[i, 1]
+    for row in range(len(points)):
+        x, y = points[row, 0], points[row, 1]
         place = size
-        while place > 0 and (ranked[place - 1, 0] > x or (ranked[place - 1, 0] == x and ranked[place - 1, 1] > y)):
+        while place > 0 and (
+            points[ranked[place - 1], 0] > x or (points[ranked[place - 1], 0] == x and points[ranked[place - 1], 1] > y)
+        ):
             place -= 1
-        if place > 0 and ranked[place - 1, 0] == x and ranked[place - 1, 1] == y:
+        if place > 0 and points[ranked[place - 1], 0] == x and points[ranked[place - 1], 1] == y:
             continue
         for j in range(size, place, -1):
             ranked[j] = ranked[j - 1]
-        ranked[place] = points[i]
+        ranked[place] = row
         size += 1
     return ranked[:size]
 
 
 @compiled
-def convex_hull(points: FloatArray) -> FloatArray:
-    """Vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain)."""
-    ranked = _sorted_in_plan(points)
+def _hull_rows(points: FloatArray) -> IntArray:
+    """The rows of ``convex_hull``, shape (k,)."""
+    ranked = _ranked_in_plan(points)
     n = len(ranked)
     if n < 3:
         return ranked
-    chain = np.empty((2 * n, 3))
+    chain = np.empty(2 * n, np.int64)
     size = 0
     for i in range(n):  # the lower side, from left to right
-        while size >= 2 and _turn(chain[size - 2], chain[size - 1], ranked[i]) <= 0.0:
+        while size >= 2 and _turn(points, chain[size - 2], chain[size - 1], ranked[i]) <= 0.0:
             size -= 1
         chain[size] = ranked[i]
         size += 1
     lower = size
     for i in range(n - 2, -1, -1):  # the upper side, back to the first point
-        while size > lower and _turn(chain[size - 2], chain[size - 1], ranked[i]) <= 0.0:
+        while size > lower and _turn(points, chain[size - 2], chain[size - 1], ranked[i]) <= 0.0:
             size -= 1
         chain[size] = ranked[i]
         size += 1
-    return chain[: size - 1].copy()
+    return chain[: size - 1]
+
+
+@compiled
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain).
+
+    O(n^2) at worst, by the sort.
+    """
+    rows = _hull_rows(points)
+    hull = np.empty((len(rows), 3))
+    for i in range(len(rows)):
+        for k in range(3):
+            hull[i, k] = points[rows[i], k]
+    return hull
 
 
 @compiled
@@ -100,7 +117,7 @@ def width(hull: FloatArray) -> float:
         edge = np.hypot(b[0] - a[0], b[1] - a[1])
         farthest = 0.0
         for j in range(n):
-            farthest = max(farthest, _turn(a, b, hull[j]) / edge)
+            farthest = max(farthest, _turn(hull, i, (i + 1) % n, j) / edge)
         least = min(least, farthest)
     return least
 
@@ -111,10 +128,11 @@ def centroid(hull: FloatArray) -> FloatArray:
     n = len(hull)
     center = np.zeros(3)
     for i in range(n):
-        center += hull[i] / n
+        for k in range(3):
+            center[k] += hull[i, k] / n
     area, x, y = 0.0, 0.0, 0.0
     for i in range(1, n - 1):
-        part = _turn(hull[0], hull[i], hull[i + 1])
+        part = _turn(hull, 0, i, i + 1)
         area += part
         x += part * (hull[0, 0] + hull[i, 0] + hull[i + 1, 0]) / 3.0
         y += part * (hull[0, 1] + hull[i, 1] + hull[i + 1, 1]) / 3.0

@@ -19,15 +19,13 @@ from stability_core.watch import AT_REST, GONE, LEANING, LYING, Watch, listed
 def _with_rule(graph: Graph, watch: Watch, rule: int, state: int) -> IntArray:
     """The bodies in this ``state`` for which ``rule`` is the strictest, by rising id, shape (k,)."""
     ids = listed(watch, rule)
-    if len(ids) == 0:
-        return ids
     found = np.empty(len(ids), np.int64)
     n = 0
     for body in ids:
         if graph.bodies[body].rule == rule and graph.bodies[body].state == state:
             found[n] = body
             n += 1
-    return np.sort(found[:n])
+    return np.sort(found[:n]) if n > 1 else found[:n]
 
 
 @compiled
@@ -42,9 +40,9 @@ def lay_due(graph: Graph, watch: Watch, limits: Limits) -> None:
         for body in listed(watch, rule):
             graph.bodies[body].rule = rule
     limit = limits[0]
-    lay_all(graph, watch, _with_rule(graph, watch, LYING, LIVE), limit.load_frames)
-    lay_all(graph, watch, _with_rule(graph, watch, AT_REST, LIVE), limit.rest_frames)
-    lay_all(graph, watch, _with_rule(graph, watch, LEANING, LIVE), limit.lean_frames)
+    for rule, frames in ((LYING, limit.load_frames), (AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
+        if watch.due[rule, 0] > 0:
+            lay_all(graph, watch, _with_rule(graph, watch, rule, LIVE), frames)
 
 
 @compiled
@@ -54,16 +52,17 @@ def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
     What touches the stack alone has them already. A body that only passes by is no load.
     """
     limit = limits[0]
-    _lay_on_stack(graph, watch, AT_REST, limit.rest_frames)
-    _lay_on_stack(graph, watch, LEANING, limit.lean_frames)
-    for body in _with_rule(graph, watch, LEANING, LIVE):
-        if graph.bodies[body].load_frames < limit.load_frames:
+    for rule, frames in ((AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
+        if watch.due[rule, 0] > 0:
+            _lay_on_stack(graph, watch, _with_rule(graph, watch, rule, FROZEN), frames)
+    for body in listed(watch, LEANING):
+        row = graph.bodies[body]
+        if row.rule == LEANING and row.state == LIVE and row.load_frames < limit.load_frames:
             lift(graph, body)
 
 
 @compiled
-def _lay_on_stack(graph: Graph, watch: Watch, rule: int, frames: int) -> None:
-    frozen = _with_rule(graph, watch, rule, FROZEN)
+def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int) -> None:
     again = np.empty(len(frozen), np.int64)
     n = 0
     for body in frozen:
@@ -84,3 +83,14 @@ def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
     for i in range(len(ids)):
         height[i] = graph.bodies[ids[i]].center[2]
     return ids[np.argsort(height, kind="mergesort")]
+
+
+@compiled
+def write_down(row: IntArray, ids: IntArray) -> int:
+    """Write the ``ids`` into a row that Python holds; returns how many.
+
+    To make an array and hand it from a kernel to Python takes more than a microsecond.
+    """
+    for i in range(len(ids)):
+        row[i] = ids[i]
+    return len(ids)

@@ -237,6 +237,8 @@ def grown(graph: Graph, bodies: int, spare: int) -> Graph:
     Tables double, so that growing costs O(1) a row in the long run.
     """
     body_rows, patch_rows, free, changed = graph
+    if bodies <= len(body_rows) and spare <= free[0]:
+        return graph
     if bodies > len(body_rows):
         fresh = np.zeros(max(bodies, 2 * len(body_rows), 64) - len(body_rows), BODY)
         fresh["first_support"] = fresh["first_load"] = NONE

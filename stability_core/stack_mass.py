@@ -37,8 +37,10 @@ def support_polygon(graph: Graph, body: int) -> FloatArray:
     points = np.empty((MAX_VERTICES * len(supports), 3))
     n = 0
     for at in supports:
-        for vertex in hull_of(graph.patches[at]):
-            points[n] = vertex
+        patch = graph.patches[at]
+        for vertex in range(patch.vertices):
+            for k in range(3):
+                points[n, k] = patch.vertex[vertex, k]
             n += 1
     return convex_hull(points[:n])
 

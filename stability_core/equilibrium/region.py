@@ -16,7 +16,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.polygon import convex_hull, inside_distance
 from stability_core.port import GROUND, FloatArray, IntArray
-from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, hull_of, is_stack
+from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, count_patches, hull_of, is_stack
 
 
 class Regions(NamedTuple):
@@ -72,7 +72,8 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 
     O(supports), whatever the height of the stack.
     """
-    points = np.empty((0, 3))
+    points = np.empty((2 * MAX_VERTICES * count_patches(graph, body), 3))
+    n = 0
     at = graph.bodies[body].first_support
     while at != NONE:
         patch = graph.patches[at]
@@ -81,9 +82,12 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
             if patch.lower != GROUND:
                 below = regions.vertex[patch.lower, : regions.vertices[patch.lower]]
                 area = cut(area, below) if len(below) > 2 else area[:0]
-            points = np.concatenate((points, area))
+            for vertex in range(len(area)):
+                for k in range(3):
+                    points[n, k] = area[vertex, k]
+                n += 1
         at = patch.next_support
-    return convex_hull(points)
+    return convex_hull(points[:n])
 
 
 @compiled

@@ -5,10 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar, NamedTuple
 
+import numpy as np
+
 from stability_core.port import IntArray
 from stability_core.settings import Settings
 from stability_core.stack import Graph
 from stability_core.watch import Watch
+
+NOBODY: IntArray = np.empty(0, np.int64)
 
 
 class Decision(NamedTuple):

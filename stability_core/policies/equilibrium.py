@@ -27,15 +27,17 @@ from stability_core.equilibrium.region import (
     topples_alone,
 )
 from stability_core.equilibrium.verdict import decide, takes_part
-from stability_core.policies.base import Decision, Policy
+from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import width
 from stability_core.port import FloatArray, IntArray
 from stability_core.settings import Limits, Settings
-from stability_core.settle import lay_due, lay_frozen, lowest_first
+from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
 from stability_core.stack import FROZEN, LIVE, NONE, Bodies, Graph, Patches, take_changed
 from stability_core.stack_mass import support_polygon
 from stability_core.watch import AT_REST, LEANING, Watch, listed
 
+SAFE, LEFT, UNSOLVED = range(3)
+"""Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
 
@@ -101,10 +103,14 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
 
 
 @compiled
-def _finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits) -> IntArray:
-    """What comes after the candidates are decided; returns the bodies whose part must be solved again, shape (k,)."""
+def _finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits, unsolved: IntArray) -> int:
+    """What comes after the candidates are decided: O(1) a changed body.
+
+    Returns:
+        How many bodies are written into ``unsolved``: their part of the stack must be solved again.
+    """
     lay_frozen(graph, watch, limits)
-    return _unproven(graph, regions, take_changed(graph))
+    return write_down(unsolved, _unproven(graph, regions, take_changed(graph)))
 
 
 @compiled
@@ -121,15 +127,16 @@ def _settle_safely(
     latest: IntArray,
     due: IntArray,
     limits: Limits,
-) -> tuple[IntArray, IntArray, bool]:
+    found: IntArray,
+) -> tuple[int, int, int]:
     """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
 
     O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph``, ``Regions`` and ``Watch``
     come one by one: Numba takes longer to look at three tuples than a plank takes to freeze.
 
     Returns:
-        The bodies frozen. Then the candidates left to be solved together, by rising id, and True; or, if none is
-        left, the bodies whose part of the stack must be solved again, and False.
+        How many bodies are written into the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
+        solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
     """
     graph = Graph(bodies, patches, spare, changed)
     regions = Regions(vertices, vertex, links)
@@ -137,9 +144,10 @@ def _settle_safely(
     lay_due(graph, watch, limits)
     frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
     on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
+    safe = write_down(found[SAFE], frozen)
     if len(left) + len(on_edge) > 0:
-        return frozen, np.unique(np.concatenate((left, on_edge))), True
-    return frozen, _finish(graph, regions, watch, limits), False
+        return safe, write_down(found[LEFT], np.unique(np.concatenate((left, on_edge)))), 0
+    return safe, 0, _finish(graph, regions, watch, limits, found[UNSOLVED])
 
 
 class Equilibrium(Policy):
@@ -152,6 +160,7 @@ class Equilibrium(Policy):
         super().__init__(gravity, settings)
         self._regions = regions_for(0)
         self._memory = memory_for(0)
+        self._found = np.empty((3, 0), np.int64)
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
@@ -161,16 +170,17 @@ class Equilibrium(Policy):
         """
         if len(graph.bodies) > len(self._regions.links):
             self._regions = regions_for(len(graph.bodies), self._regions)
+            self._found = np.empty((3, len(graph.bodies)), np.int64)
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
-        frozen, unsolved, are_candidates = _settle_safely(*graph, *self._regions, *watch, self.limits)
-        reasons = dict.fromkeys(frozen.tolist(), "safe region")
-        if are_candidates:
-            together, patches = self._freeze_together(graph, unsolved)
+        safe, left, unsolved = _settle_safely(*graph, *self._regions, *watch, self.limits, self._found)
+        reasons = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region")
+        if left:
+            together, patches = self._freeze_together(graph, self._found[LEFT, :left].copy())
             reasons.update(dict.fromkeys(together.tolist(), "equilibrium"))
-            unsolved = _finish(graph, self._regions, watch, self.limits)
+            unsolved = _finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, together)
-        return Decision(reasons, self._unbalanced(graph, unsolved) if len(unsolved) else unsolved)
+        return Decision(reasons, self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY)
 
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[IntArray, IntArray]:
         """Freeze all of ``group``, less what would fall, until the rest stands.

@@ -9,119 +9,8 @@ import piqp
 import pytest
 from scipy import optimize, sparse
 
-from stability_core import GROUND, Contacts, Masses, Settings, StabilityExtension, solve_equilibrium
-
-LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
-MASS = 0.0119
-MU = 0.45
-DT = 1 / 60
-UP = (0.0, 0.0, 1.0)
-ACROSS = (-DEPTH / 2, DEPTH / 2)
-NO_CONTACT = Contacts.empty()
-NO_MASS = Masses(np.empty(0, np.int64), np.empty(0), np.empty((0, 3)))
-
-
-def contacts_of(rows) -> Contacts:
-    lower, upper, point, normal = zip(*rows, strict=True)
-    n = len(rows)
-    return Contacts(
-        np.array(lower),
-        np.array(upper),
-        np.array(point),
-        np.array(normal, float),
-        np.zeros(n),
-        np.zeros((n, 3)),
-        np.full(n, MU),
-    )
-
-
-def rectangle(x, y, z, lower, upper):
-    return [(lower, upper, (x + i, y + j, z), UP) for i in (-DEPTH / 2, DEPTH / 2) for j in (-DEPTH / 2, DEPTH / 2)]
-
-
-def plank_of_four_stack(body: int):
-    """Two planks a level, each level across the one below: centre and contacts of plank ``body``."""
-    level, side = divmod(body, 2)
-    reach = (LENGTH - DEPTH) / 2 * (2 * side - 1)
-    z = level * THICKNESS
-    along_x = level % 2 == 0
-    center = (0.0, reach, z + THICKNESS / 2) if along_x else (reach, 0.0, z + THICKNESS / 2)
-    rows = []
-    for end in (0, 1):
-        at = (LENGTH - DEPTH) / 2 * (2 * end - 1)
-        lower = GROUND if level == 0 else 2 * (level - 1) + end
-        rows += rectangle(*((at, reach) if along_x else (reach, at)), z, lower, body)
-    return center, rows
-
-
-def plank_of_wall(body: int):
-    """A wall of four planks a course in running bond, every second course half a plank further: centre and contacts."""
-    course, place = divmod(body, 4)
-    x, z = (place + 0.5 * (course % 2)) * LENGTH, course * THICKNESS
-    center = (x, 0.0, z + THICKNESS / 2)
-    if course == 0:
-        return center, [(GROUND, body, (x + i, y, z), UP) for i in (-LENGTH / 2, LENGTH / 2) for y in ACROSS]
-    below = {body - 4: 0.25 if course % 2 == 0 else -0.25}
-    neighbour = place - 1 if course % 2 == 0 else place + 1
-    if 0 <= neighbour < 4:
-        below[(course - 1) * 4 + neighbour] = -below[body - 4]
-    return center, [
-        (lower, body, (x + aside * LENGTH + i, y, z), UP)
-        for lower, aside in below.items()
-        for i in (-LENGTH / 4, LENGTH / 4)
-        for y in ACROSS
-    ]
-
-
-class GrowingPort:
-    """A stack that grows plank by plank; all arrays are made beforehand, so that the port costs the core nothing."""
-
-    def __init__(self, plank) -> None:
-        self.plank = plank
-        self.frozen: set[int] = set()
-        self.place(0)
-
-    def place(self, body: int) -> None:
-        self.live = body
-        center, rows = self.plank(body)
-        self.touch = contacts_of(rows)
-        self.weight = Masses(np.array([body]), np.array([MASS]), np.array([center]))
-
-    def contacts(self) -> Contacts:
-        return NO_CONTACT if self.live in self.frozen else self.touch
-
-    def masses(self) -> Masses:
-        return NO_MASS if self.live in self.frozen else self.weight
-
-    def sleep(self, bodies: list[int]) -> None:
-        self.frozen.update(bodies)
-
-    def wake(self, bodies: list[int]) -> None:
-        self.frozen.difference_update(bodies)
-
-
-@pytest.mark.parametrize("height", [12, 100, 1000])
-@pytest.mark.parametrize("plank", [plank_of_four_stack, plank_of_wall])
-def test_one_plank_more(benchmark, plank, height):
-    """The frame in which a plank joins: its safe region decides, whatever is below."""
-    port = GrowingPort(plank)
-    extension = StabilityExtension(port, "equilibrium")
-
-    def grow_to_the_last_frame_before_freezing() -> None:
-        if port.live in port.frozen:
-            port.place(port.live + 1)
-        for _ in range(Settings().rest_frames):
-            assert not extension.update(DT).frozen
-
-    while port.live < height - 1:
-        grow_to_the_last_frame_before_freezing()
-        extension.update(DT)
-    benchmark.pedantic(
-        lambda: extension.update(DT), setup=grow_to_the_last_frame_before_freezing, rounds=200, iterations=1
-    )
-    benchmark.extra_info["p99 [us]"] = 1e6 * np.percentile(benchmark.stats.stats.data, 99) if benchmark.stats else None
-    assert len(port.frozen) >= height
-    assert port.frozen == set(range(len(port.frozen))), "no plank was left out and none woke"
+from stability_core import GROUND, Contacts, Masses, solve_equilibrium
+from tests.benchmarks.worlds import ACROSS, LENGTH, MASS, MU, THICKNESS, UP, contacts_of, plank_of_four_stack
 
 
 def four_stack(n: int) -> tuple[Contacts, Masses]:
@@ -133,7 +22,6 @@ def four_stack(n: int) -> tuple[Contacts, Masses]:
 def row_of_vs(pairs: int) -> tuple[Contacts, Masses]:
     """Inverted Vs side by side under a roof over each two neighbours: friction holds all of it."""
     theta = np.radians(70.0)
-    across = (-DEPTH / 2, DEPTH / 2)
     spread, edge = LENGTH * np.cos(theta), THICKNESS * np.sin(theta)
     top = LENGTH * np.sin(theta) + THICKNESS * np.cos(theta)
     pitch = LENGTH - 4 * edge
@@ -141,13 +29,13 @@ def row_of_vs(pairs: int) -> tuple[Contacts, Masses]:
     for pair in range(pairs):
         for side in (1.0, -1.0):
             foot = pair * pitch - side * spread
-            rows += [(GROUND, len(centers), (foot, y, 0.0), UP) for y in across]
+            rows += [(GROUND, len(centers), (foot, y, 0.0), UP) for y in ACROSS]
             centers.append((foot + side * (spread - edge) / 2, 0.0, top / 2))
         ridge = (pair * pitch, LENGTH * np.sin(theta))
-        rows += [(2 * pair, 2 * pair + 1, (ridge[0], y, ridge[1]), (1.0, 0.0, 0.0)) for y in across]
+        rows += [(2 * pair, 2 * pair + 1, (ridge[0], y, ridge[1]), (1.0, 0.0, 0.0)) for y in ACROSS]
     for roof in range(0, pairs - 1, 2):
         for body, x in enumerate((-edge, edge, pitch - edge, pitch + edge)):
-            rows += [(2 * roof + body, len(centers), (roof * pitch + x, y, top), UP) for y in across]
+            rows += [(2 * roof + body, len(centers), (roof * pitch + x, y, top), UP) for y in ACROSS]
         centers.append(((roof + 0.5) * pitch, 0.0, top + THICKNESS / 2))
     return contacts_of(rows), Masses(np.arange(len(centers)), np.full(len(centers), MASS), np.array(centers))
 

@@ -1,0 +1,132 @@
+"""What a frame of the core costs, against its targets.
+
+    uv run python -m tests.benchmarks.core_speed
+
+writes ``docs/results/speed/README.md``. Each plank is watched from its first frame to the one in which it joins, so
+that the dearest of them shows, wherever a policy does its work.
+"""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from stability_core import Settings, StabilityExtension
+from tests.benchmarks.worlds import (
+    DT,
+    CarpetPort,
+    GrowingStack,
+    coming_to_rest,
+    plank_of_four_stack,
+    plank_of_wall,
+    quiet,
+)
+
+PAGE = Path(__file__).parents[2] / "docs" / "results" / "speed" / "README.md"
+POLICIES = ("equilibrium", "paper")
+STACKS = {"4-stack": plank_of_four_stack, "wall": plank_of_wall}
+FROZEN = (12, 100, 1000)
+QUIET = (10, 100, 1000, 10_000)
+ROUNDS = 500
+FIRST = 10
+"""Rounds that are not counted: the first ones read the kernels from the disk and fill the caches."""
+HEAD = f"""# What a frame of the core costs
+
+Written by `uv run python -m tests.benchmarks.core_speed`: microseconds of processor time of the core's thread, the
+scripted port included, {ROUNDS} times each, Python's garbage collector off. The processor was shared with other work,
+which slows it down by turns: compare ratios within this page.
+Each target is a median for `equilibrium` unless it says otherwise; ✓ met, ✗ missed; `paper` stands beside it.
+"""
+
+
+def timed(act: Callable[[], object]) -> float:
+    """Processor time [us] of one act."""
+    start = time.thread_time_ns()
+    act()
+    return (time.thread_time_ns() - start) / 1e3
+
+
+def one_plank_more(plank, n: int, policy: str) -> np.ndarray:
+    """Times [us] of each frame from a plank's first to the one in which it joins, shape (rounds, frames)."""
+    stack = GrowingStack(plank, n, policy)
+    times = []
+    for _ in range(FIRST + ROUNDS):
+        stack.place_one_more()
+        times.append([timed(stack.frame) for _ in range(Settings().rest_frames + 1)])
+    stack.check()
+    return np.array(times[FIRST:])
+
+
+def repeated(extension: StabilityExtension) -> np.ndarray:
+    """Times [us] of one frame after the other, shape (rounds,)."""
+    return np.array([timed(lambda: extension.update(DT)) for _ in range(FIRST + ROUNDS)])[FIRST:]
+
+
+def each_first(policy: str) -> np.ndarray:
+    """Times [us] of the frame in which a hundred bricks freeze, each in a world of its own, shape (rounds,)."""
+    worlds = (coming_to_rest(100, policy) for _ in range(FIRST + ROUNDS))
+    return np.array([timed(lambda world=world: world.update(DT)) for world in worlds])[FIRST:]
+
+
+def against(value: float, target: float) -> str:
+    """The target, and whether it is met."""
+    return f"{target:g} {'✓' if value <= target else '✗'}"
+
+
+def growth_table() -> list[str]:
+    """One plank more, and how the cost grows with the stack."""
+    lines = [
+        "## One plank more",
+        "",
+        "The frame in which a plank joins a frozen stack of N to 1.25 N planks; and the dearest frame of each plank,",
+        "which for `paper` is the one that carries its weight down to the ground.",
+        "",
+        "| policy | stack | N | median | target | p99 | target | dearest frame, median |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    ratios = []
+    for policy in POLICIES:
+        is_judged = policy == "equilibrium"
+        for stack, plank in STACKS.items():
+            medians = []
+            for n in FROZEN:
+                frames = one_plank_more(plank, n, policy)
+                median, p99 = np.percentile(frames[:, -1], [50, 99])
+                medians.append(median)
+                lines.append(
+                    f"| `{policy}` | {stack} | {n} | {median:.1f} | {against(median, 20) if is_judged else ''} "
+                    f"| {p99:.0f} | {against(p99, 200) if is_judged and n <= 100 else ''} "
+                    f"| {np.median(frames.max(axis=1)):.1f} |"
+                )
+            if is_judged:
+                growth = medians[-1] / medians[0]
+                ratios.append(f"{growth:.2f} on a {stack} (at most {against(growth, 2)})")
+    return [*lines, "", f"`equilibrium` at N = {FROZEN[-1]} against N = {FROZEN[0]}: {', '.join(ratios)}.", ""]
+
+
+def live_table() -> list[str]:
+    """Frames in which nothing freezes, and the one in which a hundred bricks do."""
+    lines = [
+        "## Other frames",
+        "",
+        "| frame | policy | median | target | p99 |",
+        "|---|---|---|---|---|",
+    ]
+    for policy in POLICIES:
+        rows = [(f"quiet, one live brick, {n} frozen", repeated(quiet(n, policy)), 30) for n in QUIET]
+        rows.append(("100 live bricks, moving", repeated(StabilityExtension(CarpetPort(100, True), policy)), 400))
+        rows.append(("100 live bricks come to rest at once", each_first(policy), 400))
+        for frame, times, target in rows:
+            median, p99 = np.percentile(times, [50, 99])
+            lines.append(f"| {frame} | `{policy}` | {median:.1f} | {against(median, target)} | {p99:.0f} |")
+    return [*lines, ""]
+
+
+if __name__ == "__main__":
+    gc.disable()
+    PAGE.parent.mkdir(parents=True, exist_ok=True)
+    PAGE.write_text("\n".join([HEAD, *growth_table(), *live_table()]), encoding="utf-8")
