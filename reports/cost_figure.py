@@ -9,7 +9,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullLocator, StrMethodFormatter
 
 from reports.cost import CostPoint, frontier
 from reports.writing import whole_file
@@ -72,13 +72,16 @@ def _draw(place: Axes, points: Sequence[CostPoint], policies: Sequence[str]) -> 
                 point.levels,
                 mark,
                 color=colour,
-                markerfacecolor="none" if point.is_bound else colour,
-                markersize=5,
+                markerfacecolor="white" if point.is_bound else colour,
+                markeredgecolor=colour if point.is_bound else "white",
+                markersize=6,
                 clip_on=False,
             )
     place.set_xscale("log")
+    place.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    place.xaxis.set_minor_locator(NullLocator())
     place.set_ylim(bottom=0)
-    place.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=5))
+    place.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6, steps=[1, 2, 5, 10]))
     place.spines[["top", "right"]].set_visible(False)
     place.grid(axis="y", color="0.92")
     place.set_axisbelow(True)
