@@ -31,7 +31,7 @@ def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: Floa
         tx, ty, tz = z[c, 0] - along * nx, z[c, 1] - along * ny, z[c, 2] - along * nz
         mu = friction[c]
         across = np.sqrt(tx * tx + ty * ty + tz * tz)
-        if across <= mu * along:
+        if along >= 0.0 and across <= mu * along:
             force[c, 0], force[c, 1], force[c, 2] = z[c, 0], z[c, 1], z[c, 2]
         elif mu * across <= -along:
             force[c, 0] = force[c, 1] = force[c, 2] = 0.0

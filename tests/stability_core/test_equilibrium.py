@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stability_core import GROUND, solve_equilibrium
+from stability_core.equilibrium.cone import project
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
 WIDE = (-LENGTH / 2, LENGTH / 2)
@@ -195,6 +196,14 @@ def test_a_brick_in_a_groove_needs_no_friction(port):
     for side in (-1.0, 1.0):
         port.touch(0, GROUND, [(side * 0.02, y, 0.0) for y in DEEP], normal=(-side / 2**0.5, 0, 0.5**0.5), friction=0.0)
     assert verdict(port) == "stable"
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.45])
+def test_no_contact_pulls(friction):
+    """Least of all along its own normal, where without friction rounding alone tells push from pull."""
+    force = np.empty((1, 3))
+    project(np.array([[0.0, 0.0, -2.0]]), np.array([[0.0, 0.0, 1.0]]), np.array([friction]), force)
+    assert (force == 0.0).all()
 
 
 def test_nothing_is_stable(port):
