@@ -31,7 +31,7 @@ POLICIES = ("equilibrium", "paper")
 STACKS = {"4-stack": plank_of_four_stack, "wall": plank_of_wall}
 FROZEN = (12, 100, 1000)
 QUIET = (10, 100, 1000, 10_000)
-ROUNDS = 500
+ROUNDS = 200
 FIRST = 10
 """Rounds that are not counted: the first ones read the kernels from the disk and fill the caches."""
 HEAD = f"""# What a frame of the core costs

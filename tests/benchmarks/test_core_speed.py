@@ -37,9 +37,15 @@ def test_quiet_frame(benchmark, policy, frozen):
     assert len(extension.frozen) == frozen
 
 
-@pytest.mark.parametrize("n", [12, 100, 1000])
 @pytest.mark.parametrize("plank", [plank_of_four_stack, plank_of_wall])
-@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize(
+    ("policy", "n"),
+    [
+        *(("equilibrium", n) for n in (12, 100, 1000)),
+        *(("paper", n) for n in (12, 100)),
+        pytest.param("paper", 1000, marks=pytest.mark.slow),  # to build it takes seconds
+    ],
+)
 def test_one_plank_more(benchmark, policy, plank, n):
     """The frame in which a plank joins. Targets for ``equilibrium``: see the page.
 
