@@ -51,6 +51,8 @@ def _engines() -> Table:
         except EngineNotInstalledError as error:
             listed = f"not installed: {error}"
         table.add_row(name, listed)
+    table.caption = "Any profile may be varied by its name: game@scale=10, tuned@substeps=8,iterations=200."
+    table.caption_justify = "left"
     return table
 
 

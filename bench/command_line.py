@@ -70,7 +70,9 @@ def run(
     engine: Annotated[list[str] | None, typer.Option(help="Only this engine; may be repeated.")] = None,
     scenario: Annotated[list[str] | None, typer.Option(help="Only this scenario; may be repeated.")] = None,
     policy: Annotated[list[str] | None, typer.Option(help="Only this policy; may be repeated.")] = None,
-    profile: Annotated[list[str] | None, typer.Option(help="This profile of the engines; may be repeated.")] = None,
+    profile: Annotated[
+        list[str] | None, typer.Option(help="This profile, or one varied: game@scale=10; may be repeated.")
+    ] = None,
     seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
     dask: Annotated[
