@@ -135,4 +135,6 @@ def test_the_csv_has_every_field_of_every_trial(tmp_path) -> None:
     assert len(rows) == len(RECORDS)
     assert rows[0]["height_levels"] == "7"
     assert rows[0]["frame_ratio"] == ""
-    assert rows[0]["expectation"] == '{"outcome": "stand", "theory": "always in equilibrium", "level": null}'
+    assert rows[0]["expectation"] == (
+        '{"outcome": "stand", "theory": "always in equilibrium", "level": null, "not_before_s": 0.0}'
+    )

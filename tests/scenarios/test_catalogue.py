@@ -164,12 +164,11 @@ def test_what_must_stand_outlasts_ten_times_the_energy_of_laying_its_last_brick(
     assert min(energies) > NEEDED * laying
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_hands_errors_do_not_change_an_answer(seed):
+def test_a_hands_errors_do_not_change_an_answer():
     """A hand errs by 0.9 mm and 0.9 deg at most. On a slope that is a height as well: there a plan has no seeds."""
     for name, scene in QUICK.items():
-        if len(scene.bricks) < 8 and scene.scenario not in {"card_house", "robbed_stack", "incline"}:
-            assert first_fall(with_hand(scene, seed)) == scene.expectation.level, name
+        if scene.scenario != "incline":
+            assert first_fall(with_hand(scene, 1)) == scene.expectation.level, name
 
 
 # -- random towers -----------------------------------------------------------------------------------------------------
