@@ -141,3 +141,10 @@ def test_creep_is_the_fastest_mean_motion() -> None:
 )
 def test_verdict(expectation, status, collapse_level, kind, expected) -> None:
     assert measure.verdict(expectation, status, collapse_level, kind) == expected
+
+
+def test_what_falls_before_it_is_due_is_no_right_fall() -> None:
+    """A stack that is undermined at 11 s must stand until then."""
+    undermined = replace(FALLS_AT_9, not_before_s=11.0)
+    early, due = (measure.verdict(undermined, "collapsed", 9, "topple", time) for time in (10.9, 11.2))
+    assert (early, due) == ("false_collapse", "right")

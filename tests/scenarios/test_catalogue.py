@@ -14,14 +14,18 @@ from bench.plan import plan_trials
 from bench.studies import load_study
 from scenarios.contact_patch import contact_patches
 from scenarios.hand import with_hand
-from scenarios.model import CLEARANCE, Place, World
+from scenarios.model import CLEARANCE, Place, Remove, World
 from scenarios.random_tower import falls_at, middles_of
 from scenarios.registry import build
 from scenarios.truth import equilibrium, first_fall
 
 STUDY = load_study("truth")
 SCENES = {scene.variant: scene for scene in (build(trial.scenario, **trial.parameters) for trial in plan_trials(STUDY))}
-QUICK = {name: scene for name, scene in SCENES.items() if len(scene.bricks) < 8}
+STATIC = {
+    name: scene for name, scene in SCENES.items() if all(isinstance(action, Place | Remove) for action in scene.actions)
+}
+"""What a blow does is no matter of statics: ``tests/bench/test_grip.py`` measures it."""
+QUICK = {name: scene for name, scene in STATIC.items() if len(scene.bricks) < 8}
 """Exact statics takes seconds for the larger ones."""
 BY_MARGIN = {
     "harmonic_overhang": {},
@@ -61,7 +65,7 @@ def test_closed_form_and_exact_statics_agree(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES.keys() - QUICK.keys())
+@pytest.mark.parametrize("name", sorted(STATIC.keys() - QUICK.keys()))
 def test_closed_form_and_exact_statics_agree_of_many_bricks(name):
     scene = SCENES[name]
     assert first_fall(scene) == scene.expectation.level
@@ -164,12 +168,11 @@ def test_what_must_stand_outlasts_ten_times_the_energy_of_laying_its_last_brick(
     assert min(energies) > NEEDED * laying
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_hands_errors_do_not_change_an_answer(seed):
+def test_a_hands_errors_do_not_change_an_answer():
     """A hand errs by 0.9 mm and 0.9 deg at most. On a slope that is a height as well: there a plan has no seeds."""
     for name, scene in QUICK.items():
-        if len(scene.bricks) < 8 and scene.scenario not in {"card_house", "robbed_stack", "incline"}:
-            assert first_fall(with_hand(scene, seed)) == scene.expectation.level, name
+        if scene.scenario != "incline":
+            assert first_fall(with_hand(scene, 1)) == scene.expectation.level, name
 
 
 # -- random towers -----------------------------------------------------------------------------------------------------
