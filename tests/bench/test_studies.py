@@ -4,7 +4,7 @@ import pytest
 
 from bench.plan import plan_trials
 from bench.policies import BENCH_POLICIES
-from bench.results import _to_toml
+from bench.results import to_toml
 from bench.selection import Selection, selected
 from bench.studies import StudyError, check_study, load_study, study_names
 from scenarios.model import Scene
@@ -94,6 +94,14 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"profiles": ["gam"]}, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
         ({"sceds": 3}, "unknown field 'sceds'; did you mean 'seeds'?"),
         ({"limits": {"trial_wal_s": 3}}, "unknown field 'trial_wal_s'; did you mean 'trial_wall_s'?"),
+        (
+            {"scenario": [{"name": "four_stack", "tolerance": {"level": 1}}]},
+            "unknown field 'level'; did you mean 'levels'? Available: levels",
+        ),
+        (
+            {"scenario": [{"name": "four_stack", "tolerance": {"sink_m": -1}}]},
+            "field 'scenario[0].tolerance.sink_m': must be 0.0 or more",
+        ),
         ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': must be above 0"),
         ({"seeds": 0}, "field 'seeds': must be 1 or more"),
         ({"exclude": [{}]}, "field 'exclude[0]': a rule names at least one of: engines, profiles, policies, scenarios"),
@@ -133,7 +141,11 @@ def test_a_file_that_is_no_toml_is_named_with_the_line(tmp_path) -> None:
 def test_the_resolved_study_reads_back_as_it_was(tmp_path) -> None:
     study = check_study(VALID | {"description": 'quotes " and umlauts ü', "exclude": [{"policies": ["none"]}]}, "test")
     file = tmp_path / "study.toml"
-    file.write_text(_to_toml(study), encoding="utf-8")
+    file.write_text(to_toml(study), encoding="utf-8")
+    assert load_study(str(file)) == study
+    tolerance = {"levels": 1, "creep_share": 0.25}
+    study = check_study(VALID | {"scenario": [{"name": "leaning_tower", "tolerance": tolerance}]}, "test")
+    file.write_text(to_toml(study), encoding="utf-8")
     assert load_study(str(file)) == study
 
 
