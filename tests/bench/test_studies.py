@@ -4,7 +4,7 @@ import pytest
 
 from bench.plan import plan_trials
 from bench.policies import BENCH_POLICIES
-from bench.results import _to_toml
+from bench.results import to_toml
 from bench.selection import Selection, selected
 from bench.studies import StudyError, check_study, load_study, study_names
 from scenarios.model import Scene
@@ -98,6 +98,14 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"sweep": [{"engines": ["bullet"], "iterration": [1]}]}, "unknown field 'iterration'; did you mean"),
         ({"sceds": 3}, "unknown field 'sceds'; did you mean 'seeds'?"),
         ({"limits": {"trial_wal_s": 3}}, "unknown field 'trial_wal_s'; did you mean 'trial_wall_s'?"),
+        (
+            {"scenario": [{"name": "four_stack", "tolerance": {"level": 1}}]},
+            "unknown field 'level'; did you mean 'levels'? Available: levels",
+        ),
+        (
+            {"scenario": [{"name": "four_stack", "tolerance": {"sink_m": -1}}]},
+            "field 'scenario[0].tolerance.sink_m': must be 0.0 or more",
+        ),
         ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': must be above 0"),
         ({"seeds": 0}, "field 'seeds': must be 1 or more"),
         ({"exclude": [{}]}, "field 'exclude[0]': a rule names at least one of: engines, profiles, policies, scenarios"),
@@ -149,7 +157,11 @@ def test_the_resolved_study_reads_back_as_it_was(tmp_path) -> None:
     further = {"exclude": [{"policies": ["none"]}], "sweep": [{"engines": ["bullet"], "substeps": [1, 2]}]}
     study = check_study(VALID | {"description": 'quotes " and umlauts ü'} | further, "test")
     file = tmp_path / "study.toml"
-    file.write_text(_to_toml(study), encoding="utf-8")
+    file.write_text(to_toml(study), encoding="utf-8")
+    assert load_study(str(file)) == study
+    tolerance = {"levels": 1, "creep_share": 0.25}
+    study = check_study(VALID | {"scenario": [{"name": "leaning_tower", "tolerance": tolerance}]}, "test")
+    file.write_text(to_toml(study), encoding="utf-8")
     assert load_study(str(file)) == study
 
 

@@ -23,7 +23,7 @@ STANDS = {
     "levels_placed": 3,
     "height_levels": 3,
     "sink_m": 1e-4,
-    "creep_m_s": 7e-7,
+    "creep_m_s": 4e-6,
     "pose_hash": "aa",
     "expectation": {"outcome": "stand", "theory": "a column"},
     "verdict": "right",

@@ -26,10 +26,10 @@ def run(tmp_path):
     """Runs the study, with a plant if one is named."""
     folders = (tmp_path / str(number) for number in range(10_000))
 
-    def run(plant: str = "") -> Baseline:
+    def run(plant: str = "", *options: str) -> Baseline:
         out = next(folders)
         environment = os.environ | {"PLANT": plant, "PYTHONPATH": os.pathsep.join([str(ROOT), str(PLANTS)])}
-        command = [sys.executable, str(PLANTS / "planted_bench.py"), "run", "ci", "--out", str(out)]
+        command = [sys.executable, str(PLANTS / "planted_bench.py"), "run", "ci", "--out", str(out), *options]
         subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True)
         return read_baseline(out)
 
@@ -54,13 +54,23 @@ def test_the_same_code_raises_no_alarm_but_once_in_fifty(run) -> None:
     assert found <= 1
 
 
-@pytest.mark.parametrize(
-    ("plant", "gate"), [("one_level_less", "outcome"), ("doubled_creep", "outcome"), ("another_trajectory", "hash")]
-)
+@pytest.mark.parametrize(("plant", "gate"), [("one_level_less", "outcome"), ("another_trajectory", "hash")])
 def test_a_planted_change_of_the_outcome_is_always_found(run, plant, gate) -> None:
     """Always: both runs repeat themselves to the last bit."""
     found = {(alarm.gate, alarm.trial) for alarm in alarms(run(), run(plant))}
     assert (gate, "bullet.game.four_stack-3.none.s0.r0") in found
+
+
+def test_a_nanometre_is_no_worse_outcome(run) -> None:
+    assert {alarm.gate for alarm in alarms(run(), run("another_trajectory"))} == {"hash"}
+
+
+def test_doubled_creep_is_always_found(run) -> None:
+    """Of an inverted V, which creeps at some micrometres a second; that of the 4-stack is below what is tolerated."""
+    scene = ("--scenario", "card_house", "--policy", "none")
+    (alarm,) = alarms(run("", *scene), run("doubled_creep", *scene))
+    assert alarm.gate == "outcome"
+    assert "creeps" in alarm.told
 
 
 def test_a_core_slower_by_a_fifth_is_found_nineteen_times_in_twenty(run) -> None:

@@ -16,7 +16,7 @@ EXACT = Tolerance()
         ({"status": "crashed", "message": "segmentation fault"}, "crashed, was completed (segmentation fault)"),
         ({"status": "diverged"}, "diverged, was completed"),
         ({"sink_m": 3e-4}, "sinks 0.3 mm, 0.1 mm before"),
-        ({"creep_m_s": 1.4e-6}, "creeps 0.0014 mm/s, 0.0007 mm/s before"),
+        ({"creep_m_s": 8e-6}, "creeps 0.008 mm/s, 0.004 mm/s before"),
     ],
     ids=lambda value: "" if isinstance(value, dict) else value,
 )
@@ -34,8 +34,8 @@ def test_the_same_is_the_same(make) -> None:
 
 
 def test_differences_within_tolerance_are_the_same(make) -> None:
-    """A tenth of a brick's penetration deeper, and a third faster creep: other last digits do as much."""
-    head = make.record(sink_m=1.2e-4, creep_m_s=9e-7)
+    """A tenth of a brick's penetration deeper, and a quarter faster creep: other last digits do as much."""
+    head = make.record(sink_m=1.2e-4, creep_m_s=5e-6)
     assert judge_outcome(make.record(), head, EXACT)[0] == "same"
     assert judge_outcome(make.record(), make.record(height_levels=2), Tolerance(levels=1))[0] == "same"
 
