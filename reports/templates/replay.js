@@ -34,7 +34,7 @@
   const panels = [...document.querySelectorAll(".panel")];
   const clock = document.getElementById("clock"), slider = document.getElementById("time");
   const play = document.getElementById("play"), speed = document.getElementById("speed");
-  const camera = { turn: -.9, lift: .32, distance: 1, target: new THREE.Vector3() };
+  const camera = { turn: -1.2, lift: .3, distance: 1, target: new THREE.Vector3() };
   const shared = new THREE.PerspectiveCamera(30, 1, .01, 100);
   shared.up.set(0, 0, 1);
 
@@ -74,16 +74,15 @@
     return { trial, renderer, scene, sun, bricks, cursors: trial.bodies.map(body => body.begin) };
   }).filter(view => view);
 
-  // What there is to see: everything that ever stood near the stack.
+  // What there is to see: every brick where it was laid.
   const span = new THREE.Box3();
   for (const { columns, bodies, steps } of trials)
     for (const { begin, size } of bodies)
-      span.expandByPoint(new THREE.Vector3(...[X, Y, Z].map(axis => columns[axis][begin] * steps[0])))
-        .expandByScalar(0).union(new THREE.Box3().setFromCenterAndSize(
-          new THREE.Vector3(...[X, Y, Z].map(axis => columns[axis][begin] * steps[0])), new THREE.Vector3(...size)));
+      span.union(new THREE.Box3().setFromCenterAndSize(
+        new THREE.Vector3(...[X, Y, Z].map(axis => columns[axis][begin] * steps[0])), new THREE.Vector3(...size)));
   span.getCenter(camera.target);
   const radius = span.getSize(new THREE.Vector3()).length() / 2;
-  camera.distance = 2.6 * radius / Math.tan(Math.PI / 12) / 1.6;
+  camera.distance = 1.05 * radius / Math.sin(Math.PI / 12); // all of it, in a field of view of 30 degrees
   for (const { sun } of views) {
     sun.position.copy(camera.target).add(new THREE.Vector3(-.5, -.9, 1.6).multiplyScalar(3 * radius));
     sun.target.position.copy(camera.target);
