@@ -23,7 +23,7 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
-from bench.replaying import replay_trial, write_replays
+from bench.replaying import export_gltf, replay_trial, write_replays
 from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
@@ -154,9 +154,16 @@ def replay(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     trial: Annotated[str, typer.Argument(help="Id of one of its trials.")],
     show: Annotated[bool, typer.Option("--open/--no-open", help="Open it in the browser.")] = True,
+    gltf: Annotated[
+        Path | None, typer.Option(metavar="FILE.glb", help="Write the trial as animated glTF in place of a replay.")
+    ] = None,
 ) -> None:
     """Show a trial in the browser, side by side with the other policies on the same stack."""
     with _input_errors():
+        if gltf is not None:
+            export_gltf(folder, _records(folder), trial, gltf)
+            _tell(f"the animation is {_relative(gltf)}")
+            return
         page = replay_trial(folder, _records(folder), trial)
     _tell(f"the replay is {_relative(page)}")
     if show and not webbrowser.open(page.resolve().as_uri()):

@@ -7,9 +7,11 @@ from pathlib import Path
 
 from bench.results import RECORDINGS
 from reports.cells import ordered_policies
+from reports.gltf import to_glb
 from reports.recording import RecordingError, read_recording
 from reports.records import TrialRecord
 from reports.replay import Replayed, write_replay
+from reports.writing import write_whole
 from stability_core.lookup import look_up
 
 
@@ -24,6 +26,12 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Pa
     shown = Replayed(wanted, read_recording(_recording(folder, wanted)))
     others = [record for record in records if _stack(record) == _stack(wanted) and record.trial != wanted.trial]
     return _write(folder, [shown, *_readable(folder, others)])
+
+
+def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Path) -> None:
+    """Write a trial's recording as an animated glTF file; errors as ``replay_trial``."""
+    wanted = look_up("trial", trial, {record.trial: record for record in records})
+    write_whole(to, to_glb(read_recording(_recording(folder, wanted))))
 
 
 def write_replays(folder: Path, records: Sequence[TrialRecord]) -> None:
