@@ -7,6 +7,7 @@ import json
 import os
 import sys
 import warnings
+import webbrowser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -30,6 +31,7 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
+from bench.replaying import export_gltf, replay_trial, write_replays
 from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
@@ -39,6 +41,7 @@ from reports.capabilities import capability_table, engines_of
 from reports.cost import cost_points, cost_table
 from reports.falls import fall_tables
 from reports.page import write_page
+from reports.recording import RecordingError
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
 from reports.tables import Table, render, study_tables, write_report
@@ -160,6 +163,27 @@ def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results
         render(table, _out)
 
 
+@app.command()
+def replay(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+    trial: Annotated[str, typer.Argument(help="Id of one of its trials.")],
+    show: Annotated[bool, typer.Option("--open/--no-open", help="Open it in the browser.")] = True,
+    gltf: Annotated[
+        Path | None, typer.Option(metavar="FILE.glb", help="Write the trial as animated glTF in place of a replay.")
+    ] = None,
+) -> None:
+    """Show a trial in the browser, side by side with the other policies on the same stack."""
+    with _input_errors():
+        if gltf is not None:
+            export_gltf(folder, _records(folder), trial, gltf)
+            _tell(f"the animation is {_relative(gltf)}")
+            return
+        page = replay_trial(folder, _records(folder), trial)
+    _tell(f"the replay is {_relative(page)}")
+    if show and not webbrowser.open(page.resolve().as_uri()):
+        _tell("no browser could be opened: open that file in one")
+
+
 def _report(folder: Path) -> list[Table]:
     """A folder's tables, which are written into it, with what the engines show."""
     records = _records(folder)
@@ -175,6 +199,7 @@ def _report(folder: Path) -> list[Table]:
         from reports.cost_figure import write_cost_figure  # half a second that other reports need not wait
 
         write_cost_figure(folder / "report" / "cost.svg", points)
+    write_replays(folder, records)
     page = write_page(folder, records, missing_trials(folder, records))
     _tell(f"the page of it all: {_relative(page)}")
     return tables
@@ -288,6 +313,7 @@ def _input_errors() -> Iterator[None]:
         StudyError,
         ResultsError,
         RecordError,
+        RecordingError,
         EngineNotInstalledError,
         ProfileError,
         ClusterError,

@@ -16,6 +16,7 @@ from bench.sleepers import Sleepers
 from bench.timed_frames import FrameTimes, PlainFrames, SteeredFrames, Steering
 from bench.watch import StackWatch
 from reports.frames import FrameRow
+from reports.recording import Recorder
 from reports.records import Status
 from scenarios.model import Brick, Scene
 
@@ -78,6 +79,7 @@ class Play:
         self.builder = Builder(scene, simulation, self._frames)
         self.watch = StackWatch(self._last_action_s + SEATING_S)
         self.sleepers = Sleepers()
+        self.recorder = Recorder(simulation.info.frame_s)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
         """By level: the stack when it was complete, just before the next one was begun."""
@@ -123,6 +125,7 @@ class Play:
         self._hash.update(np.ascontiguousarray(position, np.float64).tobytes())
         self._hash.update(np.ascontiguousarray(quaternion, np.float64).tobytes())
         position, quaternion = position.copy(), quaternion.copy()  # an engine may hand out its own memory
+        self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
         builder = self.builder
         self.watch.see(now, builder.plan, position, quaternion, builder.placed)
         if steering is not None:

@@ -22,6 +22,7 @@ from bench.plan import plan_trials
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.frames import write_frames
+from reports.recording import write_recording
 from reports.records import RecordWriter, TrialRecord, read_records
 from reports.writing import write_whole
 
@@ -29,8 +30,9 @@ TRIALS = "trials.jsonl"
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
 SESSIONS = "sessions"
+RECORDINGS = "recordings"
 _LOCK = ".lock"
-_PARTS = (STUDY, ENVIRONMENT, TRIALS, "frames", "report")
+_PARTS = (STUDY, ENVIRONMENT, TRIALS, "frames", RECORDINGS, "report")
 _NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "sources": "sources"}
 
 
@@ -133,6 +135,8 @@ class Results:
         write_whole(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
         self._frames = folder / "frames"
         self._frames.mkdir(exist_ok=True)
+        self._recordings = folder / RECORDINGS
+        self._recordings.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
         """Whether the last line was torn by a cut; that trial is run again."""
@@ -146,9 +150,11 @@ class Results:
             write_whole(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
-        """Write the frames, then the record: a record on disk means that all of its trial is."""
+        """Write frames and recording, then the record: a record on disk means that all of its trial is."""
         if outcome.frames:
             write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
+        if outcome.recording is not None:
+            write_recording(self._recordings / f"{outcome.record.trial}.parquet", outcome.recording)
         self._writer.append(outcome.record)
         self.finished.add(outcome.record.trial)
 

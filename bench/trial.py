@@ -24,6 +24,7 @@ from bench.policies import BENCH_POLICIES
 from bench.rehearsal import rehearse
 from bench.studies import Limits
 from reports.frames import UNTIMED_FRAMES, FrameRow
+from reports.recording import Recording
 from reports.records import Status, TrialRecord
 from scenarios.model import Scene
 
@@ -34,6 +35,8 @@ class Outcome:
 
     record: TrialRecord
     frames: list[FrameRow]
+    recording: Recording | None = None
+    """Where its bricks were; None if it was never opened."""
 
 
 def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Progress], None]) -> Outcome:
@@ -84,7 +87,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         **machine,
     }
     message = message or _message(status, play, limits)
-    return Outcome(bare_record(trial, scene, environment, status, message, **fields), play.rows)
+    return Outcome(bare_record(trial, scene, environment, status, message, **fields), play.rows, play.recorder.finish())
 
 
 def bare_record(

@@ -66,9 +66,10 @@ def survival_figure(cells: Sequence[Cell]) -> Figure:
 def _survival_panel(axes: Axes, engine: str, cells: Sequence[Cell]) -> None:
     ink = inks(ordered_policies(cell.key.policy for cell in cells))
     axes.grid(True)
-    for cell in cells:
+    for number, cell in enumerate(cells):
         if cell.survival is not None:
-            _draw_survival(axes, cell.survival, ink[cell.key.policy], cell.key.policy)
+            width = 1.4 + 1.1 * (len(cells) - 1 - number)  # those that coincide all stay to be seen
+            _draw_survival(axes, cell.survival, ink[cell.key.policy], cell.key.policy, width)
     falls_at = cells[0].expectation.level
     if falls_at is not None:
         axes.axvline(falls_at, color=INK, linewidth=0.8, linestyle=":")
@@ -77,10 +78,10 @@ def _survival_panel(axes: Axes, engine: str, cells: Sequence[Cell]) -> None:
     axes.label_outer()
 
 
-def _draw_survival(axes: Axes, curve: Survival, ink: Ink, label: str) -> None:
+def _draw_survival(axes: Axes, curve: Survival, ink: Ink, label: str, width: float) -> None:
     level, standing = _with_start(curve.level, curve.standing)
     dashes = ink.dash or (None, None)
-    axes.step(level, standing, where="post", color=ink.light, dashes=dashes, linewidth=1.8, label=label)
+    axes.step(level, standing, where="post", color=ink.light, dashes=dashes, linewidth=width, label=label)
     if curve.low is not None and curve.high is not None:
         level, low = _with_start(curve.level, curve.low)
         _, high = _with_start(curve.level, curve.high)

@@ -27,7 +27,7 @@ _INKS = {
     "raised": Ink("#8a5a00", "#d9b26a", (3, 1, 1, 1)),
     "at_rest": Ink("#c75000", "#ff9d5c", (2, 1)),
     "paper": Ink("#0068a8", "#6bb8ee", ()),
-    "equilibrium": Ink("#007d5a", "#4fd1a5", ()),
+    "equilibrium": Ink("#007d5a", "#4fd1a5", (6, 1)),
 }
 _OTHERS = (
     Ink("#3f6d8a", "#9fc9de", (5, 1, 1, 1)),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from reports.cells import ALONE, Cell, CellKey, compare_cells
 from reports.intervals import deviation
-from reports.tables import NOTHING, outcome
+from reports.tables import NOTHING, Table, outcome
 from reports.wording import median_level, told, troubles
 
 
@@ -60,6 +60,18 @@ def matrix(cells: Sequence[Cell]) -> list[MatrixRow]:
     """The rows of all cells, in their order."""
     by_key = {cell.key: cell for cell in cells}
     return [_row(cell, by_key.get(CellKey(*cell.key[:3], ALONE))) for cell in cells]
+
+
+def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
+    """The comparison as a table of text, under its caption."""
+    titles = (f"{column.title} [{column.unit}]" if column.unit else column.title for column in COLUMNS)
+    notes = (caption, *(f"{column.title}: {column.explanation}." for column in COLUMNS))
+    return Table(
+        "Comparison",
+        (*CellKey._fields, *titles, "ended otherwise"),
+        tuple((*row.cell.key, *(figure.text for figure in row.figures), row.trouble or NOTHING) for row in rows),
+        notes,
+    )
 
 
 def _row(cell: Cell, alone: Cell | None) -> MatrixRow:

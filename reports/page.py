@@ -17,8 +17,10 @@ from reports import charts
 from reports.capabilities import capability_table, engines_of
 from reports.cells import Cell, cells_of, ordered_policies
 from reports.colours import inks
-from reports.matrix import COLUMNS, MatrixRow, matrix
+from reports.latex import to_latex
+from reports.matrix import COLUMNS, MatrixRow, matrix, matrix_table
 from reports.records import Status, TrialRecord
+from reports.tables import to_markdown, write_table_csv
 from reports.traces import traces
 from reports.verdicts import EngineVerdict, verdicts
 from reports.wording import percent
@@ -39,7 +41,7 @@ _PROFILES = {
 
 
 def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[str] = ()) -> Path:
-    """Write ``report/index.html`` and its figures into a results folder.
+    """Write ``report/index.html``, its figures, and the comparison as tables for papers into a results folder.
 
     Args:
         folder: a results folder.
@@ -53,13 +55,14 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     told, engines = verdicts(cells), engines_of(folder)
     thinned, without_frames = traces(folder, cells)
     study = _study(folder)
+    rows, told_of_study = matrix(cells), caption(folder, records)
     policies = ordered_policies(cell.key.policy for cell in cells)
     page = (
         _environment(study is not None, folder)
         .get_template("page.html.j2")
         .render(
             study=study or folder.resolve().name,
-            caption=caption(folder, records),
+            caption=told_of_study,
             css=_part("page.css"),
             js=_part("page.js"),
             inks=inks(policies),
@@ -67,7 +70,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             verdicts=told,
             share_note=_share_note(cells),
             profile_notes=_PROFILES,
-            rows=matrix(cells),
+            rows=rows,
             columns=COLUMNS,
             marks=_MARKS,
             choices=_choices(cells),
@@ -82,7 +85,16 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
         )
     )
     write_whole(report / "index.html", page.encode())
+    _write_tables(report, rows, told_of_study, study or folder.resolve().name)
     return report / "index.html"
+
+
+def _write_tables(report: Path, rows: Sequence[MatrixRow], caption: str, label: str) -> None:
+    """The comparison for papers: Markdown, CSV and LaTeX."""
+    table = matrix_table(rows, caption)
+    write_whole(report / "comparison.md", to_markdown([table]).encode())
+    write_table_csv(report / "comparison.csv", table)
+    write_whole(report / "tables.tex", to_latex(rows, caption, label).encode())
 
 
 def caption(folder: Path, records: Sequence[TrialRecord]) -> str:

@@ -27,6 +27,10 @@ CENSORED: frozenset[Status] = frozenset({"timeout"})
 """Ends that say only "at least this far": their levels are lower bounds, never heights."""
 
 
+FORMAT: Literal[1] = 1
+"""Version of the schema; raised when a field changes its meaning."""
+
+
 class RecordError(ValueError):
     """A file of records that cannot be read; the message names the file and the line."""
 
@@ -40,8 +44,8 @@ class TrialRecord(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    format: Literal[1] = 1
-    """Version of the schema; raised when a field changes its meaning."""
+    format: Literal[1] = FORMAT
+    """Version of the schema."""
     trial: str
     """Id of the trial, unique within a study."""
     engine: str
@@ -160,6 +164,10 @@ def read_records(path: Path) -> list[TrialRecord]:
     """
     try:
         return list(_records(path))
+    except FileNotFoundError as error:
+        raise RecordError(
+            f"{path}: cannot be read (no such file): name a results folder, such as 'bench run' leaves"
+        ) from error
     except OSError as error:
         raise RecordError(f"{path}: cannot be read ({error.strerror})") from error
 
@@ -195,7 +203,9 @@ def _reason(error: ValidationError) -> str:
     if first["type"] == "json_invalid":
         return f"not a line of JSON ({first['msg']})"
     if field == "format":
-        return f"not a record of format 1 ({first['msg']}, got {first['input']!r})"
+        if isinstance(first["input"], int) and first["input"] > FORMAT:
+            return f"a record of format {first['input']}, newer than this suite's {FORMAT}: update the suite"
+        return f"not a record of format {FORMAT} ({first['msg']}, got {first['input']!r})"
     return f"not a trial record: field '{field}': {first['msg']}"
 
 

@@ -228,6 +228,12 @@ def write_csv(path: Path, records: Iterable[TrialRecord]) -> None:
             writer.writerow(json.dumps(v) if isinstance(v, dict) else v for v in fields.values())
 
 
+def write_table_csv(path: Path, table: Table) -> None:
+    """A table as it is read, without its notes."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([table.header, *table.rows])
+
+
 def write_report(folder: Path, records: Sequence[TrialRecord], tables: Iterable[Table]) -> None:
     """Write ``report/tables.md`` and ``report/trials.csv`` into a results folder."""
     report = folder / "report"

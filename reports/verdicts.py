@@ -103,7 +103,7 @@ def _headline(scores: Sequence[PolicyScore]) -> str:
     perfect = [one.policy for one in scores if one.right is not None and one.right.value == 1]
     both = all(one.stand is not None and one.fall is not None for one in scores)
     if perfect:
-        how = "alone" if perfect[0] == ALONE else f"with {perfect[0]}"
+        how = "alone" if ALONE in perfect else f"with {' or '.join(perfect)}"
         if not both:
             side = "fall" if scores[0].stand is None else "stand"
             return f"Right {how}, though only stacks that must {side} were built."

@@ -72,6 +72,39 @@ def test_a_report_of_no_trial_is_refused_and_a_torn_line_told(tmp_path) -> None:
     assert "trials.jsonl:2: the last line is torn and was left out" in told
 
 
+def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_path) -> None:
+    trial = plan_trials(check_study(tomllib.loads(STUDY), ""))[0]
+    record = bare_record(trial, trial.build_scene(), "abc", "completed", "").model_dump_json()
+    (tmp_path / "trials.jsonl").write_text(record + "\n")
+    told = call("replay", str(tmp_path), trial.id.replace("bullet", "bulet"), status=2)
+    assert f"unknown trial '{trial.id.replace('bullet', 'bulet')}'; did you mean '{trial.id}'?" in told
+    assert "no such recording; run the trial again" in call("replay", str(tmp_path), trial.id, "--no-open", status=2)
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ('{"format": 99}', "a record of format 99, newer than this suite's 1: update the suite"),
+        ('{"name": "somebody else"}', "not a trial record"),
+    ],
+)
+def test_a_newer_or_foreign_folder_is_refused_and_left_as_it_is(tmp_path, line, complaint) -> None:
+    (tmp_path / "trials.jsonl").write_text(line + "\n")
+    assert complaint in call("report", str(tmp_path), status=2)
+    assert [path.name for path in tmp_path.iterdir()] == ["trials.jsonl"]
+
+
+def test_a_report_tells_which_planned_trials_are_missing(tmp_path) -> None:
+    done, missing, *_ = plan_trials(check_study(tomllib.loads(STUDY), ""))
+    record = bare_record(done, done.build_scene(), "abc", "completed", "").model_dump_json()
+    (tmp_path / "trials.jsonl").write_text(record + "\n")
+    (tmp_path / "study.toml").write_text(STUDY)
+    call("report", str(tmp_path), status=0)
+    assert f"1 planned trials have no record (not yet run, or cut off): {missing.id}" in (
+        tmp_path / "report" / "index.html"
+    ).read_text(encoding="utf-8")
+
+
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
     file = tmp_path / "file"
     file.touch()

@@ -100,7 +100,8 @@ def test_a_last_line_that_lost_only_its_line_break_is_whole(tmp_path) -> None:
     ("line", "complaint"),
     [
         ("not json", "not a line of JSON"),
-        ('{"format": 99}', "not a record of format 1"),
+        ('{"format": 99}', "a record of format 99, newer than this suite's 1: update the suite"),
+        ('{"format": "x"}', "not a record of format 1"),
         ('{"format": 1, "hello": 2}', "not a trial record: field 'trial': Field required"),
     ],
 )
