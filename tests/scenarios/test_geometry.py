@@ -61,16 +61,21 @@ def brute_force(upper, lower):
     return np.inf if np.isnan(between).all() else np.nanmin(between)
 
 
+def assert_touch_in_plan(upper, lower):
+    """Where rounding decides: a little smaller they are apart, a little larger they overlap."""
+    smaller, larger = (Boxes(upper.center, upper.half_axes * (1 + sign * 1e-6)) for sign in (-1, 1))
+    assert not overlap_in_plan(smaller, lower).any()
+    assert overlap_in_plan(larger, lower).all()
+
+
 @settings(max_examples=150, deadline=None)
 @given(boxes, boxes)
 def test_clearance_is_the_least_gap_over_corners_and_edge_crossings(upper, lower):
     exact, expected = vertical_clearance(upper, lower)[0, 0], brute_force(upper, lower)
     if np.isfinite(exact) == np.isfinite(expected):
         assert exact == pytest.approx(expected, abs=EXACT)
-    else:  # they touch in plan and rounding decides: a little smaller they are apart, a little larger they overlap
-        smaller, larger = (Boxes(upper.center, upper.half_axes * (1 + sign * 1e-6)) for sign in (-1, 1))
-        assert not overlap_in_plan(smaller, lower).any()
-        assert overlap_in_plan(larger, lower).all()
+    else:
+        assert_touch_in_plan(upper, lower)
 
 
 @settings(max_examples=60, deadline=None)
@@ -80,10 +85,12 @@ def test_no_sampled_point_is_closer_than_the_clearance(upper, lower):
     wide, deep = upper.reach[0, :2]
     grid = np.array([(x + i * wide, y + j * deep) for i, j in product(np.linspace(-1, 1, 31), repeat=2)])
     between = span(upper, grid)[0] - span(lower, grid)[1]
-    if (~np.isnan(between)).sum() > 3:  # one or two may lie on a grazing boundary
+    if not np.isnan(between).all():
         clearance = vertical_clearance(upper, lower)[0, 0]
-        assert np.isfinite(clearance)
-        assert np.nanmin(between) >= clearance - EXACT
+        if np.isfinite(clearance):
+            assert np.nanmin(between) >= clearance - EXACT
+        else:  # a row of points may lie on an edge that both share in plan
+            assert_touch_in_plan(upper, lower)
 
 
 @settings(max_examples=60, deadline=None)
