@@ -23,21 +23,21 @@ def told(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
     """A number with as many decimals, and its interval where that has a width: ``0.07 [0.06, 0.09]``."""
     if estimate is None:
         return NOTHING
-    text = f"{estimate.value * scale:.{digits}f}"
-    if estimate.low is None or estimate.high is None:
-        return text
-    low, high = f"{estimate.low * scale:.{digits}f}", f"{estimate.high * scale:.{digits}f}"
-    return text if low == high else f"{text} [{low}, {high}]"
+    return _with_interval(estimate, digits, scale, "")
 
 
 def percent(estimate: Estimate | None) -> str:
     """A share, and its interval where that has a width: ``88 % [71, 97]``."""
     if estimate is None:
         return NOTHING
-    text = f"{estimate.value:.0%}".replace("%", " %")
+    return _with_interval(estimate, 0, 100.0, " %")
+
+
+def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> str:
+    text = f"{estimate.value * scale:.{digits}f}{unit}"
     if estimate.low is None or estimate.high is None:
         return text
-    low, high = f"{estimate.low * 100:.0f}", f"{estimate.high * 100:.0f}"
+    low, high = f"{estimate.low * scale:.{digits}f}", f"{estimate.high * scale:.{digits}f}"
     return text if low == high else f"{text} [{low}, {high}]"
 
 

@@ -8,7 +8,7 @@ from reports.cost import CostPoint, cost_points, cost_table, frontier
 from reports.cost_figure import write_cost_figure
 from reports.frames import UNTIMED_FRAMES, FrameRow, write_frames
 from reports.records import TrialRecord
-from scenarios.model import Expectation
+from tests.reports.studies import record
 
 
 def trial(folder: Path, profile: str, levels: int, *frames: tuple[int, float], timed: int, **fields) -> TrialRecord:
@@ -20,27 +20,13 @@ def trial(folder: Path, profile: str, levels: int, *frames: tuple[int, float], t
         folder / "frames" / f"{name}.parquet",
         [FrameRow(i, i / 60, level, level, level, ms, ms) for i, (level, ms) in enumerate(rows)],
     )
-    return TrialRecord(
-        **{
-            "trial": name,
-            "engine": "bullet",
-            "engine_version": "1",
-            "profile": profile,
-            "scenario": "plank_tower",
-            "scene": "plank_tower",
-            "parameters": {},
-            "policy": "none",
-            "seed": 0,
-            "repeat": 0,
-            "status": "completed",
-            "expectation": Expectation("stand", ""),
-            "verdict": "right",
-            "environment": "abc",
-            "levels_planned": 3,
-            "height_levels": levels,
-            "timed_frames": timed,
-            **fields,
-        }
+    return record(
+        profile=profile,
+        scene="plank_tower",
+        levels_planned=3,
+        height_levels=levels,
+        timed_frames=timed,
+        **fields,
     )
 
 

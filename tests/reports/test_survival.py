@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.records import TrialRecord
 from reports.survival import Lifetime, compare_pairs, kaplan_meier, lifetime, wilcoxon_scores
-from scenarios.model import Expectation
+from tests.reports.studies import record
 
 CASES = json.loads((Path(__file__).parents[1] / "fixtures" / "survival.json").read_text(encoding="utf-8"))["cases"]
 
@@ -20,29 +19,6 @@ def fell(level: int) -> Lifetime:
 
 def stood(level: int) -> Lifetime:
     return Lifetime(level, False)
-
-
-def record(**fields) -> TrialRecord:
-    return TrialRecord(
-        **{
-            "trial": "a",
-            "engine": "bullet",
-            "engine_version": "1",
-            "profile": "game",
-            "scenario": "four_stack",
-            "scene": "four_stack",
-            "parameters": {},
-            "policy": "none",
-            "seed": 0,
-            "repeat": 0,
-            "status": "completed",
-            "expectation": Expectation("stand", ""),
-            "verdict": "right",
-            "environment": "abc",
-            "levels_planned": 30,
-            **fields,
-        }
-    )
 
 
 @pytest.mark.parametrize(
