@@ -40,6 +40,10 @@ with silenced_stderr(), warnings.catch_warnings():
 FARTHEST = 1e-3
 """Points farther apart than this [m] are not read: twice what the core takes for touch."""
 
+CHEAPER_ALONE = 50
+"""Bodies are asked for their state one by one while they are fewer than one in so many: the packed block costs 0.2 us a
+body of the world, a body asked alone 10 us."""
+
 _SCENE = ("enable_tgs", "bounce_threshold")
 _BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
 _SHAPE = ("contact_offset",)
@@ -198,7 +202,7 @@ class PhysxSimulation(Simulation):
         bodies = np.fromiter(self._live, np.int64, len(self._live))
         before = []
         for _ in range(substeps):
-            if self.is_observed:
+            if self.is_observed and self._live:
                 before.append(self._state(bodies))
             self._system.step()
         self._before = None
@@ -208,8 +212,20 @@ class PhysxSimulation(Simulation):
 
     def _state(self, bodies: IntArray) -> FloatArray:
         """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
+        if len(bodies) * CHEAPER_ALONE < len(self._components):
+            return self._state_one_by_one(bodies)
         packed = np.frombuffer(self._system.pack(), np.float32).reshape(-1, 13)
         state: FloatArray = packed[[self._rows[body] for body in bodies.tolist()]].astype(np.float64)
+        return state
+
+    def _state_one_by_one(self, bodies: IntArray) -> FloatArray:
+        """The same numbers as in the packed block, which holds every frozen body as well."""
+        state = np.empty((len(bodies), 13))
+        for row, body in zip(state, bodies.tolist(), strict=True):
+            component = self._components[body]
+            pose = component.entity_pose
+            row[:4], row[4:7] = pose.q, pose.p
+            row[7:10], row[10:] = component.linear_velocity, component.angular_velocity
         return state
 
     def _positions(self, bodies: IntArray) -> FloatArray:

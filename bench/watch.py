@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from bench import measure
 from bench.measure import FloatArray, Plan
 from reports.records import CollapseKind
@@ -45,6 +47,7 @@ class StackWatch:
         self._watch_from_s = watch_from_s
         self._first: tuple[float, FloatArray] | None = None
         self._latest: tuple[float, FloatArray] | None = None
+        self._judged: tuple[Plan, FloatArray, FloatArray, measure.Faults] | None = None
         self.standing: Standing | None = None
         self.collapse: Collapse | None = None
 
@@ -80,7 +83,7 @@ class StackWatch:
         self._latest = time, position
         if self._first is None and time >= self._watch_from_s:
             self._first = time, position
-        faults = measure.faults(plan, position, quaternion)
+        faults = self._faults_of(plan, position, quaternion)
         kind = faults.kind
         if kind is None and self.collapse is None:
             landed = [level for level, released in placed.items() if time - released >= LANDING_S]
@@ -94,6 +97,20 @@ class StackWatch:
                 )
         elif kind is not None:
             self._see_collapse(time, kind, len(placed))
+
+    def _faults_of(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> measure.Faults:
+        """Those of the frame before while nothing moves."""
+        if self._judged is not None:
+            judged_plan, judged_position, judged_quaternion, faults = self._judged
+            if (
+                plan is judged_plan
+                and np.array_equal(position, judged_position)
+                and np.array_equal(quaternion, judged_quaternion)
+            ):
+                return faults
+        faults = measure.faults(plan, position, quaternion)
+        self._judged = plan, position, quaternion, faults
+        return faults
 
     def _see_collapse(self, time: float, kind: CollapseKind, level: int) -> None:
         if self.collapse is None:

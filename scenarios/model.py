@@ -141,12 +141,10 @@ class Scene:
     """How long [s] the trial watches after the last action."""
     bricks: tuple[Brick, ...] = field(init=False)
     """All bricks in the order of placement."""
+    levels: int = field(init=False)
+    """Number of levels when everything is built."""
 
     def __post_init__(self) -> None:
-        placed = (brick for action in self.actions if isinstance(action, Place) for brick in action.bricks)
-        object.__setattr__(self, "bricks", tuple(placed))
-
-    @property
-    def levels(self) -> int:
-        """Number of levels when everything is built."""
-        return max(brick.level for brick in self.bricks)
+        placed = tuple(brick for action in self.actions if isinstance(action, Place) for brick in action.bricks)
+        object.__setattr__(self, "bricks", placed)
+        object.__setattr__(self, "levels", max(brick.level for brick in placed))
