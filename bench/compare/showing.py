@@ -74,6 +74,10 @@ def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) ->
     console.print(headline(comparison, fail_on), style="bold", highlight=False)
 
 
+_ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
+"""Of what has a meaning inside a line of Markdown, and of what calls a person."""
+
+
 def markdown(comparison: Comparison, fail_on: Collection[Gate]) -> str:
     """For a job's summary or a comment; no text of the files can become a link, an image or HTML."""
     found = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
@@ -86,10 +90,7 @@ def _mapped(table: Table, form: Callable[[str], str]) -> Table:
 
 
 def _literal(text: str) -> str:
-    escaped = html.escape(text, quote=False)
-    for letter in "\\`*_[]!#@":
-        escaped = escaped.replace(letter, f"&#{ord(letter)};")
-    return escaped
+    return html.escape(text, quote=False).translate(_ENTITIES)
 
 
 def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:

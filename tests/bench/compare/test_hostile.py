@@ -1,5 +1,6 @@
 """Files that anybody may have written: a clear error, status 2, and nothing written or overwritten."""
 
+import html
 import json
 
 import pytest
@@ -121,6 +122,7 @@ def test_text_of_a_file_does_nothing_in_a_terminal_a_page_or_xml(make, good, tmp
     told = page.read_text()
     for word in ("<img", "[link]", "](", "`x`", "@team", "\x1b", "\u202e"):
         assert word not in told
+    assert "<img src=x> [link](http://x) [/red]" in html.unescape(told)  # and reads as it was written
     assert "\x1b" not in output
     assert "\u202e" not in output
     assert len(told) < 3000
