@@ -26,6 +26,7 @@ from stability_core.equilibrium.region import (
     region_of,
     regions_for,
     topples_alone,
+    topples_off,
 )
 from stability_core.equilibrium.verdict import decide, takes_part
 from stability_core.policies.base import NOBODY, Decision, Policy
@@ -88,6 +89,13 @@ def _keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
 
 
 @compiled
+def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if the stack is known to bear a live body that lies on it, or that topples off it."""
+    region = region_of(graph, regions, body)
+    return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
+
+
+@compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
     """Those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
     found = np.empty(len(bodies), np.int64)
@@ -96,7 +104,7 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
         row = graph.bodies[body]
         is_load = row.state == LIVE and row.first_support != NONE
         if (row.state == FROZEN and not is_proven(graph, regions, body)) or (
-            is_load and not is_safe(graph, regions, body, region_of(graph, regions, body))
+            is_load and not _is_borne(graph, regions, body)
         ):
             found[n] = body
             n += 1
