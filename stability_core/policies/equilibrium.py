@@ -42,6 +42,8 @@ SAFE, LEFT, UNSOLVED = range(3)
 """Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
+STRAIGHT_DOWN = np.array([0.0, 0.0, 1.0])
+"""What topples off level contacts presses so: an eighth of the cost of any direction, see ``verdict``."""
 
 
 @compiled
@@ -236,7 +238,8 @@ class Equilibrium(Policy):
             if verdict == "doubt" or is_frozen[falls].any():
                 woken: IntArray = ids[falls & is_frozen]
                 return woken
-            problem, kept = relieved_of(problem, falls, force[rows])
+            pressed = force[rows] * (STRAIGHT_DOWN if level[rows].all() else 1.0)
+            problem, kept = relieved_of(problem, falls, pressed)
             ids, is_frozen, changed, rows = ids[~falls], is_frozen[~falls], changed[~falls], rows[kept]
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
