@@ -77,13 +77,25 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 
 @compiled
-def _distance_to_segment(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
+def _nearest_on_segment(x: float, y: float, a: FloatArray, b: FloatArray) -> tuple[float, float]:
     dx, dy = b[0] - a[0], b[1] - a[1]
     length2 = dx * dx + dy * dy
     t = 0.0
     if length2 > 0.0:
         t = min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / length2))
-    return float(np.hypot(x - a[0] - t * dx, y - a[1] - t * dy))
+    return a[0] + t * dx, a[1] + t * dy
+
+
+@compiled
+def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
+    """The point on the border of the hull (n, 3), n > 0, that is nearest to (x, y) in plan."""
+    least, near_x, near_y = np.inf, x, y
+    for i in range(len(hull)):
+        px, py = _nearest_on_segment(x, y, hull[i], hull[(i + 1) % len(hull)])
+        distance = np.hypot(x - px, y - py)
+        if distance < least:
+            least, near_x, near_y = distance, px, py
+    return near_x, near_y
 
 
 @compiled
@@ -96,13 +108,14 @@ def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     n = len(hull)
     if n == 0:
         return -np.inf
-    nearest, inside = np.inf, n >= 3
+    inside = n >= 3
     for i in range(n):
         a, b = hull[i], hull[(i + 1) % n]
-        nearest = min(nearest, _distance_to_segment(x, y, a, b))
         if (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < 0.0:
             inside = False
-    return nearest if inside else -nearest
+    near_x, near_y = nearest_point(hull, x, y)
+    distance = float(np.hypot(x - near_x, y - near_y))
+    return distance if inside else -distance
 
 
 @compiled

@@ -22,12 +22,12 @@ NARROWED = 0.97
 is not held here."""
 RHO = 1e-9
 """Weight of the proximal term: keeps the system regular where contacts leave a motion free."""
-STEPS = 12
-"""A plank more on a card house of 100 takes 1 to 5 steps, a load of 20 planks' weight off its centre 12."""
 
 
 @compiled
-def correct(problem: Problem, rows: IntArray, start: FloatArray) -> tuple[bool, FloatArray, FloatArray, float]:
+def correct(
+    problem: Problem, rows: IntArray, start: FloatArray, y: FloatArray, steps: int
+) -> tuple[bool, FloatArray, FloatArray, float]:
     """Forces in the Coulomb cones that hold all bodies, sought near ``start``.
 
     A step costs O(m) and a factorisation (see ``envelope``).
@@ -36,6 +36,8 @@ def correct(problem: Problem, rows: IntArray, start: FloatArray) -> tuple[bool, 
         problem: n bodies and m contacts.
         rows: as for ``newton.solve``.
         start: forces on the second bodies [N], shape (m, 3); noughts where none are known.
+        y: where the search has come to, shape (n, 6); noughts at first. It goes on from there.
+        steps: how many at most.
 
     Returns:
         Whether they were found; the forces (m, 3), always in their cones; what they leave unbalanced, (n, 6); the
@@ -53,10 +55,10 @@ def correct(problem: Problem, rows: IntArray, start: FloatArray) -> tuple[bool, 
         friction,
         problem.load,
     )
-    y, center, rest, unbalanced = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n, 6))
+    center, rest, unbalanced = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n, 6))
     force, forecast = np.zeros((m, 3)), np.zeros((m, 3))
     dy, dz = np.zeros((n, 6)), np.zeros((m, 3))
-    for _ in range(STEPS):
+    for _ in range(steps):
         along_contacts(problem, y, space.z)
         space.z[:] += start
         project(space.z, problem.normal, friction, force)

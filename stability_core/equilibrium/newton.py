@@ -85,7 +85,7 @@ def _minimise(
 
 
 @compiled
-def solve(problem: Problem, rows: IntArray) -> tuple[int, FloatArray, FloatArray, float]:
+def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, FloatArray, FloatArray, float]:
     """Forces that hold the bodies, or how they fall.
 
     A step costs O(m) and a factorisation (see ``envelope``).
@@ -94,6 +94,7 @@ def solve(problem: Problem, rows: IntArray) -> tuple[int, FloatArray, FloatArray
         problem: n bodies and m contacts.
         rows: the components of force and moment that are not nought by themselves, shape (k,): all six, or
             [2, 3, 4] where every force is vertical.
+        strongest: the force, over all weight, from which on an equilibrium counts as none (see ``STRONGEST``).
 
     Returns:
         HELD, FALLING or UNDECIDED; the forces on the second bodies [N], (m, 3), always in their cones; what they
@@ -124,7 +125,7 @@ def solve(problem: Problem, rows: IntArray) -> tuple[int, FloatArray, FloatArray
             ray[:] = rest
             for _ in range(RAY_STEPS):
                 _minimise(without_load, space, RAY_RHO * rho, 1, rest, ray, resisted, unresisted)
-                if weakest_equilibrium(problem, ray, space.trial, resisted) >= STRONGEST:
+                if weakest_equilibrium(problem, ray, space.trial, resisted) >= strongest:
                     return FALLING, force, ray, worst
         before = worst
         center[:] = y

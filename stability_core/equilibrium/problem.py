@@ -135,6 +135,14 @@ def joined(problem: Problem, seeds: BoolArray, through: BoolArray) -> BoolArray:
     return reached
 
 
+def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
+    """The ``bodies``, (n,), and all that they touch."""
+    among = np.append(bodies, False)  # the last row is the ground's
+    touching = among[problem.body_a] | among[problem.body_b]
+    among[problem.body_a[touching]] = among[problem.body_b[touching]] = True
+    return among[:-1]
+
+
 def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolArray]:
     """The bodies that may move, (n,), alone, all others fixed; and which contacts are theirs, (m,).
 
@@ -153,3 +161,25 @@ def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolA
         problem.friction[theirs],
         problem.load[moves],
     ), theirs
+
+
+def relieved_of(problem: Problem, gone: BoolArray, force: FloatArray) -> tuple[Problem, BoolArray]:
+    """The bodies that are not ``gone``, (n,), alone, under what those do to them with the contact forces (m, 3).
+
+    Also returns which contacts they keep, (m,).
+    """
+    stays = np.append(~gone, True)  # the last row is the ground's
+    index = np.cumsum(stays) - 1
+    index[-1] = -1
+    kept: BoolArray = stays[problem.body_a] & stays[problem.body_b]
+    rest = np.empty_like(problem.load)
+    imbalance(problem, np.where(kept[:, None], 0.0, force), rest)
+    return Problem(
+        index[problem.body_a[kept]],
+        index[problem.body_b[kept]],
+        problem.lever_a[kept],
+        problem.lever_b[kept],
+        problem.normal[kept],
+        problem.friction[kept],
+        rest[~gone],
+    ), kept

@@ -14,9 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.polygon import convex_hull, inside_distance
+from stability_core.polygon import convex_hull, inside_distance, nearest_point
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, count_patches, hull_of, is_stack
+from stability_core.stack_mass import support_polygon
+
+ON_BORDER = 1e-9
+"""Distance [m] at which a point counts as lying on a border: rounding moves it by less."""
 
 
 class Regions(NamedTuple):
@@ -116,19 +120,42 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 
 
 @compiled
-def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
-    """True if the stack bears ``body``: its centre of mass lies in the ``region`` (k, 3) that its supports leave to it.
-
-    False means not known. Every support must still be proven, for U is built on theirs.
-    """
+def _supports_are_proven(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if every frozen body below touches the same as when it was proven to stand: a region is built on theirs."""
     at = graph.bodies[body].first_support
     while at != NONE:
         lower = graph.patches[at].lower
         if lower != GROUND and graph.bodies[lower].state == FROZEN and not is_proven(graph, regions, lower):
             return False
         at = graph.patches[at].next_support
+    return True
+
+
+@compiled
+def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
+    """True if the stack bears ``body``: its centre of mass lies in the ``region`` (k, 3) that its supports leave to it.
+
+    False means not known.
+    """
     center = graph.bodies[body].center
-    return bool(inside_distance(region, center[0], center[1]) >= 0.0)
+    is_inside = inside_distance(region, center[0], center[1]) >= 0.0
+    return bool(is_inside and _supports_are_proven(graph, regions, body))
+
+
+@compiled
+def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
+    """True if a body topples alone, and the stack bears it as it does.
+
+    It turns about the border of its contact area and presses there, with no more than its weight, where its centre of
+    mass is nearest. If that point lies in the ``region`` (k, 3) that its supports leave to it, they bear it. False
+    means not known.
+    """
+    support = support_polygon(graph, body)
+    if not topples_alone(graph, body, support):
+        return False
+    center = graph.bodies[body].center
+    x, y = nearest_point(support, center[0], center[1])
+    return bool(inside_distance(region, x, y) >= -ON_BORDER and _supports_are_proven(graph, regions, body))
 
 
 @compiled

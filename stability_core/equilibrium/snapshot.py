@@ -77,6 +77,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     verdict, forces, rest, residual = decide(snapshot, _is_level(snapshot))
     motion = None
     if verdict == "unstable":
+        forces = None  # they hold nothing
         motion = np.hstack([-rest[:, :3] @ upright, -rest[:, 3:] / size[:, None] @ upright]) / np.abs(rest).max()
     return Equilibrium(verdict, residual, None if forces is None else forces @ upright, motion)
 

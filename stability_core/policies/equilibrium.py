@@ -16,6 +16,7 @@ from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.component import component, problem_of
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
+from stability_core.equilibrium.problem import relieved_of
 from stability_core.equilibrium.region import (
     Regions,
     is_proven,
@@ -25,6 +26,7 @@ from stability_core.equilibrium.region import (
     region_of,
     regions_for,
     topples_alone,
+    topples_off,
 )
 from stability_core.equilibrium.verdict import decide, takes_part
 from stability_core.policies.base import NOBODY, Decision, Policy
@@ -40,6 +42,8 @@ SAFE, LEFT, UNSOLVED = range(3)
 """Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
+STRAIGHT_DOWN = np.array([0.0, 0.0, 1.0])
+"""What topples off level contacts presses so: an eighth of the cost of any direction, see ``verdict``."""
 
 
 @compiled
@@ -87,6 +91,13 @@ def _keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
 
 
 @compiled
+def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if the stack is known to bear a live body that lies on it, or that topples off it."""
+    region = region_of(graph, regions, body)
+    return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
+
+
+@compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
     """Those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
     found = np.empty(len(bodies), np.int64)
@@ -95,7 +106,7 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
         row = graph.bodies[body]
         is_load = row.state == LIVE and row.first_support != NONE
         if (row.state == FROZEN and not is_proven(graph, regions, body)) or (
-            is_load and not is_safe(graph, regions, body, region_of(graph, regions, body))
+            is_load and not _is_borne(graph, regions, body)
         ):
             found[n] = body
             n += 1
@@ -185,44 +196,51 @@ class Equilibrium(Policy):
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[IntArray, IntArray]:
         """Freeze all of ``group``, less what would fall, until the rest stands.
 
-        Returns what was frozen, and the rows of the patches that were solved.
+        Returns what was frozen, and the rows of the patches that were solved. O(component) a step of the solve, for
+        layers of bounded width: one to four steps if it stands; a few of the group alone if that falls.
         """
         while len(group):
             ids = component(graph, group, group, False)
-            falling, patches = self._falling(graph, ids, group, 0.0, 1.0)
-            if not len(falling):
+            problem, level, patches = problem_of(graph, ids, self.gravity, 0.0, 1.0)
+            start = recall(graph, self._memory, patches, len(level))
+            verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, group))
+            if verdict == "stable" and forces is not None:
+                remember(graph, self._memory, patches, forces)
                 graph.bodies["state"][group] = FROZEN
                 graph.bodies["leans"][group] = False
                 self._prove(graph, ids)
                 return group, patches
-            if not np.isin(group, falling).any():
+            falls = np.isin(group, ids[takes_part(rest)])
+            if not falls.any():
                 break
-            group = group[~np.isin(group, falling)]
+            group = group[~falls]
         return group[:0], group[:0]
 
     def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
-        """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance."""
-        ids = component(graph, unproven, unproven[:0], True)
-        falling, _ = self._falling(graph, ids, unproven, self.settings.wake_margin, WAKE_GRIP)
-        woken: IntArray = falling[graph.bodies["state"][falling] == FROZEN]
-        if not len(woken):
-            self._prove(graph, ids[graph.bodies["state"][ids] == FROZEN])
-        return woken
+        """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
 
-    def _falling(
-        self, graph: Graph, ids: IntArray, changed: IntArray, margin: float, grip: float
-    ) -> tuple[IntArray, IntArray]:
-        """Which of ``ids`` do not provably stand, shape (k,), and the rows of their patches, shape (p,).
-
-        O(ids) a step of the solve, for layers of bounded width; one to four steps if they stand, a dozen if not.
+        Live bodies may fall from what stands: they are taken away, and the rest must bear what they press on it.
         """
-        problem, level, patches = problem_of(graph, ids, self.gravity, margin, grip)
-        start = recall(graph, self._memory, patches, len(level))
-        verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, changed))
-        if verdict == "stable" and forces is not None:
-            remember(graph, self._memory, patches, forces)
-            return ids[:0], patches
-        return ids[takes_part(rest)], patches
+        ids = component(graph, unproven, unproven[:0], True)
+        problem, level, patches = problem_of(graph, ids, self.gravity, self.settings.wake_margin, WAKE_GRIP)
+        force = recall(graph, self._memory, patches, len(level))
+        is_frozen = graph.bodies["state"][ids] == FROZEN
+        changed, rows = np.isin(ids, unproven), np.arange(len(level))
+        while True:
+            verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed)
+            if forces is not None:
+                force[rows] = forces
+            if verdict == "stable":
+                remember(graph, self._memory, patches, force)
+                self._prove(graph, ids[is_frozen])
+                return ids[:0]
+            falls = takes_part(rest)
+            if verdict == "doubt" or is_frozen[falls].any():
+                woken: IntArray = ids[falls & is_frozen]
+                return woken
+            pressed = force[rows] * (STRAIGHT_DOWN if level[rows].all() else 1.0)
+            problem, kept = relieved_of(problem, falls, pressed)
+            ids, is_frozen, changed, rows = ids[~falls], is_frozen[~falls], changed[~falls], rows[kept]
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
         """Note that the frozen bodies ``ids`` stand together, lowest first, as regions rest on those below."""

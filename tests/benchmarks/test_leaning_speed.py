@@ -254,6 +254,7 @@ def pile_up(seed: int, planks: int) -> Stopwatch:
         shapes[body] = (shape, bottom + THICKNESS)
         for loose in watch.world.center.keys() - watch.world.frozen:
             watch.world.remove(loose)
+            watch.extension.update(DT)
             del shapes[loose]
     return watch
 

@@ -9,6 +9,7 @@ import pytest
 
 from stability_core import GROUND, solve_equilibrium
 from stability_core.equilibrium.cone import project
+from stability_core.equilibrium.problem import Problem, imbalance, relieved_of
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
 WIDE = (-LENGTH / 2, LENGTH / 2)
@@ -204,6 +205,24 @@ def test_no_contact_pulls(friction):
     force = np.empty((1, 3))
     project(np.array([[0.0, 0.0, -2.0]]), np.array([[0.0, 0.0, 1.0]]), np.array([friction]), force)
     assert (force == 0.0).all()
+
+
+def test_bodies_that_are_taken_away_leave_behind_what_they_pressed():
+    """Under any forces each other body lacks as much as before: the contacts with what is gone became loads."""
+    random = np.random.default_rng(0)
+    n, m = 5, 40
+    body_b = random.integers(0, n, m)
+    body_a = (body_b + random.integers(1, n, m)) % n
+    body_a[::5] = -1
+    lever_a, lever_b, normal, force = random.normal(size=(4, m, 3))
+    problem = Problem(body_a, body_b, lever_a, lever_b, normal, random.random(m), random.normal(size=(n, 6)))
+    gone = np.array([False, True, False, False, True])
+    fewer, kept = relieved_of(problem, gone, force)
+    before, after = np.empty((n, 6)), np.empty((3, 6))
+    imbalance(problem, force, before)
+    imbalance(fewer, force[kept], after)
+    assert after == pytest.approx(before[~gone], abs=1e-12)
+    assert set(fewer.body_a) == {-1, 0, 1, 2}
 
 
 def test_nothing_is_stable(port):

@@ -83,12 +83,14 @@ def test_a_counterweight_holds_until_it_goes(port, extension):
     assert extension.update(DT).woken == (1, 3)
 
 
-def leaning_pair(port, theta: float, friction: float) -> None:
+def leaning_pair(port, theta: float, friction: float, foot: tuple[int, float] = (GROUND, 0.0)) -> None:
+    """Planks 0 and 1, which stand on a body whose top is at a height."""
+    lower, bottom = foot
     half, height = 0.1 * np.cos(np.radians(theta)), 0.1 * np.sin(np.radians(theta))
     for body, side in ((0, -1.0), (1, 1.0)):
-        port.add(body, (side * half / 2, 0.0, height / 2))
-        port.touch(body, GROUND, [(side * half, y, 0.0) for y in DEEP], friction=friction)
-    port.touch(1, 0, [(0.0, y, height) for y in DEEP], normal=(1.0, 0.0, 0.0), friction=friction)
+        port.add(body, (side * half / 2, 0.0, bottom + height / 2))
+        port.touch(body, lower, [(side * half, y, bottom) for y in DEEP], friction=friction)
+    port.touch(1, 0, [(0.0, y, bottom + height) for y in DEEP], normal=(1.0, 0.0, 0.0), friction=friction)
 
 
 @pytest.mark.parametrize("theta", [50.0, 60.0, 72.0])
@@ -164,6 +166,27 @@ def test_a_live_brick_that_tips_off_wakes_nothing(port, extension):
     changes = frames(extension, 60)
     assert not any(change.woken for change in changes)
     assert port.frozen == set(range(5))
+
+
+def test_what_topples_off_an_end_that_cannot_bear_it_takes_that_end_along(port, extension):
+    """Pressed where the brick turns, at 90 mm, the cantilever turns as well about the edge at 50 mm."""
+    plank(port, 0, 0.0, {GROUND: 0.0}, 0)
+    plank(port, 1, 0.04, {0: 0.0}, 1)
+    settle(extension)
+    port.add(2, (0.095, 0.0, 0.025), mass=2.0)
+    port.lay(2, 1, (0.05, 0.09), DEEP, 0.02)
+    changes = frames(extension, SETTINGS.rest_frames + 1)
+    assert {body for change in changes for body in change.woken} == {1}
+
+
+def test_a_v_that_slips_wakes_nothing_of_the_column_below_it(port, extension):
+    for body in range(2, 7):
+        plank(port, body, 0.0, {body - 1 if body > 2 else GROUND: 0.0}, body - 2)
+    settle(extension)
+    leaning_pair(port, 72.0, 0.05, foot=(6, 5 * THICKNESS))
+    changes = frames(extension, 60)
+    assert not any(change.woken for change in changes)
+    assert port.frozen == {2, 3, 4, 5, 6}
 
 
 def test_a_lost_support_is_noticed(port, extension):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from stability_core.polygon import centroid, convex_hull, inside_distance, width
+from stability_core.polygon import centroid, convex_hull, inside_distance, nearest_point, width
 
 SQUARE = np.array([(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)], float)
 GRID = st.integers(1, 30).flatmap(lambda n: arrays(float, (n, 3), elements=st.integers(-5, 5).map(float)))
@@ -78,3 +78,10 @@ def test_centroid_is_that_of_the_area_and_not_of_the_vertices():
     square, corner = 8.0, 0.125  # the cut corner's area
     expected = (square * 2.0 - corner * (0.5 / 3)) / (square - corner)
     assert centroid(hull)[0] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("point", "nearest"), [((3, 1), (2, 1)), ((-1, 5), (0, 2)), ((1, 0.5), (1, 0)), ((2, 2), (2, 2))]
+)
+def test_the_nearest_point_of_a_square(point, nearest):
+    assert nearest_point(SQUARE, *map(float, point)) == nearest
