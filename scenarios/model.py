@@ -137,6 +137,8 @@ class Scene:
     both together tell a stability test from glue. Empty if it has no partner."""
     planar: bool = False
     """True if every brick stays in the x-z plane, so that a 2-D engine can play it."""
+    poured: bool = False
+    """True if bricks find their own places: none is ever out of place, and what is measured is the heap."""
     watch_s: float = 5.0
     """How long [s] the trial watches after the last action."""
     bricks: tuple[Brick, ...] = field(init=False)
