@@ -75,7 +75,7 @@ class Play:
         self._frames = PlainFrames(simulation) if policy is None else SteeredFrames(simulation, policy)
         self._wall_limit_s = wall_limit_s
         self._tell = tell
-        self._last_action_s = scene.actions[-1].time
+        self._last_action_s = scene.done_s
         self._hash = blake2b(digest_size=16)
         self.builder = Builder(scene, simulation, self._frames)
         watch_from_s = self._last_action_s + SEATING_S

@@ -95,6 +95,11 @@ class Pull:
     seconds: float
     """How long [s]."""
 
+    @property
+    def until(self) -> float:
+        """When it ends [s], from the start of the trial."""
+        return self.time + self.seconds
+
 
 Action: TypeAlias = Place | Remove | Push | Pull
 
@@ -147,6 +152,11 @@ class Scene:
     def __post_init__(self) -> None:
         placed = (brick for action in self.actions if isinstance(action, Place) for brick in action.bricks)
         object.__setattr__(self, "bricks", tuple(placed))
+
+    @property
+    def done_s(self) -> float:
+        """When [s] the last action is over: a pull takes its time."""
+        return max(action.until if isinstance(action, Pull) else action.time for action in self.actions)
 
     @property
     def levels(self) -> int:
