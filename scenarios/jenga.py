@@ -32,7 +32,7 @@ WAY = 1.2 * LENGTH
 
 
 def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: float = 0.0) -> Scene:
-    """Three planks a level in turn along and across; then two planks of the second level are taken, of the fourth, and so on.
+    """Three planks a level in turn along and across; then two of the second level are taken, and so on upward.
 
     Args:
         levels: number of levels, of three planks each.
