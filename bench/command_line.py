@@ -40,6 +40,7 @@ from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
 from reports.cost import cost_points, cost_table
 from reports.falls import fall_tables
+from reports.heaps import heap_tables
 from reports.page import write_page
 from reports.recording import RecordingError
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
@@ -189,7 +190,7 @@ def _report(folder: Path) -> list[Table]:
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    tables = [*study_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
+    tables = [*study_tables(records), *heap_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
     points = cost_points(folder, records)
     if points:
         tables.append(cost_table(points))

@@ -65,7 +65,7 @@ class Grip:
     def pull(self, body: int, action: Pull) -> None:
         """Begin to pull a body."""
         wanted = np.array(action.velocity)
-        self.pulls[body] = _Pulling(action.time + action.seconds, wanted, wanted, self._place(body))
+        self.pulls[body] = _Pulling(action.until, wanted, wanted, self._place(body))
 
     def pull_on(self, time: float) -> list[int]:
         """Pull for one more frame, from ``time`` [s]; take away those whose pull has ended, and tell which.

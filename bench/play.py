@@ -11,6 +11,7 @@ import numpy as np
 
 from adapters.base import Simulation
 from bench.builder import Builder
+from bench.heap_watch import HeapWatch
 from bench.measure import FloatArray
 from bench.sleepers import Sleepers
 from bench.timed_frames import FrameTimes, PlainFrames, SteeredFrames, Steering
@@ -74,10 +75,11 @@ class Play:
         self._frames = PlainFrames(simulation) if policy is None else SteeredFrames(simulation, policy)
         self._wall_limit_s = wall_limit_s
         self._tell = tell
-        self._last_action_s = scene.actions[-1].time
+        self._last_action_s = scene.done_s
         self._hash = blake2b(digest_size=16)
         self.builder = Builder(scene, simulation, self._frames)
-        self.watch = StackWatch(self._last_action_s + SEATING_S)
+        watch_from_s = self._last_action_s + SEATING_S
+        self.watch = HeapWatch(self._last_action_s, watch_from_s) if scene.poured else StackWatch(watch_from_s)
         self.sleepers = Sleepers()
         self.recorder = Recorder(simulation.info.frame_s)
         self.rows: list[FrameRow] = []

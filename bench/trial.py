@@ -18,6 +18,7 @@ from bench import measure
 from bench.calibration import calibrate, typical
 from bench.environment import allowed_cores, engine_version
 from bench.frame_ratio import HIGHEST_LEVEL, time_awake
+from bench.heap_watch import HeapWatch
 from bench.plan import Trial
 from bench.play import Play, Progress
 from bench.policies import BENCH_POLICIES
@@ -153,8 +154,12 @@ def _seen(play: Play) -> dict[str, Any]:
         }
     if collapse is not None:
         fields |= {"collapse_level": collapse.level, "collapse_kind": collapse.kind, "collapse_s": collapse.time}
+    if isinstance(play.watch, HeapWatch):
+        fields |= {"rest_s": play.watch.rest_s, "repose_deg": play.watch.repose_deg}
     if play.is_steered:
         fields |= {
+            "live_mean": statistics.fmean(row.live for row in play.rows),
+            "live_last": play.rows[-1].live,
             "wakes": play.sleepers.wakes,
             "refreezes": play.sleepers.refreezes,
             "longest_live_s": play.sleepers.longest_live_s(play.simulated_s),

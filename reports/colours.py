@@ -28,9 +28,9 @@ _INKS = {
     "at_rest": Ink("#c75000", "#ff9d5c", (2, 1)),
     "paper": Ink("#0068a8", "#6bb8ee", ()),
     "equilibrium": Ink("#007d5a", "#4fd1a5", (6, 1)),
+    "pile": Ink("#3f6d8a", "#9fc9de", (5, 1, 1, 1)),
 }
 _OTHERS = (
-    Ink("#3f6d8a", "#9fc9de", (5, 1, 1, 1)),
     Ink("#8f7a00", "#e6d44f", (2, 2)),
     Ink("#8a3b3b", "#e39a9a", (6, 2)),
 )

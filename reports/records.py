@@ -129,6 +129,15 @@ class TrialRecord(BaseModel):
     """The processor core that the trial was kept to; null if it was not."""
     pair: str = ""
     """Id that a scene which must stand shares with its partner that must fall; empty if it has none."""
+    rest_s: float | None = None
+    """How long [s] after the last action a brick of a poured heap was last seen moving; null if one still moved at the
+    end, and for all that is no heap; so the next."""
+    repose_deg: float | None = None
+    """Angle of repose [deg]: that of the cone of the same median height and radius."""
+    live_mean: float | None = None
+    """Mean number of live bricks in a frame; null without an extension, where nobody can tell; so the next."""
+    live_last: int | None = None
+    """Number of live bricks in the last frame."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
 

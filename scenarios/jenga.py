@@ -1,45 +1,58 @@
-"""Jenga: three planks a level, each level across the one below; then two are taken from one level.
+"""Jenga: three planks a level, each level across the one below; then two are taken from a level, or from several.
 
-Theory: what lies above the robbed level has its centre of mass over the tower's middle. If the middle plank is left it
-lies half a width (11.7 mm) inside that plank's edges: it stands. If a side plank is left it lies 13.7 mm beyond the
-nearest edge: it falls. With two planks left it stands either way, so the first removal does no harm.
+Theory: what lies above a robbed level has its centre of mass over the tower's middle. If the middle plank is left it
+lies half a width (11.7 mm) inside that plank's edges: it stands, however many levels are robbed so. If a side plank is
+left it lies 13.7 mm beyond the nearest edge: it falls. With two planks left it stands either way, so the first of a
+level does no harm.
 
-What to look for: after the second removal, does the tower turn over about the plank that is left, in one piece?
+Planks vanish, or are pulled out along their length by a hand, slowly. What is pulled drags the tower with mu times the
+load that it bears; the others hold it with mu times theirs, and they bear more: of three planks it bears a third, and a
+side plank beside the middle one 11.7 / 25.4 of what that bears, at most.
+
+What to look for: after the last removal, does the tower turn over about the plank that is left, in one piece?
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Container, Iterator
 
-from scenarios.model import Action, Brick, Expectation, Remove, Scene, World
-from scenarios.parameters import Value, choice, variant_of, whole
+from scenarios.model import Action, Brick, Expectation, Pull, Remove, Scene, World
+from scenarios.parameters import Value, choice, real, variant_of, whole
 from scenarios.planks import GAP, LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
 
-ROBBED = 2
-"""The level from which planks are taken."""
+LOWEST = 2
+"""The lowest level from which planks are taken."""
 TALL = 3
-"""Height of that level's planks in thicknesses: room to fall."""
+"""Height of a robbed level's planks in thicknesses: room to fall."""
 PAUSE_S = 1.0
-"""From the last plank to the first removal, and from that to the next [s]: time to settle."""
+"""From the last plank to the first removal, and from the end of that to the next [s]: time to settle."""
+WAY = 1.2 * LENGTH
+"""How far a plank is pulled [m]: all the way out."""
 
 
-def jenga(*, levels: int = 6, left: str = "middle") -> Scene:
-    """Three planks a level in turn along and across; then two planks of the second level are taken.
+def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: float = 0.0) -> Scene:
+    """Three planks a level in turn along and across; then two of the second level are taken, and so on upward.
 
     Args:
         levels: number of levels, of three planks each.
-        left: which plank of the second level is left, "middle" or "side".
+        left: which plank of the last robbed level is left, "middle" or "side"; of those below it is the middle one.
+        robbed: number of levels that are robbed, every other one from the second on.
+        speed: with which planks are pulled out [m/s]; if 0 they vanish.
     """
-    levels = whole("levels", levels, least=ROBBED + 1, most=100)
+    levels = whole("levels", levels, least=LOWEST + 1, most=100)
     left = choice("left", left, ("middle", "side"))
-    parameters: dict[str, Value] = {"levels": levels, "left": left}
-    planks = [_plank(level, place * (WIDTH + GAP)) for level in range(1, levels + 1) for place in (-1, 0, 1)]
-    groups = [[plank for plank in planks if plank.level == level] for level in range(1, levels + 1)]
-    actions: tuple[Action, ...] = one_a_second(groups)
-    first = 3 * (ROBBED - 1)
-    time = actions[-1].time + PAUSE_S
-    taken = (first, first + 2) if left == "middle" else (first, first + 1)
-    actions += tuple(Remove(time + turn * PAUSE_S, brick) for turn, brick in enumerate(taken))
+    robbed = whole("robbed", robbed, least=1, most=(levels - LOWEST + 1) // 2)
+    speed = real("speed", speed, least=0, most=1)
+    parameters: dict[str, Value] = {"levels": levels, "left": left, "robbed": robbed, "speed": speed}
+    robbed_levels = range(LOWEST, LOWEST + 2 * robbed, 2)
+    actions: tuple[Action, ...] = one_a_second(_layers(levels, robbed_levels))
+    for level in robbed_levels:
+        is_last = level == robbed_levels[-1]
+        for place in (0, 1) if is_last and left == "side" else (0, 2):
+            before = actions[-1]
+            time = PAUSE_S + (before.until if isinstance(before, Pull) else before.time)
+            actions += (_taken(3 * (level - 1) + place, level, time, speed),)
     if left == "middle":
         expectation = Expectation("stand", "the upper part's centre of mass lies over the plank that is left")
     else:
@@ -61,9 +74,19 @@ def jenga(*, levels: int = 6, left: str = "middle") -> Scene:
     )
 
 
-def _plank(level: int, aside: float) -> Brick:
-    """A plank of a level, so far [m] aside of the middle."""
-    height = TALL * THICKNESS if level == ROBBED else THICKNESS
-    bottom = (level - 1) * THICKNESS + ((TALL - 1) * THICKNESS if level > ROBBED else 0.0)
-    x, y, yaw = (0.0, aside, 0.0) if level % 2 else (aside, 0.0, math.pi / 2)
-    return box((LENGTH, WIDTH, height), x, y, level=level, bottom=bottom, yaw=yaw)
+def _taken(plank: int, level: int, time: float, speed: float) -> Action:
+    """How a plank of a level, by its place in the order of placement, leaves the tower."""
+    if not speed:
+        return Remove(time, plank)
+    return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed)
+
+
+def _layers(levels: int, robbed: Container[int]) -> Iterator[list[Brick]]:
+    """The planks of each level, from the lowest, those of ``robbed`` levels taller."""
+    bottom = 0.0
+    for level in range(1, levels + 1):
+        height = THICKNESS * (TALL if level in robbed else 1)
+        aside = [place * (WIDTH + GAP) for place in (-1, 0, 1)]
+        poses = [(0.0, shift, 0.0) if level % 2 else (shift, 0.0, math.pi / 2) for shift in aside]
+        yield [box((LENGTH, WIDTH, height), x, y, level=level, bottom=bottom, yaw=yaw) for x, y, yaw in poses]
+        bottom += height

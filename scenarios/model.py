@@ -95,6 +95,11 @@ class Pull:
     seconds: float
     """How long [s]."""
 
+    @property
+    def until(self) -> float:
+        """When it ends [s], from the start of the trial."""
+        return self.time + self.seconds
+
 
 Action: TypeAlias = Place | Remove | Push | Pull
 
@@ -137,6 +142,8 @@ class Scene:
     both together tell a stability test from glue. Empty if it has no partner."""
     planar: bool = False
     """True if every brick stays in the x-z plane, so that a 2-D engine can play it."""
+    poured: bool = False
+    """True if bricks find their own places: none is ever out of place, and what is measured is the heap."""
     watch_s: float = 5.0
     """How long [s] the trial watches after the last action."""
     bricks: tuple[Brick, ...] = field(init=False)
@@ -148,3 +155,8 @@ class Scene:
         placed = tuple(brick for action in self.actions if isinstance(action, Place) for brick in action.bricks)
         object.__setattr__(self, "bricks", placed)
         object.__setattr__(self, "levels", max(brick.level for brick in placed))
+
+    @property
+    def done_s(self) -> float:
+        """When [s] the last action is over: a pull takes its time."""
+        return max(action.until if isinstance(action, Pull) else action.time for action in self.actions)

@@ -22,6 +22,7 @@ from scenarios.model import Scene
 from scenarios.parameters import Value, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
+from scenarios.poured_pile import poured_pile
 from scenarios.pulled_plank import pulled_plank
 from scenarios.pushed_plank import pushed_plank
 from scenarios.pyramid import pyramid
@@ -73,6 +74,7 @@ SCENARIOS: Mapping[str, Scenario] = {
         pushed_plank,
         pulled_plank,
         dropped_plank,
+        poured_pile,
     )
 }
 

@@ -8,8 +8,9 @@ from stability_core.policies.at_rest import AtRest
 from stability_core.policies.base import Decision, Policy
 from stability_core.policies.equilibrium import Equilibrium
 from stability_core.policies.paper import Paper
+from stability_core.policies.pile import Pile
 
-POLICIES: Mapping[str, type[Policy]] = {policy.name: policy for policy in (Paper, AtRest, Equilibrium)}
+POLICIES: Mapping[str, type[Policy]] = {policy.name: policy for policy in (Paper, AtRest, Equilibrium, Pile)}
 """Every policy by its name."""
 
-__all__ = ["POLICIES", "AtRest", "Decision", "Equilibrium", "Paper", "Policy"]
+__all__ = ["POLICIES", "AtRest", "Decision", "Equilibrium", "Paper", "Pile", "Policy"]

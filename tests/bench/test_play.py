@@ -9,12 +9,12 @@ from bench.builder import Builder
 from bench.play import Play
 from bench.sleepers import Sleepers
 from bench.timed_port import TimedPort
-from scenarios.model import CLEARANCE, Expectation, Place, Push, Remove, Scene, World
+from scenarios.model import CLEARANCE, Expectation, Place, Pull, Push, Remove, Scene, World
 from scenarios.planks import THICKNESS, lay
 from scenarios.registry import build
 
 
-def scene_of(*actions: Place | Remove | Push) -> Scene:
+def scene_of(*actions: Place | Remove | Push | Pull) -> Scene:
     return Scene("test", "test", {}, World(), actions, Expectation("stand", ""), "", watch_s=2.0)
 
 
@@ -144,3 +144,12 @@ def test_sleepers_count_wakes_refreezes_and_the_longest_live_time() -> None:
     sleepers.see(2.0, 3.5, [0, 1], frozen=[0], woken=[])
     assert (sleepers.wakes, sleepers.refreezes) == (1, 1)
     assert sleepers.longest_live_s(9.0) == 2.0  # body 1, from 0 to 2 s; body 0 later for 1.5 s
+
+
+def test_watching_begins_when_a_pull_is_over(fake_engine) -> None:
+    """Creep is that of the bricks that are left: while the hand pulls, one more is there."""
+    bricks = (lay(0, level=1), lay(0.2, level=1))
+    run = play(scene_of(Place(0.0, bricks), Pull(0.5, 0, (0.05, 0.0), 3.0)), fake_engine())
+    assert run.run() == "completed"
+    assert run.simulated_s == pytest.approx(0.5 + 3.0 + 2.0)
+    assert run.watch.creep_m_s == 0.0

@@ -6,6 +6,8 @@ action (``first_fall``), under either convention for the normal at a ridge.
 
 import math
 from collections import Counter
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from bench.plan import plan_trials
 from bench.studies import load_study
 from scenarios.contact_patch import contact_patches
 from scenarios.hand import with_hand
-from scenarios.model import CLEARANCE, Place, Remove, World
+from scenarios.model import CLEARANCE, Place, Pull, Remove, World
 from scenarios.random_tower import falls_at, middles_of
 from scenarios.registry import build
 from scenarios.truth import equilibrium, first_fall
@@ -70,6 +72,17 @@ def test_closed_form_and_exact_statics_agree_of_many_bricks(name):
     scene = SCENES[name]
     assert first_fall(scene) == scene.expectation.level
     assert first_fall(scene, ridge="face") == scene.expectation.level
+
+
+@pytest.mark.parametrize("left", ["middle", "side"])
+def test_pulling_a_plank_out_slowly_is_taking_it_away(left):
+    """Where planks are pulled level by level, statics judges what is left; each pull ends before the next begins."""
+    scene = build("jenga", levels=4, left=left, robbed=1, speed=0.1)
+    pulls = [action for action in scene.actions if isinstance(action, Pull)]
+    assert len(pulls) == 2
+    assert all(first.until < then.time for first, then in pairwise(pulls))
+    taken = [Remove(action.until, action.brick) if isinstance(action, Pull) else action for action in scene.actions]
+    assert first_fall(replace(scene, actions=tuple(taken))) == scene.expectation.level
 
 
 @pytest.mark.parametrize("name", BY_MARGIN)

@@ -1,0 +1,175 @@
+"""The sleeping rule for heaps, after Hsu and Keyser 2010: what lies inside the pile sleeps, its slope stays awake.
+
+S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Theirs is that a
+pile is modelled by its shape, which an angle of repose bounds; that objects within it are deactivated, by more than
+their own momentum; and that this is meant for random piles, not for structures. How it is decided here, on contacts,
+sleep and mass alone, is our reading:
+
+- The heap of a body is all that sleeps and is joined to it by contacts. It stands on a base: the convex hull, in plan,
+  of its contact points on the ground.
+- Its shape is that of sand on such a base: a roof that rises from the hull's border inward, by mu a metre. The angle of
+  repose is atan(mu), of the least friction on which the body stands; theirs is chosen by the user.
+- A body lies inside if it stands on the ground, or on bodies that sleep at points below the roof.
+- It is put to sleep once it is at rest, as for every policy, and no live body that it touches moves: what still slides
+  would take it along.
+- It wakes by an impact, as for every policy, and when anything on which it stood is gone.
+
+Nothing is tested for balance: inside a heap the neighbours hold what would tip. A tower is steeper than any heap of
+its friction, so it never sleeps beyond its lowest planks.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.policies.base import NOBODY, Decision, Policy
+from stability_core.polygon import convex_hull, inside_distance
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.settings import Limits, Settings
+from stability_core.settle import lay_due, lay_frozen, lowest_first
+from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, is_stack, take_changed
+from stability_core.watch import AT_REST, Watch, frame_before, listed
+
+
+@compiled
+def _beside_movers(graph: Graph, watch: Watch, candidates: IntArray, moving_speed: float) -> IntArray:
+    """The ``candidates`` that touch a live body faster than ``moving_speed`` [m/s], shape (k,).
+
+    O(contacts of the latest frame).
+    """
+    for i in range(len(candidates)):
+        graph.bodies[candidates[i]].place = i
+    found = np.zeros(len(candidates), np.bool_)
+    frame, room = frame_before(watch, 0), len(watch.contacts) // len(watch.sizes)
+    for row in range(frame * room, frame * room + watch.sizes[frame]):
+        pair = watch.contacts[row].body_a, watch.contacts[row].body_b
+        for body, other in (pair, pair[::-1]):
+            if body == GROUND or other == GROUND:
+                continue
+            place = graph.bodies[body].place  # perhaps left over from another list
+            is_candidate = place < len(candidates) and candidates[place] == body
+            if is_candidate and graph.bodies[other].state == LIVE and graph.bodies[other].speed > moving_speed:
+                found[place] = True
+    return candidates[found]
+
+
+@compiled
+def _heap_with(graph: Graph, root: int) -> IntArray:
+    """``root`` and all frozen bodies that contacts join to it, directly or through others: O(heap)."""
+    reached = np.zeros(len(graph.bodies), np.bool_)
+    heap = np.empty(len(graph.bodies), np.int64)
+    heap[0], size, done = root, 1, 0
+    reached[root] = True
+    while done < size:
+        row = graph.bodies[heap[done]]
+        below, above = row.first_support, row.first_load
+        while below != NONE or above != NONE:
+            if below != NONE:
+                other, below = graph.patches[below].lower, graph.patches[below].next_support
+            else:
+                other, above = graph.patches[above].upper, graph.patches[above].next_load
+            if other != GROUND and not reached[other] and graph.bodies[other].state == FROZEN:
+                reached[other] = True
+                heap[size] = other
+                size += 1
+        done += 1
+    return heap[:size]
+
+
+@compiled
+def _base_of(graph: Graph, heap: IntArray) -> FloatArray:
+    """Convex hull, in plan, of the points [m] at which a heap stands on the ground, shape (k, 3)."""
+    points = np.empty((MAX_VERTICES * len(heap), 3))
+    n = 0
+    for body in heap:
+        at = graph.bodies[body].first_support
+        while at != NONE:
+            patch = graph.patches[at]
+            if patch.lower == GROUND and patch.kind == SUPPORT:
+                points[n : n + patch.vertices] = patch.vertex[: patch.vertices]
+                n += patch.vertices
+            at = patch.next_support
+    return convex_hull(points[:n])
+
+
+@compiled
+def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
+    """True if all that ``body`` stands on is the ground, or sleeps and carries it below the roof over ``base``."""
+    stands = False
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        patch = graph.patches[at]
+        at = patch.next_support
+        if patch.kind != SUPPORT:
+            continue
+        if not is_stack(graph, patch.lower):
+            return False
+        stands = True
+        if patch.lower != GROUND:
+            roof = patch.friction * inside_distance(base, patch.center[0], patch.center[1])
+            if not patch.center[2] - base[:, 2].mean() <= roof:  # so that a heap without a base carries nothing
+                return False
+    return stands
+
+
+@compiled
+def _count_supports(graph: Graph, body: int) -> int:
+    n, at = 0, graph.bodies[body].first_support
+    while at != NONE:
+        n += graph.patches[at].kind == SUPPORT
+        at = graph.patches[at].next_support
+    return n
+
+
+@compiled
+def _settle(graph: Graph, watch: Watch, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
+    """One frame: (bodies put to sleep, sleeping bodies that lost a support).
+
+    O(heap) a candidate.
+
+    Args:
+        graph: the stack.
+        watch: what is due.
+        limits: the settings.
+        supports: on how many contact areas each body stood when it was put to sleep, shape (bodies,); written here.
+    """
+    lay_due(graph, watch, limits)
+    candidates = lowest_first(graph, listed(watch, AT_REST))
+    movers = _beside_movers(graph, watch, candidates, limits[0].moving_speed)
+    asleep = np.empty(len(candidates), np.int64)
+    n = 0
+    for body in candidates:
+        if not (movers == body).any() and _lies_inside(graph, body, _base_of(graph, _heap_with(graph, body))):
+            graph.bodies[body].state, graph.bodies[body].leans = FROZEN, False
+            asleep[n] = body
+            n += 1
+    lay_frozen(graph, watch, limits)
+    for body in asleep[:n]:
+        supports[body] = _count_supports(graph, body)
+    changed = take_changed(graph)
+    lost = np.zeros(len(changed), np.bool_)
+    for i in range(len(changed)):
+        body = changed[i]
+        lost[i] = graph.bodies[body].state == FROZEN and _count_supports(graph, body) < supports[body]
+    return asleep[:n], changed[lost]
+
+
+class Pile(Policy):
+    """Puts to sleep what is at rest inside the angle of repose of its heap; a structure is none of its business."""
+
+    name = "pile"
+
+    def __init__(self, gravity: float, settings: Settings) -> None:
+        """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
+        super().__init__(gravity, settings)
+        self._supports = NOBODY
+
+    def settle(self, graph: Graph, watch: Watch) -> Decision:
+        """Lowest first, so that each body sees those on which it stands asleep. O(heap) a body at rest."""
+        if len(graph.bodies) > len(self._supports):
+            self._supports = np.concatenate(
+                (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))
+            )
+        asleep, unsupported = _settle(graph, watch, self.limits, self._supports)
+        return Decision(dict.fromkeys(asleep.tolist(), "inside the pile"), unsupported)
