@@ -38,9 +38,11 @@ from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
+from reports.cells import cells_of
 from reports.cost import cost_points, cost_table
 from reports.falls import fall_tables
 from reports.page import write_page
+from reports.pairs import pair_rows, pair_tables
 from reports.recording import RecordingError
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
@@ -189,7 +191,8 @@ def _report(folder: Path) -> list[Table]:
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    tables = [*study_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
+    of_pairs = pair_tables(pair_rows(cells_of(records)))
+    tables = [*of_pairs, *study_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
     points = cost_points(folder, records)
     if points:
         tables.append(cost_table(points))
