@@ -31,7 +31,7 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
-from bench.replaying import export_gltf, replay_trial, write_replays
+from bench.replaying import draw_stills, export_gltf, first_stacks, replay_trial, write_replays
 from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
@@ -157,10 +157,13 @@ def _run(trials: Sequence[Trial], results: Results, outcomes: Outcomes, as_json:
 
 
 @app.command()
-def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]) -> None:
-    """Make a folder's tables anew from its raw records, and print them."""
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+    stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
+) -> None:
+    """Make a folder's page, pictures and tables anew from its raw records, and print the tables."""
     with _input_errors():
-        tables = _report(folder)
+        tables = _report(folder, all_stills=stills)
     for table in tables:
         render(table, _out)
 
@@ -186,7 +189,7 @@ def replay(
         _tell("no browser could be opened: open that file in one")
 
 
-def _report(folder: Path) -> list[Table]:
+def _report(folder: Path, *, all_stills: bool = False) -> list[Table]:
     """A folder's tables, which are written into it, with what the engines show."""
     records = _records(folder)
     if not records:
@@ -202,7 +205,10 @@ def _report(folder: Path) -> list[Table]:
         from reports.cost_figure import write_cost_figure  # half a second that other reports need not wait
 
         write_cost_figure(folder / "report" / "cost.svg", points)
-    write_replays(folder, records)
+    stacks = first_stacks(folder, records)
+    write_replays(folder, stacks)
+    if trouble := draw_stills(folder, stacks, however_many=all_stills):
+        _tell(trouble)
     page = write_page(folder, records, missing_trials(folder, records))
     _tell(f"the page of it all: {_relative(page)}")
     return tables

@@ -17,6 +17,7 @@ from reports import charts
 from reports.capabilities import capability_table, engines_of
 from reports.cells import Cell, cells_of, ordered_policies
 from reports.colours import inks
+from reports.gallery import shelves
 from reports.latex import pairs_to_latex, to_latex
 from reports.matrix import COLUMNS, MatrixRow, matrix, matrix_table
 from reports.pairs import PairRow, pair_rows, pair_tables, pairs_csv
@@ -79,7 +80,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             survival=_survival(cells, figures, policies),
             speed=_speed(told, figures, policies),
             traces=thinned,
-            replays=_replays(report),
+            shelves=shelves(report, cells),
             engines=engines,
             capabilities=capability_table(engines) if engines else None,
             again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
@@ -229,14 +230,6 @@ def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
     width = re.search(r'width="([\d.]+)pt"', svg)
     points = float(width[1]) if width else 480.0
     return {"svg": charts.for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
-
-
-def _replays(report: Path) -> list[dict[str, str]]:
-    """Replays that lie beside the page."""
-    return [
-        {"href": f"replays/{path.name}", "title": path.stem.replace(".", " ")}
-        for path in sorted((report / "replays").glob("*.html"))
-    ]
 
 
 def _study(folder: Path) -> str | None:
