@@ -31,17 +31,19 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
-from bench.replaying import export_gltf, replay_trial, write_replays
+from bench.replaying import draw_stills, export_gltf, first_stacks, replay_trial, write_replays
 from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.capabilities import capability_table, engines_of
+from reports.cells import cells_of
 from reports.cost import cost_points, cost_table
 from reports.falls import fall_tables
 from reports.heaps import heap_tables
 from reports.page import write_page
+from reports.pairs import pair_rows, pair_tables
 from reports.recording import RecordingError
 from reports.records import RecordError, RecordWarning, TrialRecord, read_records
 from reports.repeats import repeat_tables
@@ -156,10 +158,13 @@ def _run(trials: Sequence[Trial], results: Results, outcomes: Outcomes, as_json:
 
 
 @app.command()
-def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]) -> None:
-    """Make a folder's tables anew from its raw records, and print them."""
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
+    stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
+) -> None:
+    """Make a folder's page, pictures and tables anew from its raw records, and print the tables."""
     with _input_errors():
-        tables = _report(folder)
+        tables = _report(folder, all_stills=stills)
     for table in tables:
         render(table, _out)
 
@@ -185,12 +190,14 @@ def replay(
         _tell("no browser could be opened: open that file in one")
 
 
-def _report(folder: Path) -> list[Table]:
+def _report(folder: Path, *, all_stills: bool = False) -> list[Table]:
     """A folder's tables, which are written into it, with what the engines show."""
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    tables = [*study_tables(records), *heap_tables(records), *fall_tables(records), *repeat_tables(folder, records)]
+    of_pairs = pair_tables(pair_rows(cells_of(records)))
+    tables = [*of_pairs, *study_tables(records), *heap_tables(records), *fall_tables(records)]
+    tables += repeat_tables(folder, records)
     points = cost_points(folder, records)
     if points:
         tables.append(cost_table(points))
@@ -200,7 +207,10 @@ def _report(folder: Path) -> list[Table]:
         from reports.cost_figure import write_cost_figure  # half a second that other reports need not wait
 
         write_cost_figure(folder / "report" / "cost.svg", points)
-    write_replays(folder, records)
+    stacks = first_stacks(folder, records)
+    write_replays(folder, stacks)
+    if trouble := draw_stills(folder, stacks, however_many=all_stills):
+        _tell(trouble)
     page = write_page(folder, records, missing_trials(folder, records))
     _tell(f"the page of it all: {_relative(page)}")
     return tables

@@ -1,18 +1,22 @@
-"""Replays of a results folder: of one trial beside its other policies, and of all that a report links to."""
+"""Replays and stills of a results folder: of one trial beside its other policies, and of all that a report shows."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
-from bench.results import RECORDINGS
+from bench.results import RECORDINGS, TRIALS
 from reports.cells import ordered_policies
 from reports.gltf import to_glb
 from reports.recording import RecordingError, read_recording
 from reports.records import TrialRecord
-from reports.replay import Replayed, write_replay
+from reports.replay import Replayed, replay_name, write_replay
+from reports.stills import StillsError, still_of, write_stills
 from reports.writing import write_whole
 from stability_core.lookup import look_up
+
+MOST_STILLS = 120
+"""More than these are drawn only if asked for: a run of the paper's stacks has fewer and waits some 30 s for them."""
 
 
 def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Path:
@@ -34,17 +38,47 @@ def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Pa
     write_whole(to, to_glb(read_recording(_recording(folder, wanted))))
 
 
-def write_replays(folder: Path, records: Sequence[TrialRecord]) -> None:
-    """Write the replay of the first recorded seed of each scene, engine and profile, beside the report."""
+def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:
+    """The first recorded seed of each scene, engine and profile, under all policies."""
     stacks: dict[tuple[object, ...], list[TrialRecord]] = {}
     for record in sorted(records, key=lambda record: (record.seed, record.repeat)):
         if _recording(folder, record).exists():
             stacks.setdefault(_stack(record), []).append(record)
-    first = {stack[:3]: those for stack, those in reversed(stacks.items())}
-    for those in first.values():
+    return list({stack[:3]: those for stack, those in reversed(stacks.items())}.values())
+
+
+def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None:
+    """Write the replay of each stack beside the report."""
+    for those in stacks:
         trials = _readable(folder, those)
         if trials:
             _write(folder, trials)
+
+
+def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:
+    """Draw how each trial ended, beside the report; returns why some were not drawn, empty if all are there.
+
+    Stills that are newer than the records are left as they are.
+
+    Args:
+        folder: a results folder.
+        stacks: whose trials are drawn.
+        however_many: False to draw none if they are more than ``MOST_STILLS``.
+    """
+    stills, changed = folder / "report" / "stills", (folder / TRIALS).stat().st_mtime
+    waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]
+    count = sum(map(len, waiting))
+    if count > MOST_STILLS and not however_many:
+        return f"{count} stills would take minutes and were not drawn: uv run -m bench report {folder} --stills"
+    try:
+        write_stills(stills, (_readable(folder, those) for those in waiting))
+    except StillsError as error:
+        return str(error)
+    return ""
+
+
+def _is_older(path: Path, time: float) -> bool:
+    return not path.exists() or path.stat().st_mtime < time
 
 
 def _stack(record: TrialRecord) -> tuple[object, ...]:
@@ -70,6 +104,4 @@ def _readable(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
 def _write(folder: Path, trials: Sequence[Replayed]) -> Path:
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
-    first = trials[0].record
-    name = f"{first.scene}.{first.engine}.{first.profile}.s{first.seed}"
-    return write_replay(folder / "report" / "replays", name, trials)
+    return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials)

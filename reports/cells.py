@@ -41,6 +41,11 @@ class Cell:
         return self.trials[0].scenario
 
     @property
+    def pair(self) -> str:
+        """Id that the scene shares with its partner; empty if it has none."""
+        return self.trials[0].pair
+
+    @property
     def expectation(self) -> Expectation:
         """What must happen by theory to the exact build, or to the first that was built."""
         return self.trials[0].expectation

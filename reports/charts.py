@@ -1,4 +1,4 @@
-"""Charts of a study, by matplotlib: survival by level, and speed against correctness."""
+"""Charts of a study, by matplotlib: pairs right and wrong, survival by level, and speed against correctness."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from reports.cells import Cell, ordered_policies
 from reports.colours import Ink, inks, markers
+from reports.intervals import Estimate
+from reports.pairs import ALL, PairRow
 from reports.survival import Survival
 from reports.verdicts import FRAME_BUDGETS_MS, EngineVerdict, PolicyScore
 
@@ -38,8 +41,58 @@ _STYLE: dict[Any, Any] = {
     "grid.color": FAINT,
     "grid.linewidth": 0.6,
 }
+_SHARE_NAMES = {
+    "right": "both right",
+    "false_stand": "false stand",
+    "false_collapse": "false collapse",
+    "failed": "failed",
+}
+_SHARE_MARKS: Mapping[str, dict[str, Any]] = {
+    "right": {"marker": "o", "markersize": 7, "linestyle": ""},
+    "false_stand": {"marker": "^", "markersize": 6, "linestyle": "", "fillstyle": "none"},
+    "false_collapse": {"marker": "v", "markersize": 6, "linestyle": "", "fillstyle": "none"},
+    "failed": {"marker": "x", "markersize": 5, "linestyle": ""},
+}
 _PANEL_INCHES = (2.7, 1.9)
 _COLUMNS = 3
+
+
+def pairs_figure(rows: Sequence[PairRow]) -> Figure:
+    """Shares of pairs, a panel an engine and profile, a line a policy: right, and every way of being wrong."""
+    whole = [row for row in rows if row.family == ALL]
+    engines = list(dict.fromkeys(row.set_up[:2] for row in whole))
+    policies = ordered_policies(row.set_up.policy for row in whole)
+    several = len({profile for _, profile in engines}) > 1
+    lines, columns = -(-len(engines) // _COLUMNS), min(_COLUMNS, len(engines))
+    with mpl.rc_context(_STYLE):
+        height = 0.24 * len(policies) + 0.55
+        figure = Figure((_PANEL_INCHES[0] * columns + 0.4, height * lines + 0.5), layout="constrained")
+        panels = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).ravel()
+        for panel, (engine, profile) in zip(panels, engines, strict=False):
+            _pairs_panel(panel, policies, [row for row in whole if row.set_up[:2] == (engine, profile)])
+            panel.set_title(f"{engine} {profile}" if several else engine)
+        for spare in panels[len(engines) :]:
+            spare.set_visible(False)
+        handles = [Line2D([], [], color=INK, label=told, **_SHARE_MARKS[name]) for name, told in _SHARE_NAMES.items()]
+        figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
+        figure.supxlabel("share of pairs", fontsize=9)
+    return figure
+
+
+def _pairs_panel(axes: Axes, policies: Sequence[str], rows: Sequence[PairRow]) -> None:
+    ink = inks(policies)
+    axes.grid(True, axis="x")
+    for row in rows:
+        place, colour = policies.index(row.set_up.policy), ink[row.set_up.policy].light
+        for name in reversed(_SHARE_NAMES) if row.shares is not None else ():
+            one: Estimate = getattr(row.shares, name)
+            if name == "right" and one.low is not None and one.high is not None:
+                axes.hlines(place, one.low, one.high, color=colour, alpha=0.4, linewidth=2.5)
+            if name == "right" or one.value:  # what never happened would only cover the axis
+                axes.plot(one.value, place, color=colour, clip_on=False, **_SHARE_MARKS[name])
+    axes.set(xlim=(-0.02, 1.02), ylim=(len(policies) - 0.5, -0.5), yticks=range(len(policies)), yticklabels=policies)
+    axes.tick_params(axis="y", length=0)
+    axes.label_outer()
 
 
 def has_survival(cells: Sequence[Cell]) -> bool:
@@ -99,7 +152,7 @@ def speed_figure(verdicts: Sequence[EngineVerdict]) -> Figure | None:
         (verdict, score)
         for verdict in verdicts
         for score in verdict.scores
-        if score.right is not None and score.frame_ms_p99 is not None
+        if score.headline is not None and score.frame_ms_p99 is not None
     ]
     if not points:
         return None
@@ -117,7 +170,8 @@ def speed_figure(verdicts: Sequence[EngineVerdict]) -> Figure | None:
             panel.set_xscale("log")
             panel.xaxis.set_major_formatter("{x:g}")
             panel.set(title=profile, ylim=(-0.03, 1.05), xlabel="p99 of frame time [ms]")
-        panels[0].set_ylabel("share of stacks right")
+        in_pairs = any(score.pairs is not None for _, score in points)
+        panels[0].set_ylabel(f"share of {'pairs' if in_pairs else 'stacks'} right")
         _speed_legend(figure, ink, marker)
     return figure
 
@@ -132,11 +186,12 @@ def _draw_budgets(axes: Axes) -> None:
 
 
 def _draw_score(axes: Axes, score: PolicyScore, colour: str, marker: str) -> None:
-    if score.right is None or score.frame_ms_p99 is None:
+    if score.headline is None or score.frame_ms_p99 is None:
         return
-    if score.right.low is not None and score.right.high is not None:
-        axes.vlines(score.frame_ms_p99, score.right.low, score.right.high, color=colour, alpha=0.4)
-    axes.plot(score.frame_ms_p99, score.right.value, marker, color=colour, markersize=7, clip_on=False)
+    right = score.headline.right
+    if right.low is not None and right.high is not None:
+        axes.vlines(score.frame_ms_p99, right.low, right.high, color=colour, alpha=0.4)
+    axes.plot(score.frame_ms_p99, right.value, marker, color=colour, markersize=7, clip_on=False)
 
 
 def _speed_legend(figure: Figure, ink: Mapping[str, Ink], marker: Mapping[str, str]) -> None:

@@ -1,4 +1,4 @@
-"""The comparison as a LaTeX table for papers: booktabs, siunitx, and a caption with n, seeds, versions, date."""
+"""Tables for papers in LaTeX: booktabs, siunitx, and a caption with n, seeds, versions, date."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ import jinja2
 from reports.cells import Cell
 from reports.intervals import deviation
 from reports.matrix import COLUMNS, MatrixRow
+from reports.pairs import ALL, PairRow
+from reports.shares import MISSES
 from reports.tables import NOTHING
+from reports.wording import percent
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _SPECIAL = {
@@ -36,6 +39,31 @@ def to_latex(rows: Sequence[MatrixRow], caption: str, label: str) -> str:
         caption: what it is of; further words explain the columns.
         label: it is referred to as ``tab:LABEL``.
     """
+    return _template("tables.tex.j2").render(caption=caption, label=_label(label), rows=[_cells(row) for row in rows])
+
+
+def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
+    """The pairs, all together as ``tab:LABEL-pairs`` and by family as ``tab:LABEL-families``."""
+    whole = [row for row in rows if row.family == ALL]
+    families = [row for row in rows if row.family != ALL]
+    tables = [
+        {
+            "label": "pairs",
+            "title": "Pairs with both sides right.",
+            "names": ["Engine", "Profile", "Policy"],
+            "groups": _groups([(row, list(row.set_up)) for row in whole], 2),
+        },
+        {
+            "label": "families",
+            "title": "Pairs with both sides right, by family of scenes.",
+            "names": ["Engine", "Profile", "Policy", "Family"],
+            "groups": _groups([(row, [*row.set_up, row.family]) for row in families], 3),
+        },
+    ]
+    return _template("pairs.tex.j2").render(caption=caption, label=_label(label), tables=tables)
+
+
+def _template(name: str) -> jinja2.Template:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES),
         autoescape=False,  # LaTeX is no HTML: it has an escape of its own
@@ -49,9 +77,28 @@ def to_latex(rows: Sequence[MatrixRow], caption: str, label: str) -> str:
         comment_end_string="#>",
     )
     environment.filters["tex"] = escape
-    return environment.get_template("tables.tex.j2").render(
-        caption=caption, label=re.sub(r"[^A-Za-z0-9-]", "-", label), rows=[_cells(row) for row in rows]
-    )
+    return environment.get_template(name)
+
+
+def _label(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9-]", "-", name)
+
+
+def _groups(rows: Sequence[tuple[PairRow, list[str]]], shared: int) -> list[list[list[str]]]:
+    """Rows that share their first ``shared`` names, which only the first of them tells."""
+    groups: dict[tuple[str, ...], list[list[str]]] = {}
+    for row, names in rows:
+        group = groups.setdefault(tuple(names[:shared]), [])
+        told = [""] * shared + names[shared:] if group else names
+        group.append([*map(escape, told), *_pair_cells(row)])
+    return list(groups.values())
+
+
+def _pair_cells(row: PairRow) -> list[str]:
+    if row.shares is None:
+        return ["0", *["--"] * (1 + len(MISSES)), str(row.undecided)]
+    told = [percent(getattr(row.shares, name)).replace(" %", "") for name in ("right", *MISSES)]
+    return [str(row.shares.n), *told, str(row.undecided)]
 
 
 def escape(text: str) -> str:

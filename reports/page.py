@@ -17,8 +17,10 @@ from reports import charts
 from reports.capabilities import capability_table, engines_of
 from reports.cells import Cell, cells_of, ordered_policies
 from reports.colours import inks
-from reports.latex import to_latex
+from reports.gallery import shelves
+from reports.latex import pairs_to_latex, to_latex
 from reports.matrix import COLUMNS, MatrixRow, matrix, matrix_table
+from reports.pairs import PairRow, pair_rows, pair_tables, pairs_csv
 from reports.records import Status, TrialRecord
 from reports.tables import to_markdown, write_table_csv
 from reports.traces import traces
@@ -55,7 +57,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     told, engines = verdicts(cells), engines_of(folder)
     thinned, without_frames = traces(folder, cells)
     study = _study(folder)
-    rows, told_of_study = matrix(cells), caption(folder, records)
+    rows, of_pairs, told_of_study = matrix(cells), pair_rows(cells), caption(folder, records)
     policies = ordered_policies(cell.key.policy for cell in cells)
     page = (
         _environment(study is not None, folder)
@@ -68,8 +70,9 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             inks=inks(policies),
             problems=_problems(records, missing, without_frames),
             verdicts=told,
-            share_note=_share_note(cells),
+            share_note=_share_note(cells, bool(of_pairs)),
             profile_notes=_PROFILES,
+            pairs=_pairs(of_pairs, figures, policies),
             rows=rows,
             columns=COLUMNS,
             marks=_MARKS,
@@ -77,7 +80,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             survival=_survival(cells, figures, policies),
             speed=_speed(told, figures, policies),
             traces=thinned,
-            replays=_replays(report),
+            shelves=shelves(report, cells),
             engines=engines,
             capabilities=capability_table(engines) if engines else None,
             again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
@@ -85,16 +88,21 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
         )
     )
     write_whole(report / "index.html", page.encode())
-    _write_tables(report, rows, told_of_study, study or folder.resolve().name)
+    _write_tables(report, rows, of_pairs, told_of_study, study or folder.resolve().name)
     return report / "index.html"
 
 
-def _write_tables(report: Path, rows: Sequence[MatrixRow], caption: str, label: str) -> None:
-    """The comparison for papers: Markdown, CSV and LaTeX."""
+def _write_tables(
+    report: Path, rows: Sequence[MatrixRow], of_pairs: Sequence[PairRow], caption: str, label: str
+) -> None:
+    """The comparison for papers: Markdown, CSV and LaTeX; and the pairs, where there are any."""
     table = matrix_table(rows, caption)
     write_whole(report / "comparison.md", to_markdown([table]).encode())
     write_table_csv(report / "comparison.csv", table)
     write_whole(report / "tables.tex", to_latex(rows, caption, label).encode())
+    if of_pairs:
+        write_whole(report / "pairs.csv", pairs_csv(of_pairs).encode())
+        write_whole(report / "pairs.tex", pairs_to_latex(of_pairs, caption, label).encode())
 
 
 def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
@@ -150,14 +158,15 @@ def _choices(cells: Sequence[Cell]) -> dict[str, list[str]]:
     return {**names, "outcome": ["right", "wrong", "mixed", "open"]}
 
 
-def _share_note(cells: Sequence[Cell]) -> str:
+def _share_note(cells: Sequence[Cell], in_pairs: bool) -> str:
     seeds = max(len(cell.draws) for cell in cells)
+    what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks"
     if seeds == 1:
-        return "Shares are of stacks with an answer known by theory. n = 1 build of each: no intervals."
+        return f"Shares are of {what}, with an answer known by theory. n = 1 build of each: no intervals."
     return (
-        "Shares are of stacks with an answer known by theory, with 95 % intervals by bootstrap over scenes and their "
-        f"seeds (up to {seeds}). A share of 0 or 100 % has an interval of no width: the bootstrap cannot see what "
-        "never happened."
+        f"Shares are of {what}, with an answer known by theory, and have 95 % intervals by bootstrap over "
+        f"{'pairs' if in_pairs else 'scenes'} and their seeds (up to {seeds}). A share of 0 or 100 % has an interval "
+        "of no width: the bootstrap cannot see what never happened."
     )
 
 
@@ -189,6 +198,14 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
 
 
+def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
+    """Figure and tables of the pairs; None if there are none."""
+    if not rows:
+        return None
+    svg = charts.save(charts.pairs_figure(rows), folder / "pairs")
+    return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs right and wrong", policies)}
+
+
 def _survival(cells: Sequence[Cell], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
     groups: dict[tuple[str, str], list[Cell]] = {}
     for cell in cells:
@@ -213,14 +230,6 @@ def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
     width = re.search(r'width="([\d.]+)pt"', svg)
     points = float(width[1]) if width else 480.0
     return {"svg": charts.for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
-
-
-def _replays(report: Path) -> list[dict[str, str]]:
-    """Replays that lie beside the page."""
-    return [
-        {"href": f"replays/{path.name}", "title": path.stem.replace(".", " ")}
-        for path in sorted((report / "replays").glob("*.html"))
-    ]
 
 
 def _study(folder: Path) -> str | None:

@@ -171,7 +171,8 @@ def read_recording(path: Path) -> Recording:
         RecordingError: if it is missing, torn, or no recording.
     """
     try:
-        table = pq.read_table(path)
+        with pq.ParquetFile(path) as file:
+            table = file.read()
         told: dict[str, Any] = json.loads((table.schema.metadata or {})[b"stillstack"])
         columns = {name: table[name].to_numpy().astype(np.int32) for name in _COLUMNS}
     except FileNotFoundError as error:

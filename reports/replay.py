@@ -43,6 +43,11 @@ class Replayed:
         return f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
 
 
+def replay_name(trial: TrialRecord) -> str:
+    """Name of the replay that shows a trial beside the other policies, without its ending."""
+    return f"{trial.scene}.{trial.engine}.{trial.profile}.s{trial.seed}"
+
+
 def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
     """Write ``NAME.html``, and the script that it needs, into a folder.
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.cells import ALONE, Cell, ordered_policies
 from reports.intervals import Estimate, share
-from reports.records import Status, Verdict
+from reports.pairs import pair_shares, pairs_of
+from reports.records import Status
+from reports.shares import Shares, count, shares
 from reports.wording import percent
 
 FRAME_BUDGETS_MS = {60: 1e3 / 60, 90: 1e3 / 90}
@@ -24,23 +26,26 @@ class PolicyScore:
     """Share right of trials that must stand; None if there are none."""
     fall: Estimate | None
     """Share right of trials that must fall."""
-    right: Estimate | None
-    """Share right of both."""
-    false_collapse: Estimate | None
-    false_stand: Estimate | None
-    failed: Estimate | None
+    trials: Shares | None
+    """Of all trials; None if theory can judge none."""
+    pairs: Shares | None
+    """Of pairs of scenes; None if there are none."""
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms]."""
     frame_ratio: float | None
     """Median over scenes of the frame time over that of the same stack all awake."""
 
     @property
+    def headline(self) -> Shares | None:
+        """What counts: pairs where there are any, for half of all trials is right by glue alone."""
+        return self.pairs or self.trials
+
+    @property
     def told(self) -> str:
-        """``7 of 7 that must stand, 0 of 1 that must fall``."""
+        """``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
         sides = [(self.stand, "stand"), (self.fall, "fall")]
-        return ", ".join(
-            f"{round(side.value * side.n)} of {side.n} that must {word}" for side, word in sides if side is not None
-        )
+        told = ", ".join(f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None)
+        return f"{self.pairs.right_count} of {self.pairs.n} pairs; {told}" if self.pairs is not None else told
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,17 +63,16 @@ class EngineVerdict:
 def score(policy: str, cells: Sequence[Cell]) -> PolicyScore:
     """The score of the cells of one engine, profile and policy."""
 
-    def of(verdict: Verdict, wanted: Callable[[Cell], bool] = lambda _: True) -> Estimate | None:
-        return share([[trial.verdict == verdict for trial in cell.judged] for cell in cells if wanted(cell)])
+    def right(side: str) -> Estimate | None:
+        those = [cell for cell in cells if cell.expectation.outcome == side]
+        return share([[trial.verdict == "right" for trial in cell.judged] for cell in those])
 
     return PolicyScore(
         policy,
-        stand=of("right", lambda cell: cell.expectation.outcome == "stand"),
-        fall=of("right", lambda cell: cell.expectation.outcome == "fall"),
-        right=of("right"),
-        false_collapse=of("false_collapse"),
-        false_stand=of("false_stand"),
-        failed=of("failed"),
+        stand=right("stand"),
+        fall=right("fall"),
+        trials=shares([[{trial.verdict} for trial in cell.judged] for cell in cells]),
+        pairs=pair_shares(pairs_of(cells)),
         frame_ms_p99=_middle(cells, "frame_ms_p99"),
         frame_ratio=_middle(cells, "frame_ratio"),
     )
@@ -85,7 +89,7 @@ def verdicts(cells: Sequence[Cell]) -> list[EngineVerdict]:
 def _verdict(engine: str, profile: str, cells: Sequence[Cell]) -> EngineVerdict:
     policies = ordered_policies(cell.key.policy for cell in cells)
     scores = tuple(score(policy, [cell for cell in cells if cell.key.policy == policy]) for policy in policies)
-    judged = [one for one in scores if one.right is not None]
+    judged = [one for one in scores if one.headline is not None]
     sentences = []
     for one in judged:
         who = "Alone" if one.policy == ALONE else f"With {one.policy}"
@@ -98,25 +102,28 @@ def _verdict(engine: str, profile: str, cells: Sequence[Cell]) -> EngineVerdict:
 
 
 def _headline(scores: Sequence[PolicyScore]) -> str:
-    if not scores:
+    rated = {one.policy: one.headline.right for one in scores if one.headline is not None}
+    if not rated:
         return "Nothing here that theory can judge."
-    perfect = [one.policy for one in scores if one.right is not None and one.right.value == 1]
+    what = "pair" if any(one.pairs is not None for one in scores) else "stack"
+    perfect = [policy for policy, right in rated.items() if right.value == 1]
     both = all(one.stand is not None and one.fall is not None for one in scores)
     if perfect:
         how = "alone" if ALONE in perfect else f"with {' or '.join(perfect)}"
         if not both:
             side = "fall" if scores[0].stand is None else "stand"
             return f"Right {how}, though only stacks that must {side} were built."
-        return f"Every stack right {how}."
-    best = max(scores, key=lambda one: one.right.value if one.right is not None else 0.0)
-    how = "alone" if best.policy == ALONE else f"with {best.policy}"
-    return f"At best {percent(best.right)} of the stacks right, {how}."
+        return f"Every {what} right {how}."
+    best = max(rated, key=lambda policy: rated[policy].value)
+    how = "alone" if best == ALONE else f"with {best}"
+    return f"At best {percent(rated[best])} of the {what}s right, {how}."
 
 
 def _glue(one: PolicyScore) -> str:
     """A warning of what holds everything up."""
     holds_all = one.fall is not None and one.fall.value == 0 and one.stand is not None and one.stand.value == 1
-    return ", so it holds up whatever comes to rest" if holds_all and one.false_stand and one.false_stand.value else ""
+    stood = one.trials is not None and one.trials.false_stand.value > 0
+    return ", so it holds up whatever comes to rest" if holds_all and stood else ""
 
 
 def _cost(one: PolicyScore) -> str:
