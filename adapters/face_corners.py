@@ -1,8 +1,6 @@
-"""Corners of two boxes' contact faces that nearly touch, for engines that list penetrating points only.
+"""The contact face of two boxes that touch or nearly touch: where it is, and what parts them there.
 
-Of a brick that rests on three corners, tilted by micrometres, such an engine lists three points: half of the true
-contact area. Under load the fourth corner would carry as well. Other engines report it by a small gap; for the rest
-it is found here from the boxes' geometry, by clipping one face by the other as the engines themselves do.
+A box is a row of ``BoxTable``: centre, quaternion, half edges.
 """
 
 from __future__ import annotations
@@ -10,16 +8,14 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.port import FloatArray
 
-NEAR = 0.1e-3
-"""Gap [m] up to which faces nearly touch: above the tilt of a brick at rest, below any visible distance."""
-SAME = 1e-3
-"""Distance [m] within which a corner is one that the engine has listed."""
+CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
+"""Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and how far it reaches along x, y, z [m]."""
 
 
 @numba.njit(cache=True)
-def _axes(quaternion: FloatArray) -> FloatArray:
+def box_axes(quaternion: FloatArray) -> FloatArray:
     """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
     w, x, y, z = quaternion
     return np.array(
@@ -77,9 +73,9 @@ def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, sid
 
 
 @numba.njit(cache=True)
-def _corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+def face_corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Corners (k, 3) of the contact face of two boxes, and their separations (k,); ``normal`` points from a to b."""
-    axes_a, axes_b = _axes(box_a[3:7]), _axes(box_b[3:7])
+    axes_a, axes_b = box_axes(box_a[TURN]), box_axes(box_b[TURN])
     axis_a, cosine_a = _facing(axes_a, normal)
     axis_b, cosine_b = _facing(axes_b, -normal)
     a_is_reference = abs(cosine_a) >= abs(cosine_b)
@@ -88,83 +84,46 @@ def _corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[
     if not a_is_reference:
         box, axes, axis, cosine = box_b, axes_b, axis_b, cosine_b
         other, other_axes = box_a, axes_a
+    half = box[HALF]
     outward = np.sign(cosine) * axes[:, axis]
     facing, facing_cosine = _facing(other_axes, -outward)
-    polygon = _face(other[:3], other_axes, other[7:], facing, np.sign(facing_cosine))
+    polygon = _face(other[CENTER], other_axes, other[HALF], facing, np.sign(facing_cosine))
     for side_axis in ((axis + 1) % 3, (axis + 2) % 3):
         side = axes[:, side_axis].copy()
         middle = side[0] * box[0] + side[1] * box[1] + side[2] * box[2]
-        polygon = _clip(polygon, side, middle + box[7 + side_axis])
-        polygon = _clip(polygon, -side, -middle + box[7 + side_axis])
+        polygon = _clip(polygon, side, middle + half[side_axis])
+        polygon = _clip(polygon, -side, -middle + half[side_axis])
     separation = np.empty(len(polygon))
     for i in range(len(polygon)):
-        separation[i] = -box[7 + axis]
+        separation[i] = -half[axis]
         for k in range(3):
             separation[i] += (polygon[i, k] - box[k]) * outward[k]
     return polygon, separation
 
 
 @numba.njit(cache=True)
-def _missing(
-    box_a: FloatArray, box_b: FloatArray, normal: FloatArray, point: FloatArray, pair: IntArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """A row of its pair (k,), point (k, 3) and separation (k,) of each corner that is not listed.
+def parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> float:
+    """Gap [m] between two boxes across the face that parts them best, negative if they overlap.
 
-    Rows of a pair stand together; boxes (n, 10) are centre, quaternion (w, x, y, z) and half edges.
+    The face's unit normal is written into ``normal`` (3,), from a to b.
     """
-    n = len(pair)
-    row, corner, gap = np.empty(8 * n, np.int64), np.empty((8 * n, 3)), np.empty(8 * n)
-    size, first = 0, 0
-    while first < n:
-        last = first
-        while last < n and pair[last] == pair[first]:
-            last += 1
-        points, separations = _corners(box_a[first], box_b[first], normal[first])
-        for i in range(len(points)):
-            listed = False
-            for j in range(first, last):
-                distance2 = 0.0
+    axes_a, axes_b = box_axes(box_a[TURN]), box_axes(box_b[TURN])
+    widest = -np.inf
+    for of_a in (True, False):
+        axes, half = (axes_a, box_a[HALF]) if of_a else (axes_b, box_b[HALF])
+        others, other_half = (axes_b, box_b[HALF]) if of_a else (axes_a, box_a[HALF])
+        for axis in range(3):
+            along = 0.0
+            for k in range(3):
+                along += (box_b[k] - box_a[k]) * axes[k, axis]
+            gap = abs(along) - half[axis]
+            for other in range(3):
+                cosine = 0.0
                 for k in range(3):
-                    distance2 += (points[i, k] - point[j, k]) ** 2
-                listed = listed or distance2 < SAME**2
-            if not listed and abs(separations[i]) <= NEAR:
-                row[size], corner[size], gap[size] = first, points[i], separations[i]
-                size += 1
-        first = last
-    return row[:size], corner[:size], gap[:size]
-
-
-def with_missing_corners(contacts: Contacts, bodies: IntArray, boxes: FloatArray) -> Contacts:
-    """The contacts, and behind them the corners of their faces that nearly touch and that the engine did not list.
-
-    A corner has the normal and the relative velocity of its pair's first point.
-
-    Args:
-        contacts: at least one, as the engine lists them.
-        bodies: every body that they name, rising, shape (m,).
-        boxes: of each of these: centre [m], quaternion (w, x, y, z), half edges [m]; shape (m, 10).
-    """
-    a, b = np.searchsorted(bodies, contacts.body_a), np.searchsorted(bodies, contacts.body_b)
-    order = np.argsort(a * len(bodies) + b, kind="stable")
-    a, b = a[order], b[order]
-    normal, point = contacts.normal[order], contacts.point[order]
-    row, corner, gap = _missing(boxes[a], boxes[b], normal, point, a * len(bodies) + b)
-    if not len(row):
-        return contacts
-    row = order[row]
-    return Contacts(
-        np.concatenate([contacts.body_a, contacts.body_a[row]]),
-        np.concatenate([contacts.body_b, contacts.body_b[row]]),
-        np.concatenate([contacts.point, corner]),
-        np.concatenate([contacts.normal, contacts.normal[row]]),
-        np.concatenate([contacts.separation, gap]),
-        np.concatenate([contacts.relative_velocity, contacts.relative_velocity[row]]),
-        np.concatenate([contacts.friction, contacts.friction[row]]),
-    )
-
-
-def prepare() -> None:
-    """Compile the kernels, or read them from the cache, before any frame is timed."""
-    stacked = np.array([[0.0, 0.0, z, 1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.5] for z in (0.0, 1.0)])
-    up, ids = np.array([[0.0, 0.0, 1.0]]), np.arange(2)
-    with_missing_corners(Contacts(ids[:1], ids[1:], up / 2, up, np.zeros(1), up, np.zeros(1)), ids, stacked)
+                    cosine += others[k, other] * axes[k, axis]
+                gap -= abs(cosine) * other_half[other]
+            if gap > widest:
+                widest = gap
+                for k in range(3):
+                    normal[k] = axes[k, axis] if along >= 0.0 else -axes[k, axis]
+    return widest
