@@ -14,7 +14,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from adapters.near_contacts import BoxTable, prepare
+from adapters.box_table import BoxTable, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray, Masses
 

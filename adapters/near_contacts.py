@@ -1,41 +1,147 @@
-"""Points at which boxes nearly touch, for engines that list penetrating points only.
+"""Where boxes touch or nearly touch, in compiled code: the corners of contact faces, and the pairs that are near.
 
-Of a brick that rests on three corners, tilted by micrometres, such an engine lists three points: half of the true
-contact area. Of a roof over four edges that differ in height by as little, it lists two edges. Under load the others
-would carry as well. Other engines report them by a small gap; for the rest they are found here from the boxes'
-geometry, by clipping one face by the other as the engines themselves do.
+All in one file, for Numba's cache does not notice a change of a kernel from another one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numba
 import numpy as np
 
-from adapters.face_corners import CENTER, HALF, REACH, TURN, box_axes, face_corners, parting_face
-from scenarios.model import Vector
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+from stability_core.port import FloatArray, IntArray
 
 NEAR = 0.1e-3
 """Gap [m] up to which faces nearly touch: above the tilt of a brick at rest, below any visible distance."""
 SAME = 1e-3
 """Distance [m] within which a corner is one that the engine has listed."""
 
-_GROUND_BOX = (0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0, 1e3, 1e3, 1.0)
-"""The ground as a box: its top is z = 0."""
+CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
+"""Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and how far it reaches along x, y, z [m]."""
+
 _MOST_CORNERS = 8
 """Of a face that is clipped by another: each of four cuts adds one at most."""
 
-VelocitiesAt = Callable[[IntArray, FloatArray], FloatArray]
-"""From ids (k,) and points (k, 3) [m] to the velocities (k, 3) [m/s] that the bodies have there."""
+
+@numba.njit(cache=True)
+def _axes(quaternion: FloatArray) -> FloatArray:
+    """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 @numba.njit(cache=True)
-def _note_reach(boxes: FloatArray, rows: IntArray) -> None:
+def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
+    """The axis most along ``direction`` and its cosine, negative if it points the other way."""
+    best, cosine = 0, 0.0
+    for axis in range(3):
+        along = axes[0, axis] * direction[0] + axes[1, axis] * direction[1] + axes[2, axis] * direction[2]
+        if abs(along) > abs(cosine):
+            best, cosine = axis, along
+    return best, cosine
+
+
+@numba.njit(cache=True)
+def _clip(polygon: FloatArray, normal: FloatArray, limit: float) -> FloatArray:
+    """The part (k, 3) of a polygon where normal . x <= limit (Sutherland and Hodgman)."""
+    n = len(polygon)
+    clipped = np.empty((2 * n, 3))
+    size = 0
+    for i in range(n):
+        here, there = polygon[i], polygon[(i + 1) % n]
+        depth_here = here[0] * normal[0] + here[1] * normal[1] + here[2] * normal[2] - limit
+        depth_there = there[0] * normal[0] + there[1] * normal[1] + there[2] * normal[2] - limit
+        if depth_here <= 0.0:
+            clipped[size] = here
+            size += 1
+        if depth_here * depth_there < 0.0:
+            part = depth_here / (depth_here - depth_there)
+            for k in range(3):
+                clipped[size, k] = here[k] + part * (there[k] - here[k])
+            size += 1
+    return clipped[:size]
+
+
+@numba.njit(cache=True)
+def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, side: float) -> FloatArray:
+    """Corners (4, 3) of a box's face, in order around it."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    corners = np.empty((4, 3))
+    for i in range(4):
+        along_u = half[u] if i in (0, 3) else -half[u]
+        along_v = half[v] if i < 2 else -half[v]
+        for k in range(3):
+            corners[i, k] = center[k] + side * half[axis] * axes[k, axis] + along_u * axes[k, u] + along_v * axes[k, v]
+    return corners
+
+
+@numba.njit(cache=True)
+def _face_corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Corners (k, 3) of the contact face of two boxes, and their separations (k,); ``normal`` points from a to b."""
+    axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
+    axis_a, cosine_a = _facing(axes_a, normal)
+    axis_b, cosine_b = _facing(axes_b, -normal)
+    a_is_reference = abs(cosine_a) >= abs(cosine_b)
+    box, axes, axis, cosine = box_a, axes_a, axis_a, cosine_a
+    other, other_axes = box_b, axes_b
+    if not a_is_reference:
+        box, axes, axis, cosine = box_b, axes_b, axis_b, cosine_b
+        other, other_axes = box_a, axes_a
+    half = box[HALF]
+    outward = np.sign(cosine) * axes[:, axis]
+    facing, facing_cosine = _facing(other_axes, -outward)
+    polygon = _face(other[CENTER], other_axes, other[HALF], facing, np.sign(facing_cosine))
+    for side_axis in ((axis + 1) % 3, (axis + 2) % 3):
+        side = axes[:, side_axis].copy()
+        middle = side[0] * box[0] + side[1] * box[1] + side[2] * box[2]
+        polygon = _clip(polygon, side, middle + half[side_axis])
+        polygon = _clip(polygon, -side, -middle + half[side_axis])
+    separation = np.empty(len(polygon))
+    for i in range(len(polygon)):
+        separation[i] = -half[axis]
+        for k in range(3):
+            separation[i] += (polygon[i, k] - box[k]) * outward[k]
+    return polygon, separation
+
+
+@numba.njit(cache=True)
+def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> float:
+    """Gap [m] between two boxes across the face that parts them best, negative if they overlap.
+
+    The face's unit normal is written into ``normal`` (3,), from a to b.
+    """
+    axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
+    widest = -np.inf
+    for of_a in (True, False):
+        axes, half = (axes_a, box_a[HALF]) if of_a else (axes_b, box_b[HALF])
+        others, other_half = (axes_b, box_b[HALF]) if of_a else (axes_a, box_a[HALF])
+        for axis in range(3):
+            along = 0.0
+            for k in range(3):
+                along += (box_b[k] - box_a[k]) * axes[k, axis]
+            gap = abs(along) - half[axis]
+            for other in range(3):
+                cosine = 0.0
+                for k in range(3):
+                    cosine += others[k, other] * axes[k, axis]
+                gap -= abs(cosine) * other_half[other]
+            if gap > widest:
+                widest = gap
+                for k in range(3):
+                    normal[k] = axes[k, axis] if along >= 0.0 else -axes[k, axis]
+    return widest
+
+
+@numba.njit(cache=True)
+def note_reach(boxes: FloatArray, rows: IntArray) -> None:
     """Work out how far the boxes of these ``rows`` reach along x, y and z."""
     for row in rows:
-        axes = box_axes(boxes[row, TURN])
+        axes = _axes(boxes[row, TURN])
         for k in range(3):
             reach = 0.0
             for axis in range(3):
@@ -44,7 +150,7 @@ def _note_reach(boxes: FloatArray, rows: IntArray) -> None:
 
 
 @numba.njit(cache=True)
-def _missing(
+def missing_corners(
     boxes: FloatArray, a: IntArray, b: IntArray, normal: FloatArray, point: FloatArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """A row of its pair (k,), point (k, 3) and separation (k,) of each corner that its pair's rows do not list.
@@ -58,7 +164,7 @@ def _missing(
         last = first
         while last < n and a[last] == a[first] and b[last] == b[first]:
             last += 1
-        points, separations = face_corners(boxes[a[first]], boxes[b[first]], normal[first])
+        points, separations = _face_corners(boxes[a[first]], boxes[b[first]], normal[first])
         for i in range(len(points)):
             listed = False
             for j in range(first, last):
@@ -104,7 +210,7 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tup
 
 
 @numba.njit(cache=True)
-def _near(
+def near_corners(
     boxes: FloatArray, live: IntArray, listed: IntArray
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
     """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
@@ -118,104 +224,12 @@ def _near(
     normal = np.empty(3)
     size = 0
     for first, second in pairs:
-        if abs(parting_face(boxes[first], boxes[second], normal)) > NEAR:
+        if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR:
             continue
-        points, separations = face_corners(boxes[first], boxes[second], normal)
+        points, separations = _face_corners(boxes[first], boxes[second], normal)
         for i in range(len(points)):
             if abs(separations[i]) <= NEAR:
                 a[size], b[size], gap[size] = first, second, separations[i]
                 corner[size], normals[size] = points[i], normal
                 size += 1
     return a[:size], b[:size], corner[:size], normals[:size], gap[:size]
-
-
-class BoxTable:
-    """Where the boxes of a world are, and what of their contacts an engine leaves out.
-
-    A frozen body is placed once: completing the contacts of a frame costs what the live ones cost, and a glance at each
-    of the others.
-    """
-
-    def __init__(self) -> None:
-        self._boxes = np.full((64, len(_GROUND_BOX)), np.nan)  # the row is the id + 1, NaN where there is no body
-        self._boxes[GROUND + 1] = _GROUND_BOX
-        self._rows = 1
-
-    def add(self, body: int, size: Vector) -> None:
-        """A body of these edges [m], yet to be placed; ids rise."""
-        self._rows = body + 2
-        if self._rows > len(self._boxes):
-            self._boxes = np.concatenate([self._boxes, np.full_like(self._boxes, np.nan)])
-        self._boxes[body + 1, HALF] = np.asarray(size) / 2
-
-    def place(self, bodies: IntArray, positions: FloatArray, quaternions: FloatArray) -> None:
-        """Take over where ``bodies`` (k,) are: positions (k, 3) [m], quaternions (k, 4)."""
-        self._boxes[bodies + 1, CENTER] = positions
-        self._boxes[bodies + 1, TURN] = quaternions
-        _note_reach(self._boxes, bodies + 1)
-
-    def remove(self, body: int) -> None:
-        """Forget a body."""
-        self._boxes[body + 1] = np.nan
-
-    def with_missing_corners(self, contacts: Contacts) -> Contacts:
-        """The contacts, and behind them the corners of their faces that nearly touch and that the engine did not list.
-
-        A corner has the normal and the relative velocity of its pair's first point.
-        """
-        if not len(contacts):
-            return contacts
-        a, b = contacts.body_a + 1, contacts.body_b + 1
-        order = np.argsort(a * self._rows + b, kind="stable")
-        row, corner, gap = _missing(self._boxes, a[order], b[order], contacts.normal[order], contacts.point[order])
-        row = order[row]
-        return _joined(
-            contacts,
-            Contacts(
-                contacts.body_a[row],
-                contacts.body_b[row],
-                corner,
-                contacts.normal[row],
-                gap,
-                contacts.relative_velocity[row],
-                contacts.friction[row],
-            ),
-        )
-
-    def with_near_pairs(
-        self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt
-    ) -> Contacts:
-        """The contacts, and behind them the corners of pairs that nearly touch and of which the engine lists no point.
-
-        Args:
-            contacts: as the engine lists them.
-            live: ids of the live bodies, rising, shape (m,).
-            friction: of every pair.
-            velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
-        """
-        a, b = contacts.body_a + 1, contacts.body_b + 1
-        listed = np.unique(np.minimum(a, b) * self._rows + np.maximum(a, b))
-        a, b, corner, normal, gap = _near(self._boxes[: self._rows], live + 1, listed)
-        if not len(a):
-            return contacts
-        relative = velocities(b - 1, corner) - velocities(a - 1, corner)
-        return _joined(contacts, Contacts(a - 1, b - 1, corner, normal, gap, relative, np.full(len(a), friction)))
-
-
-def _joined(first: Contacts, second: Contacts) -> Contacts:
-    if not len(second):
-        return first
-    columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")
-    return Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
-
-
-def prepare() -> None:
-    """Compile the kernels, or read them from the cache, before any frame is timed."""
-    table = BoxTable()
-    for body in range(3):
-        table.add(body, (1.0, 1.0, 1.0))
-    upright = np.tile((1.0, 0.0, 0.0, 0.0), (3, 1))
-    table.place(np.arange(3), np.array([[0.0, 0.0, z] for z in (0.5, 1.5, 2.5)]), upright)
-    up, ids = np.array([[0.0, 0.0, 1.0]]), np.arange(2)
-    contacts = Contacts(ids[:1], ids[1:], up, up, np.zeros(1), up, np.zeros(1))
-    table.with_near_pairs(table.with_missing_corners(contacts), ids, 0.0, lambda _, points: points)

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from adapters.near_contacts import NEAR, BoxTable
+from adapters.box_table import BoxTable
+from adapters.near_contacts import NEAR
 from stability_core.port import GROUND, Contacts
 
 HALF = (1.0, 0.5, 0.1)
