@@ -49,6 +49,11 @@ _MATRIX_FREE_OPTIONS = {
 }
 """Knob -> field of ``MatrixFreeContactSolverOptions``."""
 
+_IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
+"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier bricks they are as much larger."""
+_PLANK_MASS = 0.0119
+"""Mass [kg] of the planks for which they were chosen."""
+
 _COMMON_KNOBS: Mapping[str, Knob] = {
     "collision_detector": Knob(
         "DART", "4 clean points a pair: the 4-stack sinks a quarter as deep and solves twice as fast as with the others"
@@ -95,7 +100,9 @@ class DartSimulation(Simulation):
                     "matrix_free_max_iterations": Knob(
                         5000, "the shipped 30 end in the dense solver, which costs more than any number of sweeps"
                     ),
-                    "matrix_free_delta_tolerance": Knob(3e-7, "1/400 of a plank's impulse a step on one of 4 points"),
+                    "matrix_free_delta_tolerance": Knob(
+                        3e-7, "1/400 of a plank's impulse a step on one of 4 points; as much larger as the bricks weigh"
+                    ),
                     "matrix_free_relative_tolerance": Knob(
                         3e-7, "the shipped 1e-3 N s is eight times that whole impulse: the 4-stack collapses at level 3"
                     ),
@@ -111,7 +118,9 @@ class DartSimulation(Simulation):
                     "matrix_free_max_iterations": Knob(
                         20_000, "stacks of tens of levels need thousands of sweeps from a cold start"
                     ),
-                    "matrix_free_delta_tolerance": Knob(1e-7, "1/600 of a plank's impulse a step on one of 4 points"),
+                    "matrix_free_delta_tolerance": Knob(
+                        1e-7, "1/600 of a plank's impulse a step on one of 4 points; as much larger as the bricks weigh"
+                    ),
                     "matrix_free_relative_tolerance": Knob(1e-7, "as the delta tolerance: the larger of the two rules"),
                 },
                 tuned_by="Stillstack, on the 4-stack and the inverted V",
@@ -146,6 +155,9 @@ class DartSimulation(Simulation):
         for knob, option in _MATRIX_FREE_OPTIONS.items():
             if knob in knobs:
                 setattr(options, option, knobs[knob])
+        for knob in _IMPULSE_TOLERANCES:
+            if knob in knobs:
+                setattr(options, _MATRIX_FREE_OPTIONS[knob], float(knobs[knob]) * self._least_mass_in_planks())
         solver.setMatrixFreeContactSolverOptions(options)
 
         deactivation = self._world.getDeactivationOptions()
@@ -154,6 +166,13 @@ class DartSimulation(Simulation):
             deactivation.mLinearSpeedThreshold *= RAISED_THRESHOLD
             deactivation.mAngularSpeedThreshold *= RAISED_THRESHOLD
         self._world.setDeactivationOptions(deactivation)
+
+    def _least_mass_in_planks(self) -> float:
+        """By how much the lightest expected brick is heavier than a plank; at least 1, for bits of planks are few.
+
+        Blocks of 4 kg, solved to the 1e-7 N s of planks of 12 g, take all iterations, and then the dense solver.
+        """
+        return max(1.0, min((brick.mass for brick in self.expected), default=_PLANK_MASS) / _PLANK_MASS)
 
     def _make_ground(self) -> Any:
         skeleton = dartpy.dynamics.Skeleton(str(GROUND))

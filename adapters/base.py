@@ -8,21 +8,18 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 import numpy as np
 
-from adapters.face_corners import prepare, with_missing_corners
+from adapters.box_table import BoxTable, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
 GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
 """Half the edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
-
-_GROUND_BOX = np.array([0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0])
-"""The ground as a box, for contact faces: centre [m], quaternion (w, x, y, z), half edges [m]; its top is z = 0."""
 
 Sleeping = Literal["off", "native", "raised"]
 
@@ -144,6 +141,7 @@ class Simulation(ABC):
         self._live: dict[int, float] = {}  # mass [kg] of every live body, in the order of ids
         self._removed: list[int] = []
         self._next_id = 0
+        self._boxes = BoxTable()
         self._port: EnginePort | None = None
 
     # -- driven by the harness ---------------------------------------------------------------------
@@ -186,6 +184,7 @@ class Simulation(ABC):
         _check_pose(brick.position, brick.quaternion)
         body, self._next_id = self._next_id, self._next_id + 1
         self._spawn(body, brick)
+        self._boxes.add(body, brick.size)
         self.bricks[body] = brick
         self._live[body] = brick.mass
         return body
@@ -198,6 +197,7 @@ class Simulation(ABC):
         """
         self._check_known((body,))
         self._remove(body)
+        self._boxes.remove(body)
         del self.bricks[body]
         self.frozen.discard(body)
         self._live.pop(body, None)
@@ -226,6 +226,8 @@ class Simulation(ABC):
         self._check_known((body,))
         _check_pose(position, quaternion)
         self._move(body, position, quaternion)
+        if body in self.frozen:
+            self._note_boxes([body])
 
     def step(self, seconds: float) -> None:
         """Advance the world by one frame of ``seconds``, in the profile's substeps."""
@@ -248,15 +250,25 @@ class Simulation(ABC):
 
     def _whole_contacts(self) -> Contacts:
         contacts = self._contacts()
-        if self.capabilities.near_contacts or not len(contacts):
+        if self.capabilities.near_contacts or not self._live:
             return contacts
-        bodies = np.unique(np.concatenate([contacts.body_a, contacts.body_b]))
-        moving = bodies[bodies != GROUND]
-        halves = np.array([self.bricks[body].size for body in moving.tolist()]) / 2
-        boxes = np.hstack([*self._poses(moving), halves])
-        if len(moving) < len(bodies):
-            boxes = np.vstack([_GROUND_BOX, boxes])  # GROUND is the least id
-        return with_missing_corners(contacts, bodies, boxes)
+        live = self._note_boxes(self._live)
+        whole = self._boxes.with_missing_corners(contacts)
+        return self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+
+    def _note_boxes(self, bodies: Collection[int]) -> IntArray:
+        """Tell the table of boxes where ``bodies`` are now; returns them, shape (k,)."""
+        rows = np.fromiter(bodies, np.int64, len(bodies))
+        self._boxes.place(rows, *self._poses(rows))
+        return rows
+
+    def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
+        """Velocities (k, 3) [m/s] that bodies (k,) have at points (k, 3) [m]; the ground and frozen ones have none."""
+        found = np.zeros(points.shape)
+        rows = np.flatnonzero([body in self._live for body in bodies.tolist()])
+        linear, angular = self._velocities(bodies[rows])
+        found[rows] = linear + np.cross(angular, points[rows] - self._positions(bodies[rows]))
+        return found
 
     def _masses(self) -> Masses:
         bodies = np.fromiter(self._live, np.int64, len(self._live))
@@ -271,6 +283,8 @@ class Simulation(ABC):
                 self._freeze(body)
                 self.frozen.add(body)
                 del self._live[body]
+        if not self.capabilities.near_contacts:
+            self._note_boxes(bodies)
 
     def _wake(self, bodies: Sequence[int]) -> None:
         self._check_known(bodies)

@@ -74,6 +74,7 @@ CHECKS: tuple[Check, ...] = (
     Check(contacts.reports_a_resting_brick, as_shipped=False),
     Check(contacts.reports_a_resting_brick_in_every_frame, as_shipped=False),
     Check(contacts.reports_whole_faces_on_uneven_supports, as_shipped=False),
+    Check(contacts.reports_a_support_a_hair_below, as_shipped=False),
     Check(contacts.reports_every_pair),
     Check(contacts.reports_the_speed_of_impact),
     Check(contacts.reports_the_overlap, capable=lambda capabilities: capabilities.separation),

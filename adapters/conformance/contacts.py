@@ -26,6 +26,7 @@ from adapters.conformance.rig import (
     require_between,
     touching,
 )
+from scenarios.model import Brick
 from stability_core.port import GROUND, Contacts
 
 
@@ -118,6 +119,29 @@ def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
         require_between(
             0.9 * overlap, covered, overlap + 0.2e-3, f"length [m] of the contact face reported on support {support}"
         )
+
+
+def reports_a_support_a_hair_below(rig: Rig) -> None:
+    """A beam on two bricks is reported on a third one between them, too, that ends a hair below it.
+
+    Under load all three would carry: whether a roof bears on one plank of a V or on both decides whether the V stands.
+    """
+    simulation = rig.open()
+    outer, hair = LENGTH + 2e-3, 0.05e-3
+    supports = [simulation.spawn(plank(x)) for x in (-outer, outer)]
+    middle = simulation.spawn(plank(0.0, THICKNESS / 2 - hair))
+    simulation.port.sleep([*supports, middle])
+    size = (3 * LENGTH, WIDTH, THICKNESS)
+    beam = simulation.spawn(Brick(size, 3 * MASS, (0.0, 0.0, 1.5 * THICKNESS)))  # without a drop: it never dips
+    advance(simulation, 1.0)
+    seen = set()
+    for _ in range(6):
+        simulation.step(simulation.info.frame_s)
+        contacts = simulation.port.contacts()
+        _require_well_formed(simulation, contacts)
+        seen |= pairs(contacts)
+    expected = {(support, beam) for support in (*supports, middle)}
+    require(seen == expected, f"a beam over {supports} and {middle}, a hair lower, touches {seen}, must be {expected}")
 
 
 def reports_every_pair(rig: Rig) -> None:

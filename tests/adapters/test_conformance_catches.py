@@ -89,6 +89,8 @@ class FrictionOfOneBody(BulletSimulation):
 
 
 class NoContactsWithFrozen(BulletSimulation):
+    capabilities = NOT_COMPLETED
+
     def _listed(self) -> list[tuple[Any, ...]]:
         return [row for row in super()._listed() if not {self._bodies[row[1]], self._bodies[row[2]]} & self.frozen]
 
@@ -99,6 +101,8 @@ class FrozenPairsListed(BulletSimulation):
 
 
 class FlickeringContacts(BulletSimulation):
+    capabilities = NOT_COMPLETED
+
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self._frame = itertools.count()
@@ -242,7 +246,7 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     (VelocityAfterGravity, ["reports_a_resting_brick_in_every_frame"]),
     (PointsInMillimetres, ["reports_a_resting_brick"]),
     (OnePointAPair, ["reports_a_resting_brick"]),
-    (PenetratingPointsOnly, ["reports_whole_faces_on_uneven_supports"]),
+    (PenetratingPointsOnly, ["reports_whole_faces_on_uneven_supports", "reports_a_support_a_hair_below"]),
     (PositiveOverlap, ["reports_the_overlap"]),
     (FrictionOfOneBody, ["reports_a_resting_brick"]),
     (NoContactsWithFrozen, ["reports_every_pair", "reports_a_resting_brick", "seats_on_frozen_bricks"]),

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters._dart import _coordinates, _Motion, _quaternions
+from adapters._dart import DartSimulation, _coordinates, _Motion, _quaternions
 from adapters.base import Sleeping
 from scenarios.model import Brick, Quaternion
+from scenarios.planks import plank_of
 
 PLANK = (0.117, 0.0234, 0.0078)
 FRAME = 1 / 60
@@ -60,6 +61,19 @@ def test_the_engines_own_sleeping_stops_a_pile_at_rest(sleeping: Sleeping) -> No
     simulation.push(1, (0.01, 0.0, 0.0))
     simulation.step(FRAME)
     assert simulation.poses()[1][1, 0] > 5e-3
+    simulation.close()
+
+
+@pytest.mark.parametrize(("scale", "larger"), [(7.0, 7.0**3), (1.0, 1.0), (0.5, 1.0)])
+def test_the_solver_is_asked_for_as_many_digits_whatever_the_bricks_weigh(scale: float, larger: float) -> None:
+    """Its tolerances are impulses: those of a plank would cost all iterations in every step of a block of 4 kg."""
+    length, width, thickness, mass = plank_of(scale)
+    bricks = [Brick((length, width, thickness), factor * mass, (0.0, 0.0, thickness / 2)) for factor in (1.0, 6.0)]
+    simulation = open_engine("dart", "tuned", expected=bricks)
+    assert isinstance(simulation, DartSimulation)
+    options = simulation._world.getConstraintSolver().getMatrixFreeContactSolverOptions()
+    assert options.mDeltaTolerance == pytest.approx(1e-7 * larger)
+    assert options.mRelativeDeltaTolerance == pytest.approx(1e-7 * larger)
     simulation.close()
 
 

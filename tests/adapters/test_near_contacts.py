@@ -1,4 +1,4 @@
-"""Corners of contact faces, by geometry alone: boxes of 2 x 1 x 0.2 m, so that a tenth of a millimetre is a hair."""
+"""What nearly touches, by geometry alone: boxes of 2 x 1 x 0.2 m, so that a tenth of a millimetre is a hair."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from adapters.face_corners import NEAR, with_missing_corners
+from adapters.box_table import BoxTable
+from adapters.near_contacts import NEAR
 from stability_core.port import GROUND, Contacts
 
 HALF = (1.0, 0.5, 0.1)
@@ -16,7 +17,15 @@ UP = (0.0, 0.0, 1.0)
 
 def box(center, yaw=0.0, pitch=0.0, half=HALF):
     c, s, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
-    return [*center, c * cp, -s * sp, c * sp, s * cp, *half]  # pitch about y, then yaw about z
+    return center, (c * cp, -s * sp, c * sp, s * cp), tuple(2 * edge for edge in half)  # pitch about y, yaw about z
+
+
+def table_of(boxes: dict):
+    table = BoxTable()
+    for body, (center, quaternion, size) in boxes.items():
+        table.add(body, size)
+        table.place(np.array([body]), np.array([center]), np.array([quaternion]))
+    return table
 
 
 def touch(*points, a=0, b=1, normal=UP):
@@ -28,7 +37,7 @@ def touch(*points, a=0, b=1, normal=UP):
 
 
 def added(contacts, *boxes, bodies=(0, 1)):
-    whole = with_missing_corners(contacts, np.array(bodies), np.array(boxes))
+    whole = table_of(dict(zip(bodies, boxes, strict=True))).with_missing_corners(contacts)
     n = len(contacts)
     assert (whole.point[:n] == contacts.point).all(), "what the engine listed stays as it is"
     return whole, {tuple(np.round(point, 6).tolist()) for point in whole.point[n:]}
@@ -76,8 +85,7 @@ def test_a_plank_that_leans_stands_on_its_edge_only():
     half = np.array(HALF)
     c, s = math.cos(lean), math.sin(lean)
     center = (half[0] * c - half[2] * s, 0.0, half[0] * s + half[2] * c)
-    ground = box((0, 0, -1), half=(100, 100, 1))
-    _, corners = added(contacts, ground, box(center, pitch=-lean), bodies=(GROUND, 3))
+    _, corners = added(contacts, box(center, pitch=-lean), bodies=(3,))
     assert corners == set()
 
 
@@ -93,3 +101,66 @@ def test_pairs_are_told_apart_whatever_the_order_of_the_rows():
     assert corners == {(x, y, 0.1) for x in (-0.2, 0.2) for y in (-0.5, 0.5)}
     assert {int(a) for a, x in zip(whole.body_a[4:], whole.point[4:, 0], strict=True) if x < 0} == {4}
     assert {int(a) for a, x in zip(whole.body_a[4:], whole.point[4:, 0], strict=True) if x > 0} == {6}
+
+
+def near(boxes: dict, live, listed=None, velocities=lambda _, points: np.zeros(points.shape)):
+    contacts = Contacts.empty() if listed is None else listed
+    return table_of(boxes).with_near_pairs(contacts, np.array(live), 0.45, velocities)
+
+
+@pytest.mark.parametrize(("gap", "count"), [(0.5 * NEAR, 4), (-0.5 * NEAR, 4), (1.5 * NEAR, 0)])
+def test_a_pair_that_is_not_listed_touches_within_a_hair(gap, count):
+    """Of a roof on uneven ridges an engine lists those that it penetrates; the others would carry as well."""
+    whole = near({0: box((0, 0, 0)), 1: box((0.5, 0, 0.2 + gap))}, live=[1])
+    assert len(whole) == count
+    assert whole.separation == pytest.approx([gap] * count)
+    assert set(zip(whole.body_a.tolist(), whole.body_b.tolist(), strict=True)) == ({(0, 1)} if count else set())
+    for row in range(count):
+        assert whole.normal[row] == pytest.approx(UP)
+        assert -0.5 <= whole.point[row, 0] <= 1.0
+        assert whole.friction[row] == 0.45
+
+
+def test_a_pair_that_is_listed_stays_as_it_is():
+    boxes = {0: box((0, 0, 0)), 1: box((0.5, 0, 0.2))}
+    for listed in (touch((1.0, 0.5, 0.1)), touch((1.0, 0.5, 0.1), a=1, b=0, normal=(0.0, 0.0, -1.0))):
+        assert near(boxes, live=[1], listed=listed) is listed
+
+
+def test_a_pair_of_live_boxes_is_met_once_and_frozen_pairs_never():
+    boxes = {0: box((0, 0, 0)), 1: box((0, 0, 0.2)), 2: box((0, 0, 0.4))}
+    assert len(near(boxes, live=[1, 2])) == 8
+    assert len(near(boxes, live=[2])) == 4
+
+
+def test_the_ground_is_a_box_as_well():
+    whole = near({7: box((30.0, 0, 0.1 + 0.5 * NEAR))}, live=[7])
+    assert set(whole.body_a.tolist()) == {GROUND}
+    assert whole.point[:, 2] == pytest.approx([0.5 * NEAR] * 4)
+
+
+def test_a_slope_over_an_edge_touches_along_that_edge():
+    """A strip tilted by one degree just above the edge of a block: two points there, none where the gap is wide."""
+    pitch = math.radians(1.0)
+    over = np.array((1.0, 0.0, 0.1 + 0.5 * NEAR))
+    center = over + 0.1 * np.array((math.sin(pitch), 0.0, math.cos(pitch)))
+    whole = near({0: box((0, 0, 0)), 1: box(center, pitch=pitch, half=(0.5, 0.5, 0.1))}, live=[1])
+    # the strip falls toward +x, away from the block: it is nearest to the block's border at x = 1
+    assert len(whole) == 2
+    assert whole.point[:, 0] == pytest.approx([1.0, 1.0], abs=0.01)
+
+
+def test_what_is_gone_or_beside_is_not_near():
+    table = table_of({0: box((0, 0, 0)), 1: box((0, 0, 0.2)), 2: box((2.1, 0, 0.2))})
+    table.remove(0)
+    assert not len(table.with_near_pairs(Contacts.empty(), np.array([1]), 0.45, lambda _, points: points))
+
+
+def test_a_near_point_approaches_as_its_bodies_move():
+    """What has not touched has not been stopped: its velocity is that before impact."""
+
+    def velocities(bodies, points):
+        return np.where((bodies == 1)[:, None], (0.0, 0.0, -0.3), 0.0) * np.ones(points.shape)
+
+    whole = near({0: box((0, 0, 0)), 1: box((0, 0, 0.2))}, live=[1], velocities=velocities)
+    assert whole.relative_velocity == pytest.approx(np.tile((0.0, 0.0, -0.3), (4, 1)))

@@ -1,0 +1,117 @@
+"""Completes the contacts of engines that list penetrating points only, from the boxes' geometry.
+
+Of a brick that rests on three corners, tilted by micrometres, such an engine lists three points: half of the true
+contact area. Of a roof over four edges that differ in height by as little, it lists two edges. Under load the others
+would carry as well. Other engines report them by a small gap; for the rest they are found here, by clipping one face by
+the other as the engines themselves do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from adapters.near_contacts import CENTER, HALF, TURN, missing_corners, near_corners, note_reach
+from scenarios.model import Vector
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+
+_GROUND_BOX = (0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0, 1e3, 1e3, 1.0)
+"""The ground as a box: its top is z = 0."""
+
+VelocitiesAt = Callable[[IntArray, FloatArray], FloatArray]
+"""From ids (k,) and points (k, 3) [m] to the velocities (k, 3) [m/s] that the bodies have there."""
+
+
+class BoxTable:
+    """Where the boxes of a world are, and what of their contacts an engine leaves out.
+
+    A frozen body is placed once: completing the contacts of a frame costs what the live ones cost, and a glance at each
+    of the others.
+    """
+
+    def __init__(self) -> None:
+        self._boxes = np.full((64, len(_GROUND_BOX)), np.nan)  # the row is the id + 1, NaN where there is no body
+        self._boxes[GROUND + 1] = _GROUND_BOX
+        self._rows = 1
+
+    def add(self, body: int, size: Vector) -> None:
+        """A body of these edges [m], yet to be placed; ids rise."""
+        self._rows = body + 2
+        if self._rows > len(self._boxes):
+            self._boxes = np.concatenate([self._boxes, np.full_like(self._boxes, np.nan)])
+        self._boxes[body + 1, HALF] = np.asarray(size) / 2
+
+    def place(self, bodies: IntArray, positions: FloatArray, quaternions: FloatArray) -> None:
+        """Take over where ``bodies`` (k,) are: positions (k, 3) [m], quaternions (k, 4)."""
+        self._boxes[bodies + 1, CENTER] = positions
+        self._boxes[bodies + 1, TURN] = quaternions
+        note_reach(self._boxes, bodies + 1)
+
+    def remove(self, body: int) -> None:
+        """Forget a body."""
+        self._boxes[body + 1] = np.nan
+
+    def with_missing_corners(self, contacts: Contacts) -> Contacts:
+        """The contacts, and behind them the corners of their faces that nearly touch and that the engine did not list.
+
+        A corner has the normal and the relative velocity of its pair's first point.
+        """
+        if not len(contacts):
+            return contacts
+        a, b = contacts.body_a + 1, contacts.body_b + 1
+        order = np.argsort(a * self._rows + b, kind="stable")
+        row, corner, gap = missing_corners(
+            self._boxes, a[order], b[order], contacts.normal[order], contacts.point[order]
+        )
+        row = order[row]
+        return _joined(
+            contacts,
+            Contacts(
+                contacts.body_a[row],
+                contacts.body_b[row],
+                corner,
+                contacts.normal[row],
+                gap,
+                contacts.relative_velocity[row],
+                contacts.friction[row],
+            ),
+        )
+
+    def with_near_pairs(
+        self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt
+    ) -> Contacts:
+        """The contacts, and behind them the corners of pairs that nearly touch and of which the engine lists no point.
+
+        Args:
+            contacts: as the engine lists them.
+            live: ids of the live bodies, rising, shape (m,).
+            friction: of every pair.
+            velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
+        """
+        a, b = contacts.body_a + 1, contacts.body_b + 1
+        listed = np.unique(np.minimum(a, b) * self._rows + np.maximum(a, b))
+        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + 1, listed)
+        if not len(a):
+            return contacts
+        relative = velocities(b - 1, corner) - velocities(a - 1, corner)
+        return _joined(contacts, Contacts(a - 1, b - 1, corner, normal, gap, relative, np.full(len(a), friction)))
+
+
+def _joined(first: Contacts, second: Contacts) -> Contacts:
+    if not len(second):
+        return first
+    columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")
+    return Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
+
+
+def prepare() -> None:
+    """Compile the kernels, or read them from the cache, before any frame is timed."""
+    table = BoxTable()
+    for body in range(3):
+        table.add(body, (1.0, 1.0, 1.0))
+    upright = np.tile((1.0, 0.0, 0.0, 0.0), (3, 1))
+    table.place(np.arange(3), np.array([[0.0, 0.0, z] for z in (0.5, 1.5, 2.5)]), upright)
+    up, ids = np.array([[0.0, 0.0, 1.0]]), np.arange(2)
+    contacts = Contacts(ids[:1], ids[1:], up, up, np.zeros(1), up, np.zeros(1))
+    table.with_near_pairs(table.with_missing_corners(contacts), ids, 0.0, lambda _, points: points)

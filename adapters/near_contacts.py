@@ -1,0 +1,235 @@
+"""Where boxes touch or nearly touch, in compiled code: the corners of contact faces, and the pairs that are near.
+
+All in one file, for Numba's cache does not notice a change of a kernel from another one.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from stability_core.port import FloatArray, IntArray
+
+NEAR = 0.1e-3
+"""Gap [m] up to which faces nearly touch: above the tilt of a brick at rest, below any visible distance."""
+SAME = 1e-3
+"""Distance [m] within which a corner is one that the engine has listed."""
+
+CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
+"""Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and how far it reaches along x, y, z [m]."""
+
+_MOST_CORNERS = 8
+"""Of a face that is clipped by another: each of four cuts adds one at most."""
+
+
+@numba.njit(cache=True)
+def _axes(quaternion: FloatArray) -> FloatArray:
+    """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+@numba.njit(cache=True)
+def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
+    """The axis most along ``direction`` and its cosine, negative if it points the other way."""
+    best, cosine = 0, 0.0
+    for axis in range(3):
+        along = axes[0, axis] * direction[0] + axes[1, axis] * direction[1] + axes[2, axis] * direction[2]
+        if abs(along) > abs(cosine):
+            best, cosine = axis, along
+    return best, cosine
+
+
+@numba.njit(cache=True)
+def _clip(polygon: FloatArray, normal: FloatArray, limit: float) -> FloatArray:
+    """The part (k, 3) of a polygon where normal . x <= limit (Sutherland and Hodgman)."""
+    n = len(polygon)
+    clipped = np.empty((2 * n, 3))
+    size = 0
+    for i in range(n):
+        here, there = polygon[i], polygon[(i + 1) % n]
+        depth_here = here[0] * normal[0] + here[1] * normal[1] + here[2] * normal[2] - limit
+        depth_there = there[0] * normal[0] + there[1] * normal[1] + there[2] * normal[2] - limit
+        if depth_here <= 0.0:
+            clipped[size] = here
+            size += 1
+        if depth_here * depth_there < 0.0:
+            part = depth_here / (depth_here - depth_there)
+            for k in range(3):
+                clipped[size, k] = here[k] + part * (there[k] - here[k])
+            size += 1
+    return clipped[:size]
+
+
+@numba.njit(cache=True)
+def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, side: float) -> FloatArray:
+    """Corners (4, 3) of a box's face, in order around it."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    corners = np.empty((4, 3))
+    for i in range(4):
+        along_u = half[u] if i in (0, 3) else -half[u]
+        along_v = half[v] if i < 2 else -half[v]
+        for k in range(3):
+            corners[i, k] = center[k] + side * half[axis] * axes[k, axis] + along_u * axes[k, u] + along_v * axes[k, v]
+    return corners
+
+
+@numba.njit(cache=True)
+def _face_corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Corners (k, 3) of the contact face of two boxes, and their separations (k,); ``normal`` points from a to b."""
+    axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
+    axis_a, cosine_a = _facing(axes_a, normal)
+    axis_b, cosine_b = _facing(axes_b, -normal)
+    a_is_reference = abs(cosine_a) >= abs(cosine_b)
+    box, axes, axis, cosine = box_a, axes_a, axis_a, cosine_a
+    other, other_axes = box_b, axes_b
+    if not a_is_reference:
+        box, axes, axis, cosine = box_b, axes_b, axis_b, cosine_b
+        other, other_axes = box_a, axes_a
+    half = box[HALF]
+    outward = np.sign(cosine) * axes[:, axis]
+    facing, facing_cosine = _facing(other_axes, -outward)
+    polygon = _face(other[CENTER], other_axes, other[HALF], facing, np.sign(facing_cosine))
+    for side_axis in ((axis + 1) % 3, (axis + 2) % 3):
+        side = axes[:, side_axis].copy()
+        middle = side[0] * box[0] + side[1] * box[1] + side[2] * box[2]
+        polygon = _clip(polygon, side, middle + half[side_axis])
+        polygon = _clip(polygon, -side, -middle + half[side_axis])
+    separation = np.empty(len(polygon))
+    for i in range(len(polygon)):
+        separation[i] = -half[axis]
+        for k in range(3):
+            separation[i] += (polygon[i, k] - box[k]) * outward[k]
+    return polygon, separation
+
+
+@numba.njit(cache=True)
+def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> float:
+    """Gap [m] between two boxes across the face that parts them best, negative if they overlap.
+
+    The face's unit normal is written into ``normal`` (3,), from a to b.
+    """
+    axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
+    widest = -np.inf
+    for of_a in (True, False):
+        axes, half = (axes_a, box_a[HALF]) if of_a else (axes_b, box_b[HALF])
+        others, other_half = (axes_b, box_b[HALF]) if of_a else (axes_a, box_a[HALF])
+        for axis in range(3):
+            along = 0.0
+            for k in range(3):
+                along += (box_b[k] - box_a[k]) * axes[k, axis]
+            gap = abs(along) - half[axis]
+            for other in range(3):
+                cosine = 0.0
+                for k in range(3):
+                    cosine += others[k, other] * axes[k, axis]
+                gap -= abs(cosine) * other_half[other]
+            if gap > widest:
+                widest = gap
+                for k in range(3):
+                    normal[k] = axes[k, axis] if along >= 0.0 else -axes[k, axis]
+    return widest
+
+
+@numba.njit(cache=True)
+def note_reach(boxes: FloatArray, rows: IntArray) -> None:
+    """Work out how far the boxes of these ``rows`` reach along x, y and z."""
+    for row in rows:
+        axes = _axes(boxes[row, TURN])
+        for k in range(3):
+            reach = 0.0
+            for axis in range(3):
+                reach += abs(axes[k, axis]) * boxes[row, HALF][axis]
+            boxes[row, REACH][k] = reach
+
+
+@numba.njit(cache=True)
+def missing_corners(
+    boxes: FloatArray, a: IntArray, b: IntArray, normal: FloatArray, point: FloatArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """A row of its pair (k,), point (k, 3) and separation (k,) of each corner that its pair's rows do not list.
+
+    Rows of a pair stand together; ``a`` and ``b``, (n,), are rows of ``boxes``.
+    """
+    n = len(a)
+    row, corner, gap = np.empty(8 * n, np.int64), np.empty((8 * n, 3)), np.empty(8 * n)
+    size, first = 0, 0
+    while first < n:
+        last = first
+        while last < n and a[last] == a[first] and b[last] == b[first]:
+            last += 1
+        points, separations = _face_corners(boxes[a[first]], boxes[b[first]], normal[first])
+        for i in range(len(points)):
+            listed = False
+            for j in range(first, last):
+                distance2 = 0.0
+                for k in range(3):
+                    distance2 += (points[i, k] - point[j, k]) ** 2
+                listed = listed or distance2 < SAME**2
+            if not listed and abs(separations[i]) <= NEAR:
+                row[size], corner[size], gap[size] = first, points[i], separations[i]
+                size += 1
+        first = last
+    return row[:size], corner[:size], gap[:size]
+
+
+@numba.njit(cache=True)
+def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tuple[int, int]]:
+    """Pairs of rows, the lower first, of which one is ``live``, that are not ``listed``, and whose extents nearly meet.
+
+    O(boxes) a live one.
+
+    Args:
+        boxes: all of them, shape (n, 13).
+        live: rows, rising, shape (m,).
+        listed: n a + b for each pair (a, b) that the engine lists, rising.
+    """
+    found = [(0, 0) for _ in range(0)]
+    for one in live:
+        for other in range(len(boxes)):
+            near = other != one
+            for k in range(3):  # written so that NaN, a row without a body, fails
+                reach = boxes[one, REACH][k] + boxes[other, REACH][k] + NEAR
+                near = near and abs(boxes[one, k] - boxes[other, k]) <= reach
+            if not near:
+                continue
+            at = np.searchsorted(live, other)
+            if other < one and at < len(live) and live[at] == other:
+                continue  # a pair of live boxes is met twice
+            key = min(one, other) * len(boxes) + max(one, other)
+            at = np.searchsorted(listed, key)
+            if at == len(listed) or listed[at] != key:
+                found.append((min(one, other), max(one, other)))
+    return found
+
+
+@numba.njit(cache=True)
+def near_corners(
+    boxes: FloatArray, live: IntArray, listed: IntArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
+    """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
+
+    See ``_neighbours``.
+    """
+    pairs = _neighbours(boxes, live, listed)
+    room = _MOST_CORNERS * len(pairs)
+    a, b, gap = np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room)
+    corner, normals = np.empty((room, 3)), np.empty((room, 3))
+    normal = np.empty(3)
+    size = 0
+    for first, second in pairs:
+        if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR:
+            continue
+        points, separations = _face_corners(boxes[first], boxes[second], normal)
+        for i in range(len(points)):
+            if abs(separations[i]) <= NEAR:
+                a[size], b[size], gap[size] = first, second, separations[i]
+                corner[size], normals[size] = points[i], normal
+                size += 1
+    return a[:size], b[:size], corner[:size], normals[:size], gap[:size]
