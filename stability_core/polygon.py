@@ -99,23 +99,29 @@ def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
 
 
 @compiled
+def is_inside(hull: FloatArray, x: float, y: float) -> bool:
+    """True if (x, y) lies in the hull (n, 3) or on its border; a point or a line has no inside."""
+    n = len(hull)
+    for i in range(n):
+        ax, ay = hull[i, 0], hull[i, 1]
+        j = i + 1 if i + 1 < n else 0
+        if (hull[j, 0] - ax) * (y - ay) - (hull[j, 1] - ay) * (x - ax) < 0.0:
+            return False
+    return n >= 3
+
+
+@compiled
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     """Distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 
     The vertical ray test: a ray from the centre of mass hits the contact area iff this is >= 0.
     No points: minus infinity. A point or a line has no inside.
     """
-    n = len(hull)
-    if n == 0:
+    if len(hull) == 0:
         return -np.inf
-    inside = n >= 3
-    for i in range(n):
-        a, b = hull[i], hull[(i + 1) % n]
-        if (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < 0.0:
-            inside = False
     near_x, near_y = nearest_point(hull, x, y)
     distance = float(np.hypot(x - near_x, y - near_y))
-    return distance if inside else -distance
+    return distance if is_inside(hull, x, y) else -distance
 
 
 @compiled

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.polygon import convex_hull, inside_distance, nearest_point
+from stability_core.polygon import convex_hull, inside_distance, is_inside, nearest_point
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, count_patches, hull_of, is_stack
 from stability_core.stack_mass import support_polygon
@@ -138,8 +138,7 @@ def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bo
     False means not known.
     """
     center = graph.bodies[body].center
-    is_inside = inside_distance(region, center[0], center[1]) >= 0.0
-    return bool(is_inside and _supports_are_proven(graph, regions, body))
+    return bool(is_inside(region, center[0], center[1]) and _supports_are_proven(graph, regions, body))
 
 
 @compiled
@@ -195,4 +194,4 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
             return False
         at = graph.patches[at].next_support
     center = graph.bodies[body].center
-    return bool(len(support) > 2 and inside_distance(support, center[0], center[1]) < 0.0)
+    return bool(len(support) > 2 and not is_inside(support, center[0], center[1]))
