@@ -19,7 +19,9 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
 GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
-"""Half the edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
+"""Half the least edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
+GROUND_ROOM = 2.0
+"""How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
 Sleeping = Literal["off", "native", "raised"]
 
@@ -162,9 +164,10 @@ class Simulation(ABC):
 
     @property
     def ground_half_edges(self) -> Vector:
-        """Half the ground's edges, in the engine's world."""
+        """Half the ground's edges, in the engine's world; larger scenes get a larger ground."""
         x, y, z = GROUND_HALF_EDGES
-        return x * self.scale, y * self.scale, z * self.scale
+        reach = GROUND_ROOM * max((_reach(brick) for brick in self.expected), default=0.0)
+        return max(x * self.scale, reach), max(y * self.scale, reach), z * self.scale
 
     @property
     def is_observed(self) -> bool:
@@ -350,3 +353,9 @@ def _check_pose(position: Vector, quaternion: Quaternion) -> None:
         raise ValueError(f"position must be finite, got {position} m")
     if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
         raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}")
+
+
+def _reach(brick: Brick) -> float:
+    """How far [m] from the z axis a brick may lie, however it is turned."""
+    x, y, _ = brick.position
+    return math.hypot(x, y) + math.hypot(*brick.size) / 2

@@ -74,7 +74,10 @@ _err = Console(stderr=True)
 def run(
     study: Annotated[str, typer.Argument(help="A study's name (see 'list') or a TOML file.")] = "paper",
     engine: Annotated[list[str] | None, typer.Option(help="Only this engine; may be repeated.")] = None,
-    scenario: Annotated[list[str] | None, typer.Option(help="Only this scenario; may be repeated.")] = None,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(help="Only this scenario, or FILE.toml with bricks of your own; may be repeated."),
+    ] = None,
     policy: Annotated[list[str] | None, typer.Option(help="Only this policy; may be repeated.")] = None,
     profile: Annotated[
         list[str] | None, typer.Option(help="This profile, or one varied: game@scale=10; may be repeated.")

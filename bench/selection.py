@@ -12,6 +12,9 @@ from bench.studies import Study, check_study
 from scenarios.registry import SCENARIOS
 from stability_core.lookup import look_up
 
+OWN = ".toml"
+"""How the name of a scene of one's own ends: a file of bricks."""
+
 
 @dataclass(frozen=True, slots=True)
 class Selection:
@@ -35,7 +38,8 @@ def selected(study: Study, selection: Selection) -> Study:
     for engine in selection.engines:
         look_up("engine", engine, ENGINES)
     for scenario in selection.scenarios:
-        look_up("scenario", scenario, SCENARIOS)
+        if not scenario.endswith(OWN):
+            look_up("scenario", scenario, SCENARIOS)
     for policy in selection.policies:
         look_up("policy", policy, BENCH_POLICIES)
     content: dict[str, Any] = study.model_dump()
@@ -47,9 +51,14 @@ def selected(study: Study, selection: Selection) -> Study:
         "scenario": [
             chosen
             for name in selection.scenarios
-            for chosen in [one for one in content["scenario"] if one["name"] == name] or [{"name": name}]
+            for chosen in [one for one in content["scenario"] if one["name"] == name] or [_plain(name)]
         ],
     }
     if selection.profiles:
         content["sweep"] = []
     return check_study(content | {field: value for field, value in named.items() if value}, f"study '{study.name}'")
+
+
+def _plain(name: str) -> dict[str, Any]:
+    """A scenario of which the study has no parameters: as it is, or out of a file."""
+    return {"name": "own_scene", "parameters": {"file": name}} if name.endswith(OWN) else {"name": name}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -10,12 +11,14 @@ import numpy as np
 from bench import measure
 from bench.measure import FloatArray, Plan
 from reports.records import CollapseKind
+from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
 """A level counts once its last brick was let go so long ago [s]: just before the next brick comes, a second
 after it, so that a level that falls when its last brick lands never counts as reached."""
 AFTERMATH_S = 1.0
-"""How long [s] a trial goes on after a collapse is first seen: time enough to tell a topple from a slide."""
+"""How long [s] a trial of standard planks goes on after a collapse is first seen: time enough to tell a topple from a
+slide. Larger bricks fall as slowly as the root of their size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +40,8 @@ class Collapse:
     level: int
     """Levels placed at that time."""
     kind: CollapseKind
+    aftermath_s: float
+    """How long it must be watched [s]."""
 
 
 class StackWatch:
@@ -56,7 +61,7 @@ class StackWatch:
         """True when the aftermath of a collapse has been watched."""
         if self.collapse is None or self._latest is None:
             return False
-        return self._latest[0] - self.collapse.time >= AFTERMATH_S
+        return self._latest[0] - self.collapse.time >= self.collapse.aftermath_s
 
     @property
     def creep_m_s(self) -> float | None:
@@ -96,7 +101,7 @@ class StackWatch:
                     float(measure.sideways(plan, position).max()),
                 )
         elif kind is not None:
-            self._see_collapse(time, kind, len(placed))
+            self._see_collapse(time, kind, len(placed), float(plan.thickness.min()))
 
     def _faults_of(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> measure.Faults:
         """Those of the frame before while nothing moves."""
@@ -112,8 +117,9 @@ class StackWatch:
         self._judged = plan, position, quaternion, faults
         return faults
 
-    def _see_collapse(self, time: float, kind: CollapseKind, level: int) -> None:
+    def _see_collapse(self, time: float, kind: CollapseKind, level: int, thickness: float) -> None:
         if self.collapse is None:
-            self.collapse = Collapse(time, level, kind)
+            slower = math.sqrt(max(1.0, thickness / THICKNESS))
+            self.collapse = Collapse(time, level, kind, AFTERMATH_S * slower)
         elif kind == "topple" or self.collapse.kind == "sink":
             self.collapse.kind = kind

@@ -42,8 +42,12 @@ class Table:
 
 
 def study_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """All tables of a study: what stood and fell, whether that was right, what it cost, and how still it stood."""
-    return [_outcomes(records), _verdicts(records), _timings(records), _stillness(records)]
+    """All tables of a study: what stood and fell, whether that was right, what it cost, and how still it stood.
+
+    Where theory knows no answer nothing is right or wrong, and that table is left out.
+    """
+    is_judged = any(record.verdict != "none" for record in records)
+    return [_outcomes(records), *([_verdicts(records)] if is_judged else []), _timings(records), _stillness(records)]
 
 
 def _outcomes(records: Sequence[TrialRecord]) -> Table:

@@ -19,6 +19,7 @@ from scenarios.jenga import jenga
 from scenarios.leaning_tower import leaning_tower
 from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
+from scenarios.own_scene import own_scene
 from scenarios.parameters import Value, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
@@ -75,6 +76,7 @@ SCENARIOS: Mapping[str, Scenario] = {
         pulled_plank,
         dropped_plank,
         poured_pile,
+        own_scene,
     )
 }
 

@@ -153,3 +153,18 @@ def test_watching_begins_when_a_pull_is_over(fake_engine) -> None:
     assert run.run() == "completed"
     assert run.simulated_s == pytest.approx(0.5 + 3.0 + 2.0)
     assert run.watch.creep_m_s == 0.0
+
+
+def test_a_poured_brick_has_no_place_to_leave(fake_engine) -> None:
+    """Bricks that roll ten centimetres away are no collapse; the heap is watched to the end."""
+
+    def roll(simulation, step: int) -> None:
+        if step == 120:
+            for body, ((x, y, z), q) in list(simulation.pose.items()):
+                simulation.pose[body] = (x + 0.1, y, z), q
+
+    run = play(build("poured_pile", bricks=3), fake_engine(roll))
+    assert run.run() == "completed"
+    assert run.watch.standing is not None
+    assert run.watch.standing.level == 3
+    assert run.simulated_s == pytest.approx(0.5 + 10.0)

@@ -5,7 +5,7 @@ import pytest
 
 from bench.measure import Plan
 from bench.watch import StackWatch
-from scenarios.planks import THICKNESS, lay
+from scenarios.planks import THICKNESS, box, lay
 
 FRAME_S = 1 / 60
 TOWER = [lay(0.0, level=level) for level in range(1, 11)]
@@ -63,6 +63,18 @@ def test_a_sink_that_turns_into_a_topple_within_the_aftermath_is_a_topple() -> N
     assert (watch.collapse.time, watch.collapse.kind) == (2.0, "topple")
     assert not watch.is_over
     watch.see(3.0, plan, sunk, tipped, {1: 0.0, 2: 1.0})
+    assert watch.is_over
+
+
+def test_large_bricks_are_given_time_to_fall() -> None:
+    """A hundred times as large they fall ten times as slowly: times grow as the root of lengths (Froude)."""
+    watch = StackWatch(watch_from_s=99)
+    brick = box((11.7, 2.34, 100 * THICKNESS), 0.0, level=1)
+    plan = Plan.of([brick])
+    watch.see(2.0, plan, plan.position - [0, 0, 60 * THICKNESS], plan.quaternion, {1: 0.0})
+    watch.see(11.9, plan, plan.position, plan.quaternion, {1: 0.0})
+    assert not watch.is_over
+    watch.see(12.0, plan, plan.position, plan.quaternion, {1: 0.0})
     assert watch.is_over
 
 

@@ -1,0 +1,115 @@
+"""A scene of one's own: a file of bricks, checked, and judged by exact statics."""
+
+import pytest
+
+from bench.selection import Selection, selected
+from bench.studies import StudyError, load_study
+from scenarios.model import Place, Remove
+from scenarios.registry import build
+
+PLANK = {"size": [0.12, 0.02, 0.01], "position": [0.0, 0.0, 0.005], "mass": 0.01, "time": 0.0}
+
+
+def plank(**changed):
+    return {name: value for name, value in {**PLANK, **changed}.items() if value is not None}
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes bricks into a file, one table each; returns its name."""
+
+    def to_file(*bricks, head: str = "", name: str = "mine.toml") -> str:
+        tables = ["\n".join(f"{field} = {value}" for field, value in brick.items()) for brick in bricks]
+        path = tmp_path / name
+        path.write_text("\n".join([head, *(f"[[brick]]\n{table}\n" for table in tables)]), encoding="utf-8")
+        return str(path)
+
+    return to_file
+
+
+def leaning(write, levels: int, offset: float = 0.12 / 4.5) -> str:
+    bricks = [plank(position=[k * offset, 0.0, 0.005 + 0.01 * k], time=float(k)) for k in range(levels)]
+    return write(*bricks, name=f"tower{levels}.toml")
+
+
+def test_its_truth_is_that_of_exact_statics(write):
+    """Planks shifted by L / 4.5 each: four stand, the fifth falls (n d > L)."""
+    four, five = (build("own_scene", file=leaning(write, levels)) for levels in (4, 5))
+    assert (four.expectation.outcome, five.expectation.outcome) == ("stand", "fall")
+    assert five.expectation.level == five.levels == 5
+    assert five.expectation.not_before_s == 0.0
+    assert four.planar
+
+
+def test_what_is_undermined_falls_when_its_support_is_taken():
+    """The example: without its counterweight the load's moment is 1.7 times the lintel's."""
+    scene = build("own_scene")
+    assert [brick.level for brick in scene.bricks] == [1, 1, 2, 3, 3]
+    assert scene.expectation.outcome == "fall"
+    assert scene.expectation.not_before_s == 6.0
+    assert [type(action) for action in scene.actions] == [Place] * 5 + [Remove]
+
+
+def test_bricks_of_one_time_come_together_and_in_the_order_of_time(write):
+    far = plank(position=[0.5, 0.0, 0.005], time=2.0)
+    upper = plank(position=[0.0, 0.0, 0.015], time=2.0)
+    scene = build("own_scene", file=write(upper, far, plank()))
+    assert [len(action.bricks) for action in scene.actions] == [1, 2]
+    assert [brick.level for brick in scene.bricks] == [1, 2, 1]
+
+
+def test_a_hair_is_no_gap_and_no_overlap(write):
+    """0.1 mm of rounding either way: the brick is planned where it touches."""
+    for error in (1e-4, -1e-4):
+        scene = build("own_scene", file=write(plank(), plank(position=[0.01, 0.0, 0.015 + error], time=1.0)))
+        assert scene.bricks[1].position[2] == pytest.approx(0.015, abs=1e-12)
+        assert scene.expectation.outcome == "stand"
+
+
+def test_a_changed_file_is_another_scene(write):
+    first = build("own_scene", file=write(plank())).variant
+    again = build("own_scene", file=write(plank())).variant
+    other = build("own_scene", file=write(plank(mass=0.02))).variant
+    assert first == again != other
+    assert first.startswith("own_scene-mine-")
+
+
+@pytest.mark.parametrize(
+    ("bricks", "message"),
+    [
+        ([], r"there must be 1 to 200 tables \[\[brick\]\]"),
+        ([plank(position=[0, 0, 0.015])], r"brick\[0\] touches nothing when it is laid: it floats 10.000 mm above"),
+        ([plank(), plank(position=[0, 0, 0.025], time=1.0)], r"brick\[1\] touches nothing.*set position z to 0.015"),
+        ([plank(position=[0, 0, 0.015]), plank(time=1.0)], r"brick\[0\] touches nothing.*lay its support before it"),
+        ([plank(), plank(position=[0.06, 0, 0.005], time=1.0)], "overlap"),
+        ([plank(position=[0, 0, 0.0])], "ground"),
+        ([plank(mass=None)], r"brick\[0\].mass is missing"),
+        ([plank(mass=-1)], r"brick\[0\].mass must be a number from"),
+        ([plank(mass="nan")], r"brick\[0\].mass must be a number from"),
+        ([plank(size=[0.1, 0.1])], r"brick\[0\].size must be a list of 3 numbers"),
+        ([plank(yaw=0, quaternion=[1, 0, 0, 0])], r"brick\[0\] has both yaw and quaternion"),
+        ([plank(quaternion=[1, 1, 0, 0])], r"brick\[0\].quaternion must be of unit length, got 1.41"),
+        ([plank(weight=1)], r"unknown field of brick\[0\] 'weight'"),
+        ([plank(time=2.0, removed=1.0)], r"brick\[0\].removed must be after its time 2, got 1"),
+    ],
+)
+def test_what_makes_no_scene_is_told_with_its_brick_and_the_fix(write, bricks, message):
+    with pytest.raises(ValueError, match=message):
+        build("own_scene", file=write(*bricks))
+
+
+def test_a_file_that_is_not_there_names_the_examples():
+    with pytest.raises(ValueError, match=r"nowhere.toml: cannot be read.*lintel.toml"):
+        build("own_scene", file="nowhere.toml")
+
+
+def test_a_file_that_is_no_toml_says_so(write):
+    with pytest.raises(ValueError, match="not valid TOML"):
+        build("own_scene", file=write(plank(), head="friction = "))
+
+
+def test_the_command_line_takes_a_file_for_a_scenario(write):
+    study = selected(load_study("smoke"), Selection(scenarios=[leaning(write, 4)]))
+    assert [chosen.name for chosen in study.scenario] == ["own_scene"]
+    with pytest.raises(StudyError, match="floats"):
+        selected(load_study("smoke"), Selection(scenarios=[write(plank(position=[0, 0, 0.1]))]))
