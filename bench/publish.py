@@ -10,13 +10,14 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from bench import generated
+from bench.environment import describe
 from bench.publications import PUBLICATIONS, PUBLISHED, Gallery, Publication
 from bench.replaying import first_stacks, read_stack
 from bench.results import ENVIRONMENT, STUDY, TRIALS, missing_trials
@@ -68,9 +69,12 @@ def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord
     missing = missing_trials(folder, records)
     if missing:
         raise PublishError(f"{folder} lacks {len(missing)} trials: go on with {publication.command} --out {folder}")
-    environment = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
+    _check_sources(json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8")), str(folder))
+
+
+def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
-        raise PublishError(f"{folder} was made by sources that no commit holds: commit them, and run it again")
+        raise PublishError(f"{where}: sources that no commit holds; commit them, and run it again")
 
 
 def _copy_figures(source: Path, target: Path) -> None:
@@ -104,9 +108,11 @@ def main(
 ) -> None:
     """Publish a study in docs/results, and run it first unless a results folder is given."""
     try:
+        publication = look_up("publication", name, PUBLICATIONS)
         if folder is None:
             folder = ROOT / "results" / f"published-{name}"
-            _bench("run", *look_up("publication", name, PUBLICATIONS).arguments, "--out", str(folder))
+            _check_sources(describe(()), "this checkout")  # before the hours that a run may take
+            _bench("run", *publication.arguments, "--out", str(folder))
         else:
             _bench("report", str(folder))
         target = publish(name, folder)

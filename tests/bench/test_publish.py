@@ -81,7 +81,7 @@ def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) ->
 @pytest.mark.parametrize("changed", [{"modified": True}, {"commit": None}])
 def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
     write_environment(run, **changed)
-    with pytest.raises(PublishError, match="sources that no commit holds: commit them"):
+    with pytest.raises(PublishError, match="sources that no commit holds; commit them"):
         publish("made-up", run, tmp_path / "docs")
 
 
