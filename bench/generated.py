@@ -1,4 +1,7 @@
-"""Blocks of the documents that the adapters write themselves: ``uv run python -m bench.generated`` fills them anew."""
+"""Parts of the documents that the adapters and the published results write themselves.
+
+``uv run python -m bench.generated`` fills them anew; ``bench.publish`` does so, too.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from collections.abc import Callable, Mapping
 
 from adapters import ENGINES, Profile, profiles
 from bench.environment import describe_engine
+from bench.publications import PUBLICATIONS, PUBLISHED
 from bench.sources import ROOT
 from reports.capabilities import capability_table
 from reports.tables import Table, to_markdown
@@ -21,6 +25,29 @@ def capabilities_block() -> str:
 def profiles_block() -> str:
     """Every profile of every engine: who set it up, and each knob with its reason."""
     return "\n".join(_engine(name) for name in ENGINES)
+
+
+def headline_block() -> str:
+    """What stood and what fell in the paper's study, with its picture."""
+    published = PUBLISHED / HEADLINE
+    tables = (published / "tables.md").read_text(encoding="utf-8")
+    gallery = PUBLICATIONS[HEADLINE].gallery
+    assert gallery is not None, "the headline has a picture"
+    shown = f"How they ended on {gallery.engine}: a row a stack, a column a policy"
+    picture = f"![{shown}]({published.relative_to(ROOT).as_posix()}/stills.png)"
+    return f"{picture}\n\n{_rows_of(tables, 'What stood and what fell')}\n"
+
+
+def results_block() -> str:
+    """Every study that is published so far, and the command that makes its numbers."""
+    there = {name: one for name, one in PUBLICATIONS.items() if (PUBLISHED / name / "trials.csv").exists()}
+    rows = tuple((f"`{name}/`", one.shows, f"`{one.command}`") for name, one in there.items())
+    return _untitled(Table("", ("Folder", "Study", "Command"), rows))
+
+
+def _rows_of(markdown: str, title: str) -> str:
+    """The table of a title, without its notes."""
+    return markdown.partition(f"## {title}\n\n")[2].partition("\n\n")[0]
 
 
 def _engine(name: str) -> str:
@@ -39,7 +66,11 @@ def _untitled(table: Table) -> str:
     return to_markdown([table]).partition("\n\n")[2]
 
 
+HEADLINE = "paper"
+"""The publication whose table and picture the README shows."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
+    "headline": ("README.md", headline_block),
+    "results": ("docs/results/README.md", results_block),
     "capabilities": ("README.md", capabilities_block),
     "profiles": ("docs/profiles.md", profiles_block),
 }

@@ -29,7 +29,7 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Pa
     wanted = look_up("trial", trial, {record.trial: record for record in records})
     shown = Replayed(wanted, read_recording(_recording(folder, wanted)))
     others = [record for record in records if _stack(record) == _stack(wanted) and record.trial != wanted.trial]
-    return _write(folder, [shown, *_readable(folder, others)])
+    return _write(folder, [shown, *read_stack(folder, others)])
 
 
 def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Path) -> None:
@@ -50,7 +50,7 @@ def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[Tria
 def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None:
     """Write the replay of each stack beside the report."""
     for those in stacks:
-        trials = _readable(folder, those)
+        trials = read_stack(folder, those)
         if trials:
             _write(folder, trials)
 
@@ -71,7 +71,7 @@ def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, howeve
     if count > MOST_STILLS and not however_many:
         return f"{count} stills would take minutes and were not drawn: uv run -m bench report {folder} --stills"
     try:
-        write_stills(stills, (_readable(folder, those) for those in waiting))
+        write_stills(stills, (read_stack(folder, those) for those in waiting))
     except StillsError as error:
         return str(error)
     return ""
@@ -90,8 +90,8 @@ def _recording(folder: Path, record: TrialRecord) -> Path:
     return folder / RECORDINGS / f"{record.trial}.parquet"
 
 
-def _readable(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
-    """Those whose recording is there and whole."""
+def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
+    """The trials whose recording is there and whole."""
     found = []
     for record in records:
         try:

@@ -39,28 +39,37 @@ def to_latex(rows: Sequence[MatrixRow], caption: str, label: str) -> str:
         caption: what it is of; further words explain the columns.
         label: it is referred to as ``tab:LABEL``.
     """
-    return _template("tables.tex.j2").render(caption=caption, label=_label(label), rows=[_cells(row) for row in rows])
+    return _template("tables.tex.j2").render(caption=caption, label=_label(label), scenes=_by_scene(rows))
 
 
 def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
     """The pairs, all together as ``tab:LABEL-pairs`` and by family as ``tab:LABEL-families``."""
-    whole = [row for row in rows if row.family == ALL]
-    families = [row for row in rows if row.family != ALL]
+    whole = [
+        (f"{row.set_up.engine}, {row.set_up.profile}", row.set_up.policy, row) for row in rows if row.family == ALL
+    ]
+    families = [(", ".join(row.set_up), row.family, row) for row in rows if row.family != ALL]
     tables = [
         {
             "label": "pairs",
             "title": "Pairs with both sides right.",
-            "names": ["Engine", "Profile", "Policy"],
-            "groups": _groups([(row, list(row.set_up)) for row in whole], 2),
+            "name": "Engine, profile, policy",
+            "groups": _groups(whole),
         },
         {
             "label": "families",
             "title": "Pairs with both sides right, by family of scenes.",
-            "names": ["Engine", "Profile", "Policy", "Family"],
-            "groups": _groups([(row, [*row.set_up, row.family]) for row in families], 3),
+            "name": "Engine, profile, policy, family",
+            "groups": _groups(families),
         },
     ]
     return _template("pairs.tex.j2").render(caption=caption, label=_label(label), tables=tables)
+
+
+def _by_scene(rows: Sequence[MatrixRow]) -> list[list[list[str]]]:
+    scenes: dict[str, list[list[str]]] = {}
+    for row in rows:
+        scenes.setdefault(row.cell.key.scene, []).append(_cells(row))
+    return list(scenes.values())
 
 
 def _template(name: str) -> jinja2.Template:
@@ -84,14 +93,12 @@ def _label(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9-]", "-", name)
 
 
-def _groups(rows: Sequence[tuple[PairRow, list[str]]], shared: int) -> list[list[list[str]]]:
-    """Rows that share their first ``shared`` names, which only the first of them tells."""
-    groups: dict[tuple[str, ...], list[list[str]]] = {}
-    for row, names in rows:
-        group = groups.setdefault(tuple(names[:shared]), [])
-        told = [""] * shared + names[shared:] if group else names
-        group.append([*map(escape, told), *_pair_cells(row)])
-    return list(groups.values())
+def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str]]]:
+    """Rows of a heading, each with its name and its cells, under that heading."""
+    groups: dict[str, list[list[str]]] = {}
+    for heading, name, row in rows:
+        groups.setdefault(heading, []).append([escape(name), *_pair_cells(row)])
+    return groups
 
 
 def _pair_cells(row: PairRow) -> list[str]:

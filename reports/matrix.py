@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from reports.cells import ALONE, Cell, CellKey, compare_cells
 from reports.intervals import deviation
+from reports.survival import PairedTest, holm
 from reports.tables import NOTHING, Table, outcome
 from reports.wording import median_level, told, troubles
 
@@ -31,7 +32,9 @@ COLUMNS = (
     Column("p99", "99th percentile of the frame time ± median absolute deviation over seeds", "ms"),
     Column("ratio", "frame time over that of the same standing stack all awake [95 % interval]"),
     Column(
-        "against none", "pairs of a seed with the engine alone: how many came farther / less far; p of no difference"
+        "against none",
+        "pairs of a seed with the engine alone: how many came farther / less far; p of no difference, by Holm's method "
+        "for all comparisons of this column",
     ),
 )
 
@@ -59,7 +62,8 @@ class MatrixRow:
 def matrix(cells: Sequence[Cell]) -> list[MatrixRow]:
     """The rows of all cells, in their order."""
     by_key = {cell.key: cell for cell in cells}
-    return [_row(cell, by_key.get(CellKey(*cell.key[:3], ALONE))) for cell in cells]
+    tests = _tests([(cell, by_key[alone]) for cell in cells if (alone := CellKey(*cell.key[:3], ALONE)) in by_key])
+    return [_row(cell, tests.get(cell.key)) for cell in cells]
 
 
 def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
@@ -74,7 +78,17 @@ def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
     )
 
 
-def _row(cell: Cell, alone: Cell | None) -> MatrixRow:
+def _tests(compared: Sequence[tuple[Cell, Cell]]) -> dict[CellKey, tuple[PairedTest, float]]:
+    """The paired test of each cell with its engine alone, and its p-value corrected for all of them."""
+    tests = {cell.key: compare_cells(cell, alone) for cell, alone in compared if cell is not alone}
+    decided = {
+        key: (test, test.p_value) for key, test in tests.items() if test is not None and test.p_value is not None
+    }
+    corrected = holm([p_value for _, p_value in decided.values()])
+    return {key: (test, p_value) for (key, (test, _)), p_value in zip(decided.items(), corrected, strict=True)}
+
+
+def _row(cell: Cell, test: tuple[PairedTest, float] | None) -> MatrixRow:
     judged, right = len(cell.judged), cell.count("right")
     figures = (
         Figure(str(len(cell.draws)), len(cell.draws)),
@@ -85,7 +99,7 @@ def _row(cell: Cell, alone: Cell | None) -> MatrixRow:
         _timed(cell, "frame_ms_p50"),
         _timed(cell, "frame_ms_p99"),
         _ratio(cell),
-        _paired(cell, alone),
+        _paired(test),
     )
     judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
     return MatrixRow(cell, judgement, figures, troubles(cell))
@@ -123,9 +137,9 @@ def _ratio(cell: Cell) -> Figure:
     return Figure(told(estimate, 2), math.nan if estimate is None else estimate.value)
 
 
-def _paired(cell: Cell, alone: Cell | None) -> Figure:
-    test = compare_cells(cell, alone) if alone is not None and cell is not alone else None
-    if test is None or test.p_value is None:
+def _paired(tested: tuple[PairedTest, float] | None) -> Figure:
+    if tested is None:
         return Figure(NOTHING, math.nan)
-    p_value = "p < 0.001" if test.p_value < 0.001 else f"p = {test.p_value:.3f}"
-    return Figure(f"{test.first_farther} / {test.second_farther}; {p_value}", test.p_value)
+    test, p_value = tested
+    told = "p < 0.001" if p_value < 0.001 else f"p = {p_value:.3f}"
+    return Figure(f"{test.first_farther} / {test.second_farther}; {told}", p_value)

@@ -34,12 +34,6 @@ _REM = 16.0
 _MOST_MESSAGES = 3
 """Different messages of trials told in one row."""
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
-_PROFILES = {
-    "default": "as shipped",
-    "game": "one engine step a frame, or the fewest with which a dropped brick seats",
-    "tuned": "the best we could get",
-    "unity4": "an emulation of PhysX as the paper had it",
-}
 
 
 def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[str] = ()) -> Path:
@@ -71,7 +65,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             problems=_problems(records, missing, without_frames),
             verdicts=told,
             share_note=_share_note(cells, bool(of_pairs)),
-            profile_notes=_PROFILES,
+            set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in told},
             pairs=_pairs(of_pairs, figures, policies),
             rows=rows,
             columns=COLUMNS,
@@ -156,6 +150,13 @@ def _choices(cells: Sequence[Cell]) -> dict[str, list[str]]:
     names = {field: list(dict.fromkeys(getattr(cell.key, field) for cell in cells)) for field in fields}
     names["policy"] = ordered_policies(cell.key.policy for cell in cells)
     return {**names, "outcome": ["right", "wrong", "mixed", "open"]}
+
+
+def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
+    """What the environment says of a profile; a varied one is told by what it varies. Empty if it says nothing."""
+    name, _, varied = profile.partition("@")
+    described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
+    return f"{described}; {varied}" if described and varied else described
 
 
 def _share_note(cells: Sequence[Cell], in_pairs: bool) -> str:

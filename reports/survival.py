@@ -149,6 +149,19 @@ def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
     return PairedTest(len(pairs), first_farther, second_farther, _sign_flip_p_value(difference))
 
 
+def holm(p_values: Sequence[float]) -> list[float]:
+    """P-values of several tests, such that any at all is below 0.05 by chance in one study of twenty (Holm 1979).
+
+    The smallest of m is multiplied by m, the next by m - 1, and so on; none becomes smaller than one before it.
+    """
+    order = np.argsort(p_values, kind="stable")
+    factors = np.arange(len(p_values), 0, -1)
+    corrected = np.empty(len(p_values))
+    corrected[order] = np.minimum(np.maximum.accumulate(factors * np.asarray(p_values, float)[order]), 1.0)
+    values: list[float] = corrected.tolist()
+    return values
+
+
 def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
     """Peto and Peto's scores, shape (n,); the farther a stack came, the lower its score.
 

@@ -13,7 +13,8 @@ from scenarios.model import Expectation
 STANDS = Expectation("stand", "always in equilibrium")
 FALLS = Expectation("fall", "n d > L first at n = 9", 9)
 COMPLETED = {"height_levels": 30, "levels_placed": 30}
-DESCRIBED = {"version": "1", "capabilities": {"contact_points": "up to 4"}, "profiles": {}}
+GAME = {"description": "one step a frame", "tuned_by": "nobody", "knobs": {}}
+DESCRIBED = {"version": "1", "capabilities": {"contact_points": "up to 4"}, "profiles": {"game": GAME}}
 
 
 def record(**fields) -> TrialRecord:

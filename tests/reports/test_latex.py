@@ -7,9 +7,10 @@ import subprocess
 import pytest
 
 from reports.cells import cells_of
-from reports.latex import escape, to_latex, with_uncertainty
+from reports.latex import escape, pairs_to_latex, to_latex, with_uncertainty
 from reports.matrix import matrix
-from tests.reports.studies import failed, fallen, record
+from reports.pairs import pair_rows
+from tests.reports.studies import FALLS, STANDS, failed, fallen, record
 
 RECORDS = [
     *(fallen(4 + seed, seed=seed) for seed in range(3)),
@@ -18,8 +19,20 @@ RECORDS = [
 ]
 
 
+CAPTION = "n = 7 trials of 100 % & more."
+PAIRS = [
+    record(scene=f"table_2-{side}", pair="table_2", expectation=theory, verdict=verdict, seed=seed)
+    for seed, fall in enumerate(["right", "right", "false_stand"])
+    for side, theory, verdict in (("stand", STANDS, "right"), ("fall", FALLS, fall))
+]
+
+
 def table() -> str:
-    return to_latex(matrix(cells_of(RECORDS)), "n = 7 trials of 100 % & more.", "made_up")
+    return to_latex(matrix(cells_of(RECORDS)), CAPTION, "made_up")
+
+
+def pairs() -> str:
+    return pairs_to_latex(pair_rows(cells_of(PAIRS)), CAPTION, "made_up")
 
 
 @pytest.mark.parametrize(
@@ -43,6 +56,15 @@ def test_a_row_has_its_medians_deviations_and_bounds() -> None:
     assert {len(row) for row in cells} == {10}
 
 
+def test_pairs_stand_under_who_built_them_with_their_interval() -> None:
+    rows = [line.rstrip(" \\").split(" & ") for line in pairs().splitlines() if line.startswith(r"\quad")]
+    assert [row[0] for row in rows] == [r"\quad none", r"\quad table\_2"], "all together, then by family"
+    for row in rows:
+        # of three builds two were right; a draw of three of them has any number from none to all
+        assert row[1:] == ["3", "67 [0, 100]", "33 [0, 100]", "0", "0", "0"]
+    assert r"\multicolumn{7}{@{}l}{bullet, game, none}" in pairs()
+
+
 def test_caption_and_label_are_escaped() -> None:
     assert r"n = 7 trials of 100 \% \& more." in table()
     assert r"\label{tab:made-up}" in table()
@@ -50,14 +72,19 @@ def test_caption_and_label_are_escaped() -> None:
 
 
 def test_braces_and_environments_are_balanced() -> None:
-    told = re.sub(r"\\[{}]", "", table())
-    assert told.count("{") == told.count("}")
-    assert re.findall(r"\\begin\{(\w+)\}", told) == re.findall(r"\\end\{(\w+)\}", told)
+    for text in (table(), pairs()):
+        told = re.sub(r"\\[{}]", "", text)
+        assert told.count("{") == told.count("}")
+        assert re.findall(r"\\begin\{(\w+)\}", told) == re.findall(r"\\end\{(\w+)\}", told)
 
 
 def test_latex_takes_it(tmp_path) -> None:
     if shutil.which("pdflatex") is None:
-        pytest.skip("no LaTeX is installed: apt-get install texlive-science")
-    packages = r"\usepackage{booktabs,longtable,siunitx}"
-    (tmp_path / "a.tex").write_text(rf"\documentclass{{article}}{packages}\begin{{document}}{table()}\end{{document}}")
-    subprocess.run(["pdflatex", "-halt-on-error", "a.tex"], cwd=tmp_path, check=True, timeout=600)
+        pytest.skip("no LaTeX is installed: apt-get install texlive-latex-recommended texlive-science")
+    packages = r"\usepackage[margin=2cm]{geometry}\usepackage{booktabs,longtable,siunitx}"
+    content = rf"\documentclass{{article}}{packages}\begin{{document}}{table()}{pairs()}\end{{document}}"
+    (tmp_path / "a.tex").write_text(content, encoding="utf-8")
+    command = ["pdflatex", "-halt-on-error", "a.tex"]
+    for _ in range(2):  # longtable finds its widths in the second
+        done = subprocess.run(command, cwd=tmp_path, check=True, timeout=600, capture_output=True, text=True)
+    assert "Overfull" not in done.stdout, "a page of A4 or letter paper is wide enough"

@@ -7,7 +7,7 @@ import pytest
 
 from reports.page import write_page
 from reports.records import TrialRecord
-from tests.reports.studies import FALLS, failed, fallen, record, write_study
+from tests.reports.studies import FALLS, STANDS, failed, fallen, record, write_study
 
 SEEDS = range(6)
 RECORDS = [
@@ -44,6 +44,29 @@ def test_it_opens_without_a_complaint_or_a_request_and_tells_every_engine(page, 
     assert opened.locator("#verdicts h3 code").all_inner_texts() == ["game", "tuned"]
     assert opened.locator("#survival svg").count() == 2
     assert opened.locator("#plot path").count() > 0
+
+
+def test_a_card_tells_how_its_profile_is_set_up(tmp_path) -> None:
+    varied = page_of(tmp_path, [record(), record(engine="dart", profile="game@scale=10"), record(profile="tuned")])
+    told = re.findall(r'<p class="set-up">(.*?)</p>', varied.read_text(encoding="utf-8"))
+    assert told == ["one step a frame", "one step a frame; scale=10"], "nothing is known of tuned"
+
+
+def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None:
+    sides = (("stand", STANDS, "right"), ("fall", FALLS, "false_stand"))
+    glued = [
+        record(scene=f"table-{n}-{side}", pair=f"table-{n}", expectation=theory, verdict=verdict)
+        for n in range(2)
+        for side, theory, verdict in sides
+    ]
+    opened = open_page(page_of(tmp_path, glued))
+    assert opened.locator(".card .headline").inner_text() == "At best 0 % of the pairs right, alone."
+    assert opened.locator(".card tbody tr").inner_text().split() == ["none", "0", "%", "100", "%", "0", "%", "0", "%"]
+    assert opened.locator("#pairs table").count() == 2
+    assert opened.locator("#pairs svg").count() == 1
+    report = tmp_path / "study" / "report"
+    assert {"pairs.csv", "pairs.tex"} <= {path.name for path in report.iterdir()}
+    assert (report / "figures" / "pairs.pdf").exists()
 
 
 def test_rows_are_filtered_by_choice_and_by_word(page, open_page) -> None:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from reports.frames import FrameRow, read_frames, write_frames
 from reports.records import RecordError, RecordWarning, RecordWriter, TrialRecord, read_records
-from scenarios.model import Expectation
+from tests.reports.studies import FALLS, record
 
 DESIGNED = re.findall(
     r"\w+",
@@ -20,27 +20,8 @@ DESIGNED = re.findall(
 )
 
 
-def record(**fields) -> TrialRecord:
-    return TrialRecord(
-        **{
-            "trial": "a",
-            "engine": "bullet",
-            "engine_version": "1",
-            "profile": "game",
-            "scenario": "four_stack",
-            "scene": "four_stack",
-            "parameters": {"levels": 30, "angle": 72.0},
-            "policy": "none",
-            "seed": 0,
-            "repeat": 0,
-            "status": "completed",
-            "expectation": Expectation("fall", "n d > L", 9),
-            "verdict": "right",
-            "environment": "abc",
-            "levels_planned": 30,
-            **fields,
-        }
-    )
+def trial(**fields) -> TrialRecord:
+    return record(**{"trial": "a", "expectation": FALLS, "parameters": {"levels": 30, "angle": 72.0}, **fields})
 
 
 def write(path, *records: TrialRecord) -> None:
@@ -55,7 +36,7 @@ def test_the_fields_are_those_of_the_design_in_its_order() -> None:
 
 
 def test_records_read_back_as_they_were(tmp_path) -> None:
-    records = [record(), record(trial="b", status="collapsed", collapse_level=3, frame_ms_p50=0.1, message="ü\n")]
+    records = [trial(), trial(trial="b", status="collapsed", collapse_level=3, frame_ms_p50=0.1, message="ü\n")]
     write(tmp_path / "trials.jsonl", *records)
     again = read_records(tmp_path / "trials.jsonl")
     assert again == records
@@ -65,34 +46,34 @@ def test_records_read_back_as_they_were(tmp_path) -> None:
 
 def test_every_record_is_on_disk_before_the_next_trial_begins(tmp_path) -> None:
     writer = RecordWriter(tmp_path / "trials.jsonl")
-    writer.append(record())
+    writer.append(trial())
     assert len(read_records(tmp_path / "trials.jsonl")) == 1
     writer.close()
 
 
 def test_what_does_not_exist_is_null_and_nan_is_refused(tmp_path) -> None:
-    assert json.loads(record().model_dump_json())["collapse_level"] is None
+    assert json.loads(trial().model_dump_json())["collapse_level"] is None
     for value in (math.nan, math.inf):
         with pytest.raises(ValidationError, match="finite"):
-            record(sink_m=value)
+            trial(sink_m=value)
 
 
 def test_a_torn_last_line_is_left_out_with_a_warning_and_mended_when_the_file_is_continued(tmp_path) -> None:
     path = tmp_path / "trials.jsonl"
-    write(path, record(), record(trial="b"))
+    write(path, trial(), trial(trial="b"))
     path.write_bytes(path.read_bytes()[:-40])
     with pytest.warns(RecordWarning, match=r"trials\.jsonl:2: the last line is torn"):
         assert [one.trial for one in read_records(path)] == ["a"]
-    write(path, record(trial="c"))
+    write(path, trial(trial="c"))
     assert [one.trial for one in read_records(path)] == ["a", "c"]
 
 
 def test_a_last_line_that_lost_only_its_line_break_is_whole(tmp_path) -> None:
     path = tmp_path / "trials.jsonl"
-    write(path, record())
+    write(path, trial())
     path.write_bytes(path.read_bytes()[:-1])
     assert [one.trial for one in read_records(path)] == ["a"]
-    write(path, record(trial="b"))
+    write(path, trial(trial="b"))
     assert [one.trial for one in read_records(path)] == ["a", "b"]
 
 
@@ -107,7 +88,7 @@ def test_a_last_line_that_lost_only_its_line_break_is_whole(tmp_path) -> None:
 )
 def test_a_foreign_line_is_named_with_its_file_and_number(tmp_path, line: str, complaint: str) -> None:
     path = tmp_path / "trials.jsonl"
-    write(path, record())
+    write(path, trial())
     path.write_text(path.read_text() + line + "\n")
     with pytest.raises(RecordError, match=rf"trials\.jsonl:2: {complaint}"):
         read_records(path)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.survival import Lifetime, compare_pairs, kaplan_meier, lifetime, wilcoxon_scores
+from reports.survival import Lifetime, compare_pairs, holm, kaplan_meier, lifetime, wilcoxon_scores
 from tests.reports.studies import record
 
 CASES = json.loads((Path(__file__).parents[1] / "fixtures" / "survival.json").read_text(encoding="utf-8"))["cases"]
@@ -124,3 +124,12 @@ def test_the_seeds_are_paired() -> None:
     levels = [3, 25, 9, 14, 20, 6, 28, 11]
     test = compare_pairs([(fell(level), fell(level + 1)) for level in levels])
     assert test.p_value == pytest.approx(2 / 2**8)
+
+
+def test_several_p_values_are_corrected_as_by_hand() -> None:
+    # sorted: 0.01 * 4, 0.02 * 3, then 0.03 * 2 = 0.06 and 0.5 * 1
+    assert holm([0.03, 0.01, 0.5, 0.02]) == pytest.approx([0.06, 0.04, 0.5, 0.06])
+    assert holm([0.04, 0.03]) == pytest.approx([0.06, 0.06]), "0.04 * 1 would be below the smaller one's"
+    assert holm([0.6, 0.7]) == [1.0, 1.0]
+    assert holm([0.02]) == [0.02]
+    assert holm([]) == []
