@@ -103,8 +103,8 @@ class MujocoSimulation(Simulation):
         ),
         "tuned": Profile(
             "tuned",
-            "as game, four steps a frame",
-            4,
+            "as game, eight steps a frame: at four, the feet of a V let go together land 0.01 and 0.48 mm deep",
+            8,
             knobs=_EXPERT,
             tuned_by="Stillstack, on the 4-stack and the inverted V",
         ),

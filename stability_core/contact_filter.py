@@ -122,8 +122,8 @@ def keep_contacts(
         separation: signed distances [m], shape (n,).
         relative_velocity: of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
-        limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` even where
-            the pair overlaps elsewhere: a plank that its drop pressed into the ground still stands on its edge.
+        limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
+            drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
         kept: the contacts that count are written here, at least n rows of ``CONTACT``.
         struck: the frozen bodies struck by an impact are written here, at least 2 n rows.
 
@@ -133,7 +133,7 @@ def keep_contacts(
     size, hits = 0, 0
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
-        if separation[i] > 0.0 and _reach(body_a, body_b, separation, i) > limits.contact_gap:
+        if _reach(body_a, body_b, separation, i) > limits.contact_gap:
             continue  # never for an unknown (NaN) separation: it counts as touch
         approach, slip = _speeds(relative_velocity[i], normal[i])
         if approach > limits.impact_speed:

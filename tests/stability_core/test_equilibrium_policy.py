@@ -106,17 +106,21 @@ def test_an_inverted_v_is_frozen_iff_statics_holds_it(port, extension, theta):
     assert port.batches == [("sleep", [0, 1])]
 
 
-@pytest.mark.parametrize(("depth", "is_edge"), [(1.2e-3, True), (0.1e-3, False)])
-def test_a_plank_pressed_into_the_ground_still_stands_on_its_edge(port, extension, depth, is_edge):
-    """Its other edge comes within 0.3 mm of the ground only because this one is too deep: drawn out, it hovers.
+@pytest.mark.parametrize(
+    ("depth", "heel_gap", "is_edge"),
+    [(1.2e-3, 0.3e-3, True), (0.1e-3, 0.3e-3, False), (2.2e-3, -0.6e-3, True), (2.2e-3, -1.9e-3, False)],
+)
+def test_a_plank_pressed_into_the_ground_still_stands_on_its_edge(port, extension, depth, heel_gap, is_edge):
+    """Its other edge comes near the ground, or into it, only because this one is too deep: drawn out, it hovers.
 
-    A plank on an edge is frozen while it still sinks; one on two edges lies flat and must first come to rest.
+    A V at 78 deg that landed 2.2 mm deep has its heels 0.6 mm in the ground as well. A plank on an edge is frozen while
+    it still sinks; one on two edges lies flat and must first come to rest.
     """
     leaning_pair(port, 72.0, 0.45)
     for foot, body, side in zip(list(port.touches), (0, 1), (-1.0, 1.0), strict=False):
         foot.separation, foot.velocity = -depth, (0.0, 0.02, 0.0)  # sliding too fast for rest, slow enough to lean
         heel = [(x + side * 0.007, y, z) for x, y, z in foot.points]
-        port.touch(body, GROUND, heel, separation=0.3e-3, velocity=foot.velocity)
+        port.touch(body, GROUND, heel, separation=heel_gap, velocity=foot.velocity)
     port.touches.sort(key=lambda touch: (touch.lower, touch.upper))  # engines list a pair's points together
     frames(extension, 30)
     assert port.frozen == ({0, 1} if is_edge else set())
