@@ -90,7 +90,7 @@ class BoxTable:
             velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
         """
         a, b = contacts.body_a + 1, contacts.body_b + 1
-        listed = np.unique(np.minimum(a, b) * self._rows + np.maximum(a, b))
+        listed = np.sort(np.minimum(a, b) * self._rows + np.maximum(a, b))
         a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + 1, listed)
         if not len(a):
             return contacts
