@@ -77,13 +77,19 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 
 @compiled
-def _nearest_on_segment(x: float, y: float, a: FloatArray, b: FloatArray) -> tuple[float, float]:
+def _foot(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
+    """Where the point nearest to (x, y) lies on the way from a (0) to b (1)."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length2 = dx * dx + dy * dy
-    t = 0.0
     if length2 > 0.0:
-        t = min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / length2))
-    return a[0] + t * dx, a[1] + t * dy
+        return float(min(1.0, max(0.0, ((x - a[0]) * dx + (y - a[1]) * dy) / length2)))
+    return 0.0
+
+
+@compiled
+def _distance_to_segment(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
+    t = _foot(x, y, a, b)
+    return float(np.hypot(x - a[0] - t * (b[0] - a[0]), y - a[1] - t * (b[1] - a[1])))
 
 
 @compiled
@@ -91,10 +97,11 @@ def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
     """The point on the border of the hull (n, 3), n > 0, that is nearest to (x, y) in plan."""
     least, near_x, near_y = np.inf, x, y
     for i in range(len(hull)):
-        px, py = _nearest_on_segment(x, y, hull[i], hull[(i + 1) % len(hull)])
-        distance = np.hypot(x - px, y - py)
+        a, b = hull[i], hull[(i + 1) % len(hull)]
+        distance = _distance_to_segment(x, y, a, b)
         if distance < least:
-            least, near_x, near_y = distance, px, py
+            t = _foot(x, y, a, b)
+            least, near_x, near_y = distance, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
     return near_x, near_y
 
 
@@ -117,11 +124,13 @@ def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     The vertical ray test: a ray from the centre of mass hits the contact area iff this is >= 0.
     No points: minus infinity. A point or a line has no inside.
     """
-    if len(hull) == 0:
+    n = len(hull)
+    if n == 0:
         return -np.inf
-    near_x, near_y = nearest_point(hull, x, y)
-    distance = float(np.hypot(x - near_x, y - near_y))
-    return distance if is_inside(hull, x, y) else -distance
+    nearest = np.inf
+    for i in range(n):
+        nearest = min(nearest, _distance_to_segment(x, y, hull[i], hull[(i + 1) % n]))
+    return nearest if is_inside(hull, x, y) else -nearest
 
 
 @compiled
