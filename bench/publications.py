@@ -66,7 +66,9 @@ PUBLICATIONS: dict[str, Publication] = {
         "those stacks by 20 hands on six engines, profile `game`, without and with every policy", "publish"
     ),
     "truth": Publication(
-        "101 scenes with a known answer, most of them in pairs, six engines, profile `tuned`", "truth"
+        "every scene with a known answer, most of them in pairs, on five 3-D engines in `tuned`, by every policy",
+        "truth",
+        Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier")),
     ),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",
