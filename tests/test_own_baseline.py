@@ -13,8 +13,11 @@ ROOT = Path(__file__).parent.parent
 
 def test_the_baseline_holds_every_trial_of_the_study_from_a_clean_commit():
     baseline = read_baseline(ROOT / "tests" / "baseline" / "ci.json")
-    planned = [trial.id for trial in plan_trials(load_study("ci"))]
-    assert [record.trial for record in baseline.trials] == planned
+    planned = plan_trials(load_study("ci"))
+    assert [record.trial for record in baseline.trials] == [trial.id for trial in planned]
+    for record, trial in zip(baseline.trials, planned, strict=True):
+        scene = trial.build_scene()  # another one under the same name would be "not decided" for ever
+        assert (record.parameters, record.expectation) == (scene.parameters, scene.expectation)
     assert not any(baseline.is_limited(record) for record in baseline.trials)
     assert not any(machine.modified for machine in baseline.machines.values())
 
