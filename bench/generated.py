@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Callable, Mapping
 
@@ -13,7 +14,8 @@ from bench.environment import describe_engine
 from bench.publications import PUBLICATIONS, PUBLISHED
 from bench.sources import ROOT
 from reports.capabilities import capability_table
-from reports.tables import Table, to_markdown
+from reports.pairs import ALL
+from reports.tables import NOTHING, Table, to_markdown
 
 
 def capabilities_block() -> str:
@@ -36,6 +38,21 @@ def headline_block() -> str:
     shown = f"How they ended on {gallery.engine}: a row a stack, a column a policy"
     picture = f"![{shown}]({published.relative_to(ROOT).as_posix()}/stills.png)"
     return f"{picture}\n\n{_rows_of(tables, 'What stood and what fell')}\n"
+
+
+def pairs_block() -> str:
+    """Of how many pairs each policy got both sides right on each engine."""
+    with (PUBLISHED / "truth" / "pairs.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["family"] == ALL]
+    counted = {(row["engine"], row["policy"]): _right_of(row) for row in rows}
+    engines, policies = (tuple(dict.fromkeys(row[key] for row in rows)) for key in ("engine", "policy"))
+    cells = ((engine, *(counted[engine, policy] for policy in policies)) for engine in engines)
+    return _untitled(Table("", ("engine", *policies), tuple(cells)))
+
+
+def _right_of(row: Mapping[str, str]) -> str:
+    judged = int(row["judged"])
+    return f"{float(row['right']) * judged:.0f}/{judged}" if judged else NOTHING
 
 
 def results_block() -> str:
@@ -70,6 +87,7 @@ HEADLINE = "paper"
 """The publication whose table and picture the README shows."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "headline": ("README.md", headline_block),
+    "pairs": ("README.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
     "capabilities": ("README.md", capabilities_block),
     "profiles": ("docs/profiles.md", profiles_block),
