@@ -1,4 +1,4 @@
-"""Parts of the documents that the adapters and the published results write themselves.
+"""Parts of the documents that adapters, scenes and published results write themselves.
 
 ``uv run python -m bench.generated`` fills them anew; ``bench.publish`` does so, too.
 """
@@ -16,6 +16,7 @@ from bench.sources import ROOT
 from reports.capabilities import capability_table
 from reports.pairs import ALL
 from reports.tables import NOTHING, Table, to_markdown
+from scenarios.registry import SCENARIOS, Scenario, build
 
 
 def capabilities_block() -> str:
@@ -62,6 +63,17 @@ def results_block() -> str:
     return _untitled(Table("", ("Folder", "Study", "Command"), rows))
 
 
+def scenes_block() -> str:
+    """Each scene as it is built by default, in three lines."""
+    return "\n".join(_scene(name, scenario) for name, scenario in SCENARIOS.items())
+
+
+def _scene(name: str, scenario: Scenario) -> str:
+    scene = build(name)
+    told = f"- Theory: {scene.expectation.theory}\n- Look for: {scene.look_for}\n"
+    return f"**`{name}`**: {scenario.description}\n\n{told}"
+
+
 def _rows_of(markdown: str, title: str) -> str:
     """The table of a title, without its notes."""
     return markdown.partition(f"## {title}\n\n")[2].partition("\n\n")[0]
@@ -90,6 +102,7 @@ BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "pairs": ("README.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
     "capabilities": ("README.md", capabilities_block),
+    "scenes": ("docs/truth.md", scenes_block),
     "profiles": ("docs/profiles.md", profiles_block),
 }
 """Of each block, the document that it stands in, and what writes it."""
