@@ -15,7 +15,11 @@ from reports.frames import UNTIMED_FRAMES, read_columns
 from reports.records import TrialRecord
 
 BINS = 240
-"""About one to three pixels each on a page."""
+"""Of a trace: about one to three pixels each on a page."""
+_FEWEST_BINS = 48
+"""Coarse, but the worst frame of each bin still shows."""
+_BINS_A_PAGE = 250_000
+"""Of all traces together, some 2 MB: a page of a thousand set-ups draws each as finely as it can."""
 _STEPS_A_DECADE = 100
 """Times are kept as whole hundredths of a decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
 
@@ -28,23 +32,29 @@ def traces(folder: Path, cells: Sequence[Cell]) -> tuple[list[dict[str, Any]], l
         cells: of its records.
     """
     kept, missing = [], []
+    most = bins_for(len(cells))
     for cell in cells:
         trial = next((draw for draw in cell.draws if draw.frame_ms_p50 is not None), None)
         if trial is None:
             continue
         try:
-            kept.append({**cell.key._asdict(), "seed": trial.seed, **_trace(folder, trial)})
+            kept.append({**cell.key._asdict(), "seed": trial.seed, **_trace(folder, trial, most)})
         except (OSError, pa.ArrowException):
             missing.append(trial.trial)
     return kept, missing
 
 
-def _trace(folder: Path, trial: TrialRecord) -> dict[str, Any]:
-    """Seconds of the last frame, thinned times, and when bricks were woken and the stack fell."""
+def bins_for(traces: int) -> int:
+    """The most bins of each of so many ``traces`` on one page."""
+    return min(BINS, max(_FEWEST_BINS, _BINS_A_PAGE // max(1, traces)))
+
+
+def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
+    """Seconds of the last frame, times thinned to ``most`` bins, and when bricks were woken and the stack fell."""
     path = folder / "frames" / f"{trial.trial}.parquet"
     columns = read_columns(path, ("time_s", "frame_ms", "woken"))
     time, frame = columns["time_s"][UNTIMED_FRAMES:], columns["frame_ms"][UNTIMED_FRAMES:]
-    bins = np.array_split(frame, min(BINS, len(frame)))
+    bins = np.array_split(frame, min(most, len(frame)))
     woken = time[columns["woken"][UNTIMED_FRAMES:] > 0]
     return {
         "from": round(float(time[0]), 3),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,7 @@ from stability_core.stack import (
 from stability_core.watch import STRUCK, watch_for
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(NamedTuple):
     """What one update did."""
 
     frozen: tuple[int, ...]
@@ -194,7 +193,7 @@ class StabilityExtension:
             self.port.sleep(asleep)
         if awake:
             self.port.wake(awake)
-        return Change(asleep, awake, frozen | woken)
+        return Change(asleep, awake, frozen | woken if awake else frozen)
 
     def _wake(self, body: int) -> None:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""

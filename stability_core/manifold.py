@@ -42,10 +42,11 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
     friction = np.inf
     for i in range(len(rows)):
         contact = contacts[rows[i]]
+        contact_point, contact_normal = contact.point, contact.normal
         sign = 1.0 if contact.body_b == body else -1.0
         for k in range(3):
-            points[i, k] = contact.point[k]
-            normal[k] += sign * contact.normal[k]
+            points[i, k] = contact_point[k]
+            normal[k] += sign * contact_normal[k]
         friction = min(friction, contact.friction)
     hull = _thinned(convex_hull(points))
     patch.vertices = len(hull)
@@ -83,14 +84,15 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) 
         body: a body id.
     """
     drop_supports(graph, body)
+    bodies, row = graph.bodies, graph.bodies[body]
     n = len(mine)
     others, kinds = np.empty(n, np.int64), np.empty(n, np.int64)
     for i in range(n):
         contact = contacts[mine[i]]
         others[i] = contact.body_b if contact.body_a == body else contact.body_a
-        kinds[i] = _kind_for(graph.bodies, contact, body, others[i])
-    is_kept = graph.bodies[body].state == FROZEN
-    graph.bodies[body].provisional = False
+        kinds[i] = _kind_for(bodies, contact, body, others[i])
+    is_kept = row.state == FROZEN
+    row.provisional = False
     filed = np.zeros(n, np.bool_)
     rows = np.empty(n, np.int64)
     for first in range(n):
@@ -103,9 +105,9 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) 
                 filed[i] = True
                 rows[size] = mine[i]
                 size += 1
-        other_is_live = other != GROUND and graph.bodies[other].state == LIVE
+        other_is_live = other != GROUND and bodies[other].state == LIVE
         if other_is_live or kind < 0:
-            graph.bodies[body].provisional = True
+            row.provisional = True
         if kind >= 0 and not (is_kept and other_is_live):
             _lay_patch(graph, contacts, rows[:size], body, other, kind)
         elif kind < 0 and is_kept and not other_is_live:
@@ -119,20 +121,21 @@ def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tupl
     Returns:
         Where the rows of each body begin in the list, shape (k + 1,); the list of rows of ``watch.contacts``.
     """
-    k, room = len(ids), len(watch.contacts) // len(watch.sizes)
+    bodies, contacts, sizes = graph.bodies, watch.contacts, watch.sizes
+    k, room = len(ids), len(contacts) // len(sizes)
     for i in range(k):
-        graph.bodies[ids[i]].place = i
+        bodies[ids[i]].place = i
     start = np.zeros(k + 1, np.int64)
-    rows = np.empty(2 * watch.sizes.sum(), np.int64)
+    rows = np.empty(2 * sizes.sum(), np.int64)
     owner = np.empty(len(rows), np.int64)
     found = 0
     for back in range(frames - 1, -1, -1):
         frame = frame_before(watch, back)
-        for row in range(frame * room, frame * room + watch.sizes[frame]):
-            for body in (watch.contacts[row].body_a, watch.contacts[row].body_b):
+        for row in range(frame * room, frame * room + sizes[frame]):
+            for body in (contacts[row].body_a, contacts[row].body_b):
                 if body == GROUND:
                     continue
-                place = graph.bodies[body].place  # perhaps left over from another list
+                place = bodies[body].place  # perhaps left over from another list
                 if place < k and ids[place] == body:
                     rows[found], owner[found] = row, place
                     start[place + 1] += 1
@@ -153,9 +156,10 @@ def lay_all(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> None:
     if len(ids) == 0:
         return
     start, rows = _contacts_of(graph, watch, ids, frames)
+    bodies, contacts = graph.bodies, watch.contacts
     for i in range(len(ids)):
-        lay_patches(graph, watch.contacts, rows[start[i] : start[i + 1]], ids[i])
-        row = graph.bodies[ids[i]]
+        lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i])
+        row = bodies[ids[i]]
         row.is_load = True
         row.load_supported_by = row.supported_by
         for k in range(3):
@@ -172,10 +176,11 @@ def lift(graph: Graph, body: int) -> None:
 @compiled
 def supports_as_bits(graph: Graph, body: int) -> np.uint64:
     """The bodies on which ``body`` stands by its patches, as a set of 64 bits by id."""
+    patches = graph.patches
     bits = np.uint64(0)
     at = graph.bodies[body].first_support
     while at != NONE:
-        patch = graph.patches[at]
+        patch = patches[at]
         if patch.kind == SUPPORT:
             bits |= bit_of(patch.lower)
         at = patch.next_support

@@ -83,6 +83,8 @@ class Settings:
 
     def limits(self) -> Limits:
         """The settings as a structured array of shape (1,), for the kernels."""
-        kinds = {"int": "i8", "float": "f8"}
-        columns = [(item.name, kinds[str(item.type)]) for item in fields(self)]
-        return np.array([astuple(self)], np.dtype(columns, align=True))
+        return np.array([astuple(self)], _LIMITS)
+
+
+_LIMITS = np.dtype([(item.name, {"int": "i8", "float": "f8"}[str(item.type)]) for item in fields(Settings)], align=True)
+"""One for all settings: Numba knows this very object again at once, and another that is equal field by field."""

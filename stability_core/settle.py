@@ -11,21 +11,21 @@ from stability_core.compiled import compiled
 from stability_core.manifold import lay_all, lift
 from stability_core.port import IntArray
 from stability_core.settings import Limits
-from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports
+from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, sorted_ids
 from stability_core.watch import AT_REST, GONE, LEANING, LYING, Watch, listed
 
 
 @compiled
 def _with_rule(graph: Graph, watch: Watch, rule: int, state: int) -> IntArray:
     """The bodies in this ``state`` for which ``rule`` is the strictest, by rising id, shape (k,)."""
-    ids = listed(watch, rule)
+    bodies, ids = graph.bodies, listed(watch, rule)
     found = np.empty(len(ids), np.int64)
     n = 0
     for body in ids:
-        if graph.bodies[body].rule == rule and graph.bodies[body].state == state:
+        if bodies[body].rule == rule and bodies[body].state == state:
             found[n] = body
             n += 1
-    return np.sort(found[:n]) if n > 1 else found[:n]
+    return sorted_ids(found[:n])
 
 
 @compiled
@@ -34,11 +34,12 @@ def lay_due(graph: Graph, watch: Watch, limits: Limits) -> None:
 
     O(contacts of the dwell frames), whatever the number of frozen bodies.
     """
+    bodies = graph.bodies
     for body in listed(watch, GONE):
         lift(graph, body)
     for rule in (LYING, LEANING, AT_REST):  # the strictest has the last word
         for body in listed(watch, rule):
-            graph.bodies[body].rule = rule
+            bodies[body].rule = rule
     limit = limits[0]
     for rule, frames in ((LYING, limit.load_frames), (AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
         if watch.due[rule, 0] > 0:
@@ -55,18 +56,20 @@ def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
     for rule, frames in ((AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
         if watch.due[rule, 0] > 0:
             _lay_on_stack(graph, watch, _with_rule(graph, watch, rule, FROZEN), frames)
+    bodies = graph.bodies
     for body in listed(watch, LEANING):
-        row = graph.bodies[body]
+        row = bodies[body]
         if row.rule == LEANING and row.state == LIVE and row.load_frames < limit.load_frames:
             lift(graph, body)
 
 
 @compiled
 def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int) -> None:
+    bodies = graph.bodies
     again = np.empty(len(frozen), np.int64)
     n = 0
     for body in frozen:
-        if graph.bodies[body].provisional:
+        if bodies[body].provisional:
             again[n] = body
             n += 1
         else:
@@ -79,9 +82,10 @@ def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
     """The ``ids`` by rising height of the centre of mass, shape (k,)."""
     if len(ids) < 2:
         return ids
+    bodies = graph.bodies
     height = np.empty(len(ids))
     for i in range(len(ids)):
-        height[i] = graph.bodies[ids[i]].center[2]
+        height[i] = bodies[ids[i]].center[2]
     return ids[np.argsort(height, kind="mergesort")]
 
 

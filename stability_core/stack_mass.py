@@ -19,11 +19,12 @@ from stability_core.stack import MAX_VERTICES, NONE, SUPPORT, Graph, count_patch
 @compiled
 def supports_of(graph: Graph, body: int, on_stack: bool) -> IntArray:
     """The patches on which ``body`` stands, shape (k,); with ``on_stack`` those on ground and frozen bodies only."""
+    bodies, patches = graph.bodies, graph.patches
     found = np.empty(count_patches(graph, body), np.int64)
-    n, at = 0, graph.bodies[body].first_support
+    n, at = 0, bodies[body].first_support
     while at != NONE:
-        patch = graph.patches[at]
-        if patch.kind == SUPPORT and (is_stack(graph, patch.lower) or not on_stack):
+        patch = patches[at]
+        if patch.kind == SUPPORT and (is_stack(bodies, patch.lower) or not on_stack):
             found[n] = at
             n += 1
         at = patch.next_support
@@ -33,14 +34,15 @@ def supports_of(graph: Graph, body: int, on_stack: bool) -> IntArray:
 @compiled
 def support_polygon(graph: Graph, body: int) -> FloatArray:
     """The combined contact area: hull (k, 3) in plan of all patches on which ``body`` stands on the stack."""
+    patches = graph.patches
     supports = supports_of(graph, body, True)
     points = np.empty((MAX_VERTICES * len(supports), 3))
     n = 0
     for at in supports:
-        patch = graph.patches[at]
-        for vertex in range(patch.vertices):
+        corners = hull_of(patches[at])
+        for vertex in range(len(corners)):
             for k in range(3):
-                points[n, k] = patch.vertex[vertex, k]
+                points[n, k] = corners[vertex, k]
             n += 1
     return convex_hull(points[:n])
 

@@ -76,15 +76,16 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 
     O(supports), whatever the height of the stack.
     """
+    bodies, patches, known, corners = graph.bodies, graph.patches, regions.vertex, regions.vertices
     points = np.empty((2 * MAX_VERTICES * count_patches(graph, body), 3))
     n = 0
-    at = graph.bodies[body].first_support
+    at = bodies[body].first_support
     while at != NONE:
-        patch = graph.patches[at]
-        if patch.kind == SUPPORT and is_stack(graph, patch.lower):
+        patch = patches[at]
+        if patch.kind == SUPPORT and is_stack(bodies, patch.lower):
             area = hull_of(patch)
             if patch.lower != GROUND:
-                below = regions.vertex[patch.lower, : regions.vertices[patch.lower]]
+                below = known[patch.lower, : corners[patch.lower]]
                 area = cut(area, below) if len(below) > 2 else area[:0]
             for vertex in range(len(area)):
                 for k in range(3):
@@ -98,16 +99,17 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 def fingerprint(graph: Graph, body: int) -> int:
     """A number that changes with the frozen bodies (or ground) that ``body`` touches, whatever their order."""
     total = 1
-    at = graph.bodies[body].first_support
+    bodies, patches = graph.bodies, graph.patches
+    at = bodies[body].first_support
     while at != NONE:
-        patch = graph.patches[at]
-        if is_stack(graph, patch.lower):
+        patch = patches[at]
+        if is_stack(bodies, patch.lower):
             total += (patch.lower + 2) * 0x9E3779B97F4A7C1 + patch.kind
         at = patch.next_support
-    at = graph.bodies[body].first_load
+    at = bodies[body].first_load
     while at != NONE:
-        patch = graph.patches[at]
-        if graph.bodies[patch.upper].state == FROZEN:
+        patch = patches[at]
+        if bodies[patch.upper].state == FROZEN:
             total += (patch.upper + 2) * 0x5851F42D4C957F3 + patch.kind
         at = patch.next_load
     return total
@@ -122,12 +124,13 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 @compiled
 def _supports_are_proven(graph: Graph, regions: Regions, body: int) -> bool:
     """True if every frozen body below touches the same as when it was proven to stand: a region is built on theirs."""
-    at = graph.bodies[body].first_support
+    bodies, patches = graph.bodies, graph.patches
+    at = bodies[body].first_support
     while at != NONE:
-        lower = graph.patches[at].lower
-        if lower != GROUND and graph.bodies[lower].state == FROZEN and not is_proven(graph, regions, lower):
+        lower = patches[at].lower
+        if lower != GROUND and bodies[lower].state == FROZEN and not is_proven(graph, regions, lower):
             return False
-        at = graph.patches[at].next_support
+        at = patches[at].next_support
     return True
 
 
@@ -169,12 +172,13 @@ def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) ->
 @compiled
 def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
     """Note that what ``body`` rests on stands with it."""
-    at = graph.bodies[body].first_support
+    bodies, patches, links = graph.bodies, graph.patches, regions.links
+    at = bodies[body].first_support
     while at != NONE:
-        lower = graph.patches[at].lower
-        if lower != GROUND and graph.bodies[lower].state == FROZEN:
-            regions.links[lower] = fingerprint(graph, lower)
-        at = graph.patches[at].next_support
+        lower = patches[at].lower
+        if lower != GROUND and bodies[lower].state == FROZEN:
+            links[lower] = fingerprint(graph, lower)
+        at = patches[at].next_support
 
 
 @compiled
@@ -186,12 +190,13 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
         body: a body whose patches are laid.
         support: its combined contact area, shape (k, 3).
     """
-    if graph.bodies[body].first_load != NONE:
+    row, patches = graph.bodies[body], graph.patches
+    if row.first_load != NONE:
         return False
-    at = graph.bodies[body].first_support
+    at = row.first_support
     while at != NONE:
-        if graph.patches[at].kind == LEAN:
+        if patches[at].kind == LEAN:
             return False
-        at = graph.patches[at].next_support
-    center = graph.bodies[body].center
+        at = patches[at].next_support
+    center = row.center
     return bool(len(support) > 2 and not is_inside(support, center[0], center[1]))

@@ -52,13 +52,14 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
 
     What topples alone is decided as well: it stays live.
     """
+    bodies = graph.bodies
     frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
     n, m = 0, 0
     for body in candidates:
         region = region_of(graph, regions, body)
         if is_safe(graph, regions, body, region):
-            graph.bodies[body].state = FROZEN
-            graph.bodies[body].leans = False
+            bodies[body].state = FROZEN
+            bodies[body].leans = False
             keep_proof(graph, regions, body, region)
             keep_proof_of_neighbours(graph, regions, body)
             frozen[n] = body
@@ -75,10 +76,11 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 
     They may be frozen while they still move a little; a flat body can wait.
     """
+    bodies = graph.bodies
     found = np.empty(len(candidates), np.int64)
     n = 0
     for body in candidates:
-        if graph.bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width:
+        if bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width:
             found[n] = body
             n += 1
     return found[:n]
@@ -100,10 +102,11 @@ def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
 @compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
     """Those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
+    table = graph.bodies
     found = np.empty(len(bodies), np.int64)
     n = 0
     for body in bodies:
-        row = graph.bodies[body]
+        row = table[body]
         is_load = row.state == LIVE and row.first_support != NONE
         if (row.state == FROZEN and not is_proven(graph, regions, body)) or (
             is_load and not _is_borne(graph, regions, body)

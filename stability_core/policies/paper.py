@@ -39,7 +39,7 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
     """True if all that a body stands on or leans against belongs to the stack."""
     at = graph.bodies[body].first_support
     while at != NONE:
-        if not is_stack(graph, graph.patches[at].lower):
+        if not is_stack(graph.bodies, graph.patches[at].lower):
             return False
         at = graph.patches[at].next_support
     return True

@@ -103,7 +103,7 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
         at = patch.next_support
         if patch.kind != SUPPORT:
             continue
-        if not is_stack(graph, patch.lower):
+        if not is_stack(graph.bodies, patch.lower):
             return False
         stands = True
         if patch.lower != GROUND:

@@ -114,12 +114,12 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
 def test_a_folder_that_holds_trials_of_another_run_is_refused_unless_they_are_to_be_replaced(tmp_path) -> None:
     (tmp_path / "trials.jsonl").touch()
     assert "holds trials of another run" in call("run", "ci", "--out", str(tmp_path), status=2)
-    assert "6 trials" in call("run", "ci", "--out", str(tmp_path), "--fresh", "--dry-run", status=0)
+    assert "18 trials" in call("run", "ci", "--out", str(tmp_path), "--fresh", "--dry-run", status=0)
 
 
 def test_a_dry_run_lists_the_trials_and_writes_nothing(tmp_path) -> None:
     told = call("run", "ci", "--policy", "paper", "--out", str(tmp_path / "x"), "--dry-run", status=0)
-    assert told.startswith("bullet.game.four_stack-3.paper.s0.r0 bullet.game.leaning_tower.paper.s0.r0")
+    assert told.startswith("bullet.game.four_stack-3.paper.s0.r0 bullet.game.four_stack-3.paper.s0.r1")
     assert not (tmp_path / "x").exists()
 
 
@@ -131,7 +131,7 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     (tmp_path / "trials.jsonl").write_text(record.model_dump_json() + "\n")
     told = call("run", "ci", "--out", str(tmp_path), "--dry-run", status=0)
     assert one.id not in told
-    assert "5 trials: about 6 s (0 from the same trials, 2 from others" in told
+    assert "17 trials: about 25 s (0 from the same trials, 8 from others" in told
     assert "1 more are already there" in told
 
 
