@@ -85,8 +85,12 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
     if not levels:
         return _WENT_WRONG[trials[0].status]
     at_least = "≥" if any(trial.status in CENSORED for trial in trials) else ""
-    reached = f"{at_least}{_plain(statistics.median(levels))} ({levels[0]}-{levels[-1]})/{trials[0].levels_planned}"
-    return f"{reached} {right}/{len(judged)} ✓" if judged else reached
+    varied = f" ({levels[0]}-{levels[-1]})" if levels[0] < levels[-1] else ""
+    reached = f"{at_least}{_plain(statistics.median(levels))}{varied}/{trials[0].levels_planned}"
+    if not judged:
+        return reached
+    mark = "✓" if right == len(judged) else "~" if right else "✗"
+    return f"{reached} {mark} {right}/{len(judged)}"
 
 
 def _end(trial: TrialRecord) -> str:
@@ -300,7 +304,9 @@ def _seeds(records: Iterable[TrialRecord]) -> str:
         {len(trials) for _, trials in _grouped(records, lambda r: (r.scene, r.engine, r.profile, r.policy))}
     )
     n = "-".join(map(str, [counts[0], counts[-1]][: len(counts)])) if counts else "0"
-    told = " (median and range of the levels that stood, then how many trials were right)" if counts[-1:] > [1] else ""
+    told = ""
+    if counts[-1:] > [1]:
+        told = " (median and range of the levels that stood, then how many trials were right: ✓ all, ~ some, ✗ none)"
     return f"n = {n} trial{'' if n == '1' else 's'} a cell: seeds and repeats{told}."
 
 

@@ -15,6 +15,9 @@ from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Bodies, Graph, drop_supports, link
 from stability_core.watch import Watch, frame_before
 
+_LOAD, _FILED = -1, -2
+"""Beside SUPPORT and LEAN: the other body stands on this one; the contact is in a patch already."""
+
 
 @compiled
 def _thinned(hull: FloatArray) -> FloatArray:
@@ -38,35 +41,33 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
     """One patch of ``body`` on ``other`` from the contacts ``rows``."""
     points = np.empty((len(rows), 3))
     patch = link(graph, body, other, kind)
-    normal = np.zeros(3)
+    x, y, z = 0.0, 0.0, 0.0
     friction = np.inf
     for i in range(len(rows)):
         contact = contacts[rows[i]]
-        contact_point, contact_normal = contact.point, contact.normal
-        sign = 1.0 if contact.body_b == body else -1.0
+        point, normal = contact.point, contact.normal
         for k in range(3):
-            points[i, k] = contact_point[k]
-            normal[k] += sign * contact_normal[k]
+            points[i, k] = point[k]
+        sign = 1.0 if contact.body_b == body else -1.0
+        x, y, z = x + sign * normal[0], y + sign * normal[1], z + sign * normal[2]
         friction = min(friction, contact.friction)
-    hull = _thinned(convex_hull(points))
+    hull, corners = _thinned(convex_hull(points)), patch.vertex
     patch.vertices = len(hull)
     for i in range(len(hull)):
         for k in range(3):
-            patch.vertex[i, k] = hull[i, k]
-    middle = centroid(hull)
-    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-    for k in range(3):
-        patch.center[k] = middle[k]
-        patch.normal[k] = normal[k] / length
+            corners[i, k] = hull[i, k]
+    patch.center[0], patch.center[1], patch.center[2] = centroid(hull)
+    length = np.sqrt(x**2 + y**2 + z**2)
+    patch.normal[0], patch.normal[1], patch.normal[2] = x / length, y / length, z / length
     patch.friction = friction
 
 
 @compiled
 def _kind_for(bodies: Bodies, contact: ContactRows, body: int, other: int) -> int:
-    """SUPPORT if ``body`` stands on ``other`` here, LEAN if it leans, -1 if ``other`` stands on ``body``."""
+    """SUPPORT if ``body`` stands on ``other`` here, LEAN if it leans, _LOAD if ``other`` stands on ``body``."""
     if not contact.level:
         return LEAN
-    return SUPPORT if is_above(bodies, body, other) else -1
+    return SUPPORT if is_above(bodies, body, other) else _LOAD
 
 
 @compiled
@@ -93,24 +94,23 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) 
         kinds[i] = _kind_for(bodies, contact, body, others[i])
     is_kept = row.state == FROZEN
     row.provisional = False
-    filed = np.zeros(n, np.bool_)
     rows = np.empty(n, np.int64)
     for first in range(n):
-        if filed[first]:
-            continue
         other, kind = others[first], kinds[first]
+        if kind == _FILED:
+            continue
         size = 0
         for i in range(first, n):
             if others[i] == other and kinds[i] == kind:
-                filed[i] = True
+                kinds[i] = _FILED
                 rows[size] = mine[i]
                 size += 1
         other_is_live = other != GROUND and bodies[other].state == LIVE
-        if other_is_live or kind < 0:
+        if other_is_live or kind == _LOAD:
             row.provisional = True
-        if kind >= 0 and not (is_kept and other_is_live):
+        if kind != _LOAD and not (is_kept and other_is_live):
             _lay_patch(graph, contacts, rows[:size], body, other, kind)
-        elif kind < 0 and is_kept and not other_is_live:
+        elif kind == _LOAD and is_kept and not other_is_live:
             _lay_patch(graph, contacts, rows[:size], other, body, SUPPORT)
 
 

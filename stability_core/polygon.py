@@ -151,19 +151,18 @@ def width(hull: FloatArray) -> float:
 
 
 @compiled
-def centroid(hull: FloatArray) -> FloatArray:
-    """Area centroid (3,) of the hull in plan, at the mean height of its vertices; of a line, its middle."""
+def centroid(hull: FloatArray) -> tuple[float, float, float]:
+    """Area centroid of the hull in plan, at the mean height of its vertices; of a line, its middle."""
     n = len(hull)
-    center = np.zeros(3)
+    x, y, z = 0.0, 0.0, 0.0
     for i in range(n):
-        for k in range(3):
-            center[k] += hull[i, k] / n
-    area, x, y = 0.0, 0.0, 0.0
+        x, y, z = x + hull[i, 0] / n, y + hull[i, 1] / n, z + hull[i, 2] / n
+    area, moment_x, moment_y = 0.0, 0.0, 0.0
     for i in range(1, n - 1):
         part = _turn(hull, 0, i, i + 1)
         area += part
-        x += part * (hull[0, 0] + hull[i, 0] + hull[i + 1, 0]) / 3.0
-        y += part * (hull[0, 1] + hull[i, 1] + hull[i + 1, 1]) / 3.0
+        moment_x += part * (hull[0, 0] + hull[i, 0] + hull[i + 1, 0]) / 3.0
+        moment_y += part * (hull[0, 1] + hull[i, 1] + hull[i + 1, 1]) / 3.0
     if area > 0.0:
-        center[0], center[1] = x / area, y / area
-    return center
+        return moment_x / area, moment_y / area, z
+    return x, y, z

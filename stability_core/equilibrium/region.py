@@ -9,13 +9,13 @@ So if the stack stood before, it stands with the weight, and no force need be kn
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.polygon import convex_hull, inside_distance, is_inside, nearest_point
-from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.port import GROUND, FloatArray
 from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, count_patches, hull_of, is_stack
 from stability_core.stack_mass import support_polygon
 
@@ -23,23 +23,23 @@ ON_BORDER = 1e-9
 """Distance [m] at which a point counts as lying on a border: rounding moves it by less."""
 
 
-class Regions(NamedTuple):
-    """The safe regions of frozen bodies, one row a body id."""
+REGION = np.dtype(
+    [
+        ("vertices", "i8"),  # 0 where no region is known
+        ("vertex", "f8", (MAX_VERTICES, 3)),  # a convex polygon in plan, counter-clockwise [m]
+        ("links", "i8"),  # fingerprint of the frozen neighbours and the ground, with which the body was proven to stand
+    ],
+    align=True,
+)
+"""The safe region of a frozen body."""
+Regions: TypeAlias = Any
+"""Structured array of ``REGION``, one row a body id."""
 
-    vertices: IntArray
-    """Number of vertices, shape (n,); 0 where no region is known."""
-    vertex: FloatArray
-    """Convex polygons in plan, counter-clockwise [m], shape (n, MAX_VERTICES, 3)."""
-    links: IntArray
-    """Fingerprint of the frozen neighbours and the ground, with which the body was proven to stand, shape (n,)."""
 
-
-def regions_for(bodies: int, known: Regions | None = None) -> Regions:
+def regions_for(bodies: int, known: Regions) -> Regions:
     """A table with rows for ids below ``bodies``, with what is ``known`` taken over."""
-    fresh = Regions(np.zeros(bodies, np.int64), np.zeros((bodies, MAX_VERTICES, 3)), np.zeros(bodies, np.int64))
-    if known is not None:
-        for new, old in zip(fresh, known, strict=True):
-            new[: len(old)] = old
+    fresh = np.zeros(bodies, REGION)
+    fresh[: len(known)] = known
     return fresh
 
 
@@ -71,12 +71,20 @@ def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
 
 
 @compiled
+def known_region(regions: Regions, body: int) -> FloatArray:
+    """U of a frozen body, shape (k, 3); empty where none is known."""
+    row = regions[body]
+    region: FloatArray = row.vertex[: row.vertices]
+    return region
+
+
+@compiled
 def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
     """U of a body that stands on the stack, shape (k, 3), from the regions of its supports.
 
     O(supports), whatever the height of the stack.
     """
-    bodies, patches, known, corners = graph.bodies, graph.patches, regions.vertex, regions.vertices
+    bodies, patches = graph.bodies, graph.patches
     points = np.empty((2 * MAX_VERTICES * count_patches(graph, body), 3))
     n = 0
     at = bodies[body].first_support
@@ -85,7 +93,7 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
         if patch.kind == SUPPORT and is_stack(bodies, patch.lower):
             area = hull_of(patch)
             if patch.lower != GROUND:
-                below = known[patch.lower, : corners[patch.lower]]
+                below = known_region(regions, patch.lower)
                 area = cut(area, below) if len(below) > 2 else area[:0]
             for vertex in range(len(area)):
                 for k in range(3):
@@ -118,7 +126,7 @@ def fingerprint(graph: Graph, body: int) -> int:
 @compiled
 def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
     """True if ``body`` touches the same frozen bodies as when it was proven to stand."""
-    return bool(fingerprint(graph, body) == regions.links[body])
+    return bool(fingerprint(graph, body) == regions[body].links)
 
 
 @compiled
@@ -163,21 +171,23 @@ def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -
 @compiled
 def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) -> None:
     """Note that ``body``, now frozen, stands, and that it may be loaded in its ``region`` (k, 3)."""
-    size = min(len(region), MAX_VERTICES)  # fewer vertices make a smaller region, which is as safe
-    regions.vertices[body] = size
-    regions.vertex[body, :size] = region[:size]
-    regions.links[body] = fingerprint(graph, body)
+    row = regions[body]
+    corners, size = row.vertex, min(len(region), MAX_VERTICES)  # fewer vertices make a smaller region, which is as safe
+    for vertex in range(size):
+        for k in range(3):
+            corners[vertex, k] = region[vertex, k]
+    row.vertices, row.links = size, fingerprint(graph, body)
 
 
 @compiled
 def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
     """Note that what ``body`` rests on stands with it."""
-    bodies, patches, links = graph.bodies, graph.patches, regions.links
+    bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
         lower = patches[at].lower
         if lower != GROUND and bodies[lower].state == FROZEN:
-            links[lower] = fingerprint(graph, lower)
+            regions[lower].links = fingerprint(graph, lower)
         at = patches[at].next_support
 
 

@@ -18,6 +18,7 @@ from stability_core.equilibrium.component import component, problem_of
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import relieved_of
 from stability_core.equilibrium.region import (
+    REGION,
     Regions,
     is_proven,
     is_safe,
@@ -31,7 +32,7 @@ from stability_core.equilibrium.region import (
 from stability_core.equilibrium.verdict import decide, takes_part
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import width
-from stability_core.port import FloatArray, IntArray
+from stability_core.port import IntArray
 from stability_core.settings import Limits, Settings
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
 from stability_core.stack import FROZEN, LIVE, NONE, Bodies, Graph, Patches, take_changed
@@ -133,9 +134,7 @@ def _settle_safely(
     patches: Patches,
     spare: IntArray,
     changed: IntArray,
-    vertices: IntArray,
-    vertex: FloatArray,
-    links: IntArray,
+    regions: Regions,
     contacts: ContactRows,
     sizes: IntArray,
     latest: IntArray,
@@ -145,15 +144,14 @@ def _settle_safely(
 ) -> tuple[int, int, int]:
     """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
 
-    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph``, ``Regions`` and ``Watch``
-    come one by one: Numba takes longer to look at three tuples than a plank takes to freeze.
+    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph`` and ``Watch`` come one by
+    one: Numba takes longer to look at two tuples than a plank takes to freeze.
 
     Returns:
         How many bodies are written into the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
         solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
     """
     graph = Graph(bodies, patches, spare, changed)
-    regions = Regions(vertices, vertex, links)
     watch = Watch(contacts, sizes, latest, due)
     lay_due(graph, watch, limits)
     frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
@@ -172,7 +170,7 @@ class Equilibrium(Policy):
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
         super().__init__(gravity, settings)
-        self._regions = regions_for(0)
+        self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
 
@@ -182,12 +180,12 @@ class Equilibrium(Policy):
         O(1) a changed body while safe regions decide, else some solves of its component that begin at its latest
         forces.
         """
-        if len(graph.bodies) > len(self._regions.links):
+        if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
             self._found = np.empty((3, len(graph.bodies)), np.int64)
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
-        safe, left, unsolved = _settle_safely(*graph, *self._regions, *watch, self.limits, self._found)
+        safe, left, unsolved = _settle_safely(*graph, self._regions, *watch, self.limits, self._found)
         reasons = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region")
         if left:
             together, patches = self._freeze_together(graph, self._found[LEFT, :left].copy())

@@ -99,23 +99,29 @@ def test_they_can_be_read_at_a_hundred_columns() -> None:
 @pytest.mark.parametrize(
     ("levels", "cell"),
     [
-        ((30, 30, 30), "30 (30-30)/30 3/3 ✓"),
-        ((8, 30, 12), "12 (8-30)/30 3/3 ✓"),
+        ((30, 30, 30), "30/30 ✓ 3/3"),
+        ((8, 30, 12), "12 (8-30)/30 ✓ 3/3"),
     ],
 )
 def test_several_seeds_are_told_by_median_and_range(levels, cell) -> None:
     assert outcome([record(seed=seed, height_levels=height) for seed, height in enumerate(levels)]) == cell
 
 
+@pytest.mark.parametrize(("right", "cell"), [(0, "30/30 ✗ 0/2"), (1, "30/30 ~ 1/2"), (2, "30/30 ✓ 2/2")])
+def test_a_mark_tells_whether_all_seeds_were_right_or_some_or_none(right, cell) -> None:
+    verdicts = ["right"] * right + ["false_stand"] * (2 - right)
+    assert outcome([record(seed=seed, verdict=verdict) for seed, verdict in enumerate(verdicts)]) == cell
+
+
 def test_a_censored_trial_marks_its_cell_as_a_lower_bound() -> None:
     cut = record(seed=1, status="timeout", verdict="failed", height_levels=17)
     assert outcome([cut]) == "≥17/30", "too slow to tell, which theory does not contradict"
-    assert outcome([record(), cut]) == "≥23.5 (17-30)/30 1/1 ✓"
+    assert outcome([record(), cut]) == "≥23.5 (17-30)/30 ✓ 1/1"
 
 
 def test_seeds_that_have_their_own_truth_are_counted_among_the_judged_only() -> None:
     studied = record(seed=1, verdict="none", height_levels=20)
-    assert outcome([record(), studied]) == "25 (20-30)/30 1/1 ✓"
+    assert outcome([record(), studied]) == "25 (20-30)/30 ✓ 1/1"
 
 
 def test_times_of_several_machines_stand_in_rows_of_their_own() -> None:
