@@ -41,6 +41,12 @@ def headline_block() -> str:
     return f"{picture}\n\n{_rows_of(tables, 'What stood and what fell')}\n"
 
 
+def hands_block() -> str:
+    """How many of the trials by twenty hands ended as theory demands, of those that must stand and that must fall."""
+    tables = (PUBLISHED / "publish" / "tables.md").read_text(encoding="utf-8")
+    return f"{_rows_of(tables, 'Right by theory')}\n"
+
+
 def pairs_block() -> str:
     """Of how many pairs each policy got both sides right on each engine."""
     with (PUBLISHED / "truth" / "pairs.csv").open(encoding="utf-8", newline="") as file:
@@ -99,6 +105,7 @@ HEADLINE = "paper"
 """The publication whose table and picture the README shows."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "headline": ("README.md", headline_block),
+    "hands": ("README.md", hands_block),
     "pairs": ("README.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
     "capabilities": ("README.md", capabilities_block),
