@@ -32,19 +32,16 @@ def profiles_block() -> str:
 
 def headline_block() -> str:
     """What stood and what fell in the paper's study, with its picture."""
-    published = PUBLISHED / HEADLINE
-    tables = (published / "tables.md").read_text(encoding="utf-8")
     gallery = PUBLICATIONS[HEADLINE].gallery
     assert gallery is not None, "the headline has a picture"
     shown = f"How they ended on {gallery.engine}: a row a stack, a column a policy"
-    picture = f"![{shown}]({published.relative_to(ROOT).as_posix()}/stills.png)"
-    return f"{picture}\n\n{_rows_of(tables, 'What stood and what fell')}\n"
+    picture = f"![{shown}]({(PUBLISHED / HEADLINE).relative_to(ROOT).as_posix()}/stills.png)"
+    return f"{picture}\n\n{_published_rows(HEADLINE, 'What stood and what fell')}\n"
 
 
 def hands_block() -> str:
     """How many of the trials by twenty hands ended as theory demands, of those that must stand and that must fall."""
-    tables = (PUBLISHED / "publish" / "tables.md").read_text(encoding="utf-8")
-    return f"{_rows_of(tables, 'Right by theory')}\n"
+    return f"{_published_rows('publish', 'Right by theory')}\n"
 
 
 def pairs_block() -> str:
@@ -80,9 +77,10 @@ def _scene(name: str, scenario: Scenario) -> str:
     return f"**`{name}`**: {scenario.description}\n\n{told}"
 
 
-def _rows_of(markdown: str, title: str) -> str:
-    """The table of a title, without its notes."""
-    return markdown.partition(f"## {title}\n\n")[2].partition("\n\n")[0]
+def _published_rows(name: str, title: str) -> str:
+    """The table of a title in the tables of a publication, without its notes."""
+    tables = (PUBLISHED / name / "tables.md").read_text(encoding="utf-8")
+    return tables.partition(f"## {title}\n\n")[2].partition("\n\n")[0]
 
 
 def _engine(name: str) -> str:

@@ -63,7 +63,9 @@ PUBLICATIONS: dict[str, Publication] = {
         gallery=Gallery("bullet", "game", ("four_stack", "card_house-3", "leaning_tower")),
     ),
     "publish": Publication(
-        "those stacks by 20 hands on six engines, profile `game`, without and with every policy", "publish"
+        "those stacks by 20 hands on six engines, profile `game`, without the extension and with `at_rest`, "
+        "`paper` and `equilibrium`",
+        "publish",
     ),
     "truth": Publication(
         "every scene with a known answer, most of them in pairs, on five 3-D engines in `tuned`, by every policy",

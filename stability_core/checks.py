@@ -10,7 +10,30 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 MAX_BODY = 10_000_000
 """Greatest body id: tables have one row an id, so ids must be counted from 0, not be addresses."""
 
-FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM = 0, 1, 2, 3, 4
+FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE = range(6)
+
+
+@compiled
+def fit_together(
+    body: IntArray,
+    body_a: IntArray,
+    body_b: IntArray,
+    mass: FloatArray,
+    center: FloatArray,
+    point: FloatArray,
+    normal: FloatArray,
+    separation: FloatArray,
+    relative_velocity: FloatArray,
+    friction: FloatArray,
+) -> bool:
+    """True if the arrays belong together, as ``check_shapes`` has it: a fifth of its time."""
+    m, n = len(body), len(body_a)
+    return bool(
+        len(body_b) == len(separation) == len(friction) == n
+        and point.shape == normal.shape == relative_velocity.shape == (n, 3)
+        and len(mass) == m
+        and center.shape == (m, 3)
+    )
 
 
 @compiled

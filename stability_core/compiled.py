@@ -6,6 +6,9 @@ from collections.abc import Callable
 from typing import TypeVar, cast
 
 from numba import njit
+from numba.core.errors import TypingError as WrongTypeError
+
+__all__ = ["WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stability_core.checks import FINE, NO_ROOM, check_shapes, fault_of
+from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_shapes, fault_of
+from stability_core.compiled import WrongTypeError
 from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
@@ -130,31 +131,36 @@ class StabilityExtension:
         Raises:
             ValueError: for what the port gave, if it is malformed.
         """
-        check_shapes(contacts, masses)
         room = max(2 * len(contacts), len(masses.body))
         if room >= self._watch.due.shape[1]:
             self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
+        laid_out = np.ascontiguousarray  # as the kernels are compiled for it, whatever an adapter reads
         while True:
-            laid_out = np.ascontiguousarray  # as the kernels are compiled for it, whatever an adapter reads
-            fault, row, due, rows = observe(
-                self._graph.bodies,
-                *self._watch,
-                self._limits,
-                dt,
-                laid_out(masses.body, IDS),
-                laid_out(contacts.body_a, IDS),
-                laid_out(contacts.body_b, IDS),
-                laid_out(masses.mass, NUMBERS),
-                laid_out(masses.center_of_mass, NUMBERS),
-                laid_out(contacts.point, NUMBERS),
-                laid_out(contacts.normal, NUMBERS),
-                laid_out(contacts.separation, NUMBERS),
-                laid_out(contacts.relative_velocity, NUMBERS),
-                laid_out(contacts.friction, NUMBERS),
-            )
+            try:
+                fault, row, due, rows = observe(
+                    self._graph.bodies,
+                    *self._watch,
+                    self._limits,
+                    dt,
+                    laid_out(masses.body, IDS),
+                    laid_out(contacts.body_a, IDS),
+                    laid_out(contacts.body_b, IDS),
+                    laid_out(masses.mass, NUMBERS),
+                    laid_out(masses.center_of_mass, NUMBERS),
+                    laid_out(contacts.point, NUMBERS),
+                    laid_out(contacts.normal, NUMBERS),
+                    laid_out(contacts.separation, NUMBERS),
+                    laid_out(contacts.relative_velocity, NUMBERS),
+                    laid_out(contacts.friction, NUMBERS),
+                )
+            except WrongTypeError:  # an array has more or fewer dimensions
+                check_shapes(contacts, masses)
+                raise
             if fault != NO_ROOM:
                 break
             self._graph = grown(self._graph, row + 1, 0)
+        if fault == BAD_SHAPE:
+            check_shapes(contacts, masses)
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
         return due, rows
@@ -167,7 +173,8 @@ class StabilityExtension:
         woken, self._news = self._news, {}
         for body in woken:
             self._wake(body)
-        self._graph = grown(self._graph, 0, 4 * rows)
+        if 4 * rows > self._graph.spare.item(0):
+            self._graph = grown(self._graph, 0, 4 * rows)
         frozen, unbalanced = self.policy.settle(self._graph, self._watch)
         struck = self._watch.due.item(STRUCK, 0)
         if struck:

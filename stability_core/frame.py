@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from stability_core.checks import BAD_CONTACT, BAD_MASS, FINE, NO_ROOM, UNKNOWN_BODY, first_bad_contact, first_bad_mass
+from stability_core.checks import (
+    BAD_CONTACT,
+    BAD_MASS,
+    BAD_SHAPE,
+    FINE,
+    NO_ROOM,
+    UNKNOWN_BODY,
+    first_bad_contact,
+    first_bad_mass,
+    fit_together,
+)
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows, keep_contacts
 from stability_core.motion import count_frames, list_due, list_shifted_loads, track
@@ -76,6 +86,8 @@ def observe(
         A fault (FINE if there is none); its row, or for NO_ROOM the greatest id; how many bodies are listed in ``due``;
         how many contacts are kept of all frames.
     """
+    if not fit_together(body, body_a, body_b, mass, center, point, normal, separation, relative_velocity, friction):
+        return BAD_SHAPE, -1, 0, 0
     row = first_bad_contact(body_a, body_b, point, normal, friction)
     if row >= 0:
         return BAD_CONTACT, row, 0, 0

@@ -422,6 +422,8 @@ def one_mass(**changed) -> Masses:
         (one_contact(body_b=np.array([2**40])), one_mass(), "0 to 10000000"),
         (one_contact(friction=np.zeros(2)), one_mass(), r"shape \(1,\)"),
         (one_contact(point=np.zeros((1, 2))), one_mass(), r"shape \(1, 3\)"),
+        (one_contact(point=np.zeros(3)), one_mass(), r"shape \(1, 3\)"),
+        (one_contact(friction=np.zeros((1, 1))), one_mass(), r"shape \(1,\)"),
         (one_contact(), one_mass(mass=np.array([0.0])), "positive mass"),
         (one_contact(), one_mass(center_of_mass=np.full((1, 3), np.inf)), "finite centre"),
         (one_contact(), one_mass(body=np.array([-1])), "id from 0"),
