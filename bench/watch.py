@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench import measure
-from bench.measure import FloatArray, Plan
+from bench.measure import BoolArray, FloatArray, Plan
 from reports.records import CollapseKind
 from scenarios.planks import THICKNESS
 
@@ -52,7 +52,10 @@ class StackWatch:
         self._watch_from_s = watch_from_s
         self._first: tuple[float, FloatArray] | None = None
         self._latest: tuple[float, FloatArray] | None = None
-        self._judged: tuple[Plan, FloatArray, FloatArray, measure.Faults] | None = None
+        self._judged: tuple[Plan, FloatArray, FloatArray] | None = None
+        self._kind: CollapseKind | None = None
+        self._out_of_place: BoolArray = np.empty(0, np.bool_)
+        self._measured = 0
         self.standing: Standing | None = None
         self.collapse: Collapse | None = None
 
@@ -88,34 +91,38 @@ class StackWatch:
         self._latest = time, position
         if self._first is None and time >= self._watch_from_s:
             self._first = time, position
-        faults = self._faults_of(plan, position, quaternion)
-        kind = faults.kind
-        if kind is None and self.collapse is None:
+        self._judge(plan, position, quaternion)
+        if self._kind is None and self.collapse is None:
             landed = [level for level, released in placed.items() if time - released >= LANDING_S]
-            level = measure.levels_standing(plan, faults.any, landed)
-            if level and (self.standing is None or level > self.standing.level or level == plan.level.max()):
+            level = measure.levels_standing(plan, self._out_of_place, landed)
+            is_highest = self.standing is None or level > self.standing.level or level == plan.level.max()
+            if level and is_highest and level != self._measured:
+                self._measured = level
                 self.standing = Standing(
                     level,
                     measure.top(plan, position, quaternion, level),
                     measure.sink(plan, position, level),
                     float(measure.sideways(plan, position).max()),
                 )
-        elif kind is not None:
-            self._see_collapse(time, kind, len(placed), float(plan.thickness.min()))
+        elif self._kind is not None:
+            self._see_collapse(time, self._kind, len(placed), float(plan.thickness.min()))
 
-    def _faults_of(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> measure.Faults:
-        """Those of the frame before while nothing moves."""
+    def _judge(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> None:
+        """Find what is out of place. While nothing moves all stays as it was judged, and the measured level too.
+
+        A stack at rest is watched in next to no time: the engine, timed next, finds its memory still at hand.
+        """
         if self._judged is not None:
-            judged_plan, judged_position, judged_quaternion, faults = self._judged
+            judged_plan, judged_position, judged_quaternion = self._judged
             if (
                 plan is judged_plan
                 and np.array_equal(position, judged_position)
                 and np.array_equal(quaternion, judged_quaternion)
             ):
-                return faults
+                return
+        self._judged = plan, position, quaternion
         faults = measure.faults(plan, position, quaternion)
-        self._judged = plan, position, quaternion, faults
-        return faults
+        self._kind, self._out_of_place, self._measured = faults.kind, faults.any, 0
 
     def _see_collapse(self, time: float, kind: CollapseKind, level: int, thickness: float) -> None:
         if self.collapse is None:
