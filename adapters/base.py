@@ -23,6 +23,9 @@ GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
 GROUND_ROOM = 2.0
 """How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
+NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
+"""What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
+
 Sleeping = Literal["off", "native", "raised"]
 
 
@@ -141,6 +144,7 @@ class Simulation(ABC):
         self.bricks: dict[int, Brick] = {}
         self.frozen: set[int] = set()
         self._live: dict[int, float] = {}  # mass [kg] of every live body, in the order of ids
+        self._live_rows: tuple[IntArray, FloatArray] | None = None  # the same, once asked for
         self._removed: list[int] = []
         self._next_id = 0
         self._boxes = BoxTable()
@@ -190,6 +194,7 @@ class Simulation(ABC):
         self._boxes.add(body, brick.size)
         self.bricks[body] = brick
         self._live[body] = brick.mass
+        self._live_rows = None
         return body
 
     def remove(self, body: int) -> None:
@@ -204,6 +209,7 @@ class Simulation(ABC):
         del self.bricks[body]
         self.frozen.discard(body)
         self._live.pop(body, None)
+        self._live_rows = None
         self._removed.append(body)
 
     def push(self, body: int, impulse: Vector) -> None:
@@ -252,8 +258,10 @@ class Simulation(ABC):
     # -- driven by the core, through the port ------------------------------------------------------
 
     def _whole_contacts(self) -> Contacts:
+        if not self._live:
+            return NO_CONTACTS
         contacts = self._contacts()
-        if self.capabilities.near_contacts or not self._live:
+        if self.capabilities.near_contacts:
             return contacts
         live = self._note_boxes(self._live)
         whole = self._boxes.with_missing_corners(contacts)
@@ -265,6 +273,16 @@ class Simulation(ABC):
         self._boxes.place(rows, *self._poses(rows))
         return rows
 
+    def _live_bodies(self) -> tuple[IntArray, FloatArray]:
+        """Ids (m,), rising, and masses (m,) [kg] of the live bodies: the same arrays until another body is live."""
+        if self._live_rows is None:
+            count = len(self._live)
+            self._live_rows = (
+                np.fromiter(self._live, np.int64, count),
+                np.fromiter(self._live.values(), np.float64, count),
+            )
+        return self._live_rows
+
     def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
         """Velocities (k, 3) [m/s] that bodies (k,) have at points (k, 3) [m]; the ground and frozen ones have none."""
         found = np.zeros(points.shape)
@@ -274,10 +292,9 @@ class Simulation(ABC):
         return found
 
     def _masses(self) -> Masses:
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
-        mass = np.fromiter(self._live.values(), np.float64, len(self._live))
+        bodies, mass = self._live_bodies()
         removed, self._removed = self._removed, []
-        return Masses(bodies, mass, self._positions(bodies), removed)
+        return Masses(bodies, mass, self._positions(bodies) if self._live else NOWHERE, removed)
 
     def _sleep(self, bodies: Sequence[int]) -> None:
         self._check_known(bodies)
@@ -286,6 +303,7 @@ class Simulation(ABC):
                 self._freeze(body)
                 self.frozen.add(body)
                 del self._live[body]
+        self._live_rows = None
         if not self.capabilities.near_contacts:
             self._note_boxes(bodies)
 
@@ -297,6 +315,7 @@ class Simulation(ABC):
                 self.frozen.remove(body)
                 self._live[body] = self.bricks[body].mass
         self._live = dict(sorted(self._live.items()))
+        self._live_rows = None
 
     def _check_known(self, bodies: Iterable[int]) -> None:
         unknown = [body for body in bodies if body not in self.bricks]
