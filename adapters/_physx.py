@@ -7,7 +7,8 @@ touch ends it.
 Contacts: up to four points a pair, as they were before the latest substep. PhysX lists points that lie apart by up to
 the contact offsets of both shapes; as shipped, that is more than two planks, so a brick "touches" the ground through
 others, with no impulse. Points farther apart than ``FARTHEST`` are passed over. Normals point from the second body to
-the first. All poses and velocities come in one packed block of 32-bit floats.
+the first, and all points of a pair share one: boxes are convex. All poses and velocities come in one packed block of
+32-bit floats.
 
 Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
 
@@ -128,13 +129,13 @@ class PhysxSimulation(Simulation):
         self._scene = sapien.Scene([self._system])
         self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
         self._components: dict[int, Any] = {}
-        self._bodies: dict[int, int] = {}
-        self._rows: dict[int, int] = {}
+        self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
+        self._rows = np.empty(0, np.int64)
         self._before: Motions | None = None
         self._ground = physx.PhysxRigidStaticComponent()
         half_edges = self.ground_half_edges
         self._add(self._ground, half_edges, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
-        self._bodies[self._ground._physx_pointer] = GROUND
+        self._bodies[self._ground] = GROUND
 
     @staticmethod
     def _version() -> str:
@@ -159,19 +160,20 @@ class PhysxSimulation(Simulation):
         for name, value in self._for_bodies.items():
             setattr(component, name, value)
         self._components[body] = component
-        self._bodies[component._physx_pointer] = body
+        self._bodies[component] = body
         self._count_rows()
 
     def _remove(self, body: int) -> None:
         component = self._components.pop(body)
-        del self._bodies[component._physx_pointer]
+        del self._bodies[component]
         self._scene.remove_entity(component.entity)
         self._count_rows()
 
     def _count_rows(self) -> None:
-        """Where each body stands in the packed state: SAPIEN's order."""
-        listed = self._system.rigid_dynamic_components
-        self._rows = {self._bodies[component._physx_pointer]: row for row, component in enumerate(listed)}
+        """Where each body stands in the packed state, by id: SAPIEN's order."""
+        listed = [self._bodies[component] for component in self._system.rigid_dynamic_components]
+        self._rows = np.full(max(listed, default=-1) + 1, -1)
+        self._rows[listed] = np.arange(len(listed))
 
     def _push(self, body: int, impulse: Vector) -> None:
         component = self._components[body]
@@ -199,7 +201,7 @@ class PhysxSimulation(Simulation):
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
         self._system.timestep = seconds / substeps
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        bodies, _ = self._live_bodies()
         before = []
         for _ in range(substeps):
             if self.is_observed and self._live:
@@ -207,26 +209,25 @@ class PhysxSimulation(Simulation):
             self._system.step()
         self._before = None
         if before:
-            states = np.stack(before)
+            states = np.array(before)
             self._before = Motions(bodies, states[..., 4:7], states[..., 7:10], states[..., 10:])
 
     def _state(self, bodies: IntArray) -> FloatArray:
         """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
-        if len(bodies) * STATE_ALONE < len(self._components):
+        if 0 < len(bodies) * STATE_ALONE < len(self._components):
             return self._state_one_by_one(bodies)
         packed = np.frombuffer(self._system.pack(), np.float32).reshape(-1, 13)
-        state: FloatArray = packed[[self._rows[body] for body in bodies.tolist()]].astype(np.float64)
+        state: FloatArray = packed[self._rows[bodies]].astype(np.float64)
         return state
 
     def _state_one_by_one(self, bodies: IntArray) -> FloatArray:
         """The same numbers as in the packed block, which holds every frozen body as well."""
-        state = np.empty((len(bodies), 13))
-        for row, body in zip(state, bodies.tolist(), strict=True):
+        vectors: list[FloatArray] = []
+        for body in bodies.tolist():
             component = self._components[body]
             pose = component.entity_pose
-            row[:4], row[4:7] = pose.q, pose.p
-            row[7:10], row[10:] = component.linear_velocity, component.angular_velocity
-        return state
+            vectors += (pose.q, pose.p, component.linear_velocity, component.angular_velocity)
+        return np.concatenate(vectors, dtype=np.float64).reshape(-1, 13)
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         if len(bodies) * POSITION_ALONE < len(self._components):
@@ -243,36 +244,35 @@ class PhysxSimulation(Simulation):
         return state[:, 7:10], state[:, 10:13]
 
     def _contacts(self) -> Contacts:
-        pairs: list[tuple[int, int]] = []
-        vectors: list[FloatArray] = []
-        separations: list[float] = []
+        live, body_of = self._live, self._bodies
+        body_a: list[int] = []
+        body_b: list[int] = []
+        rows: list[tuple[float, ...]] = []
         for contact in self._system.get_contacts():
-            points = contact.points
-            if not points:
-                continue
             first, second = contact.bodies
-            pair = self._body_of(second), self._body_of(first)
-            if pair[0] not in self._live and pair[1] not in self._live:
+            a, b = body_of[second], body_of[first]
+            points = contact.points
+            if not points or (a not in live and b not in live):
                 continue
+            normal = points[0].normal.tolist()
             for point in points:
                 separation = self._separation(point)
                 if separation is not None:
-                    pairs.append(pair)
-                    vectors += (point.position, point.normal)
-                    separations.append(separation)
-        if not pairs:
+                    body_a.append(a)
+                    body_b.append(b)
+                    rows.append((*point.position.tolist(), *normal, separation))
+        if not rows:
             return Contacts.empty()
-        body_a, body_b = np.array(pairs).T
-        both = np.concatenate(vectors).astype(np.float64).reshape(-1, 2, 3)
-        position, normal = both[:, 0], both[:, 1]
+        pairs = np.array(body_a), np.array(body_b)
+        numbers = np.array(rows)
+        position, normal = numbers[:, :3], numbers[:, 3:6]
         return Contacts(
-            body_a,
-            body_b,
+            *pairs,
             position,
             normal,
-            np.array(separations),
-            fastest_approach(self._before, body_a, body_b, position, normal),
-            np.full(len(pairs), self.world.friction),
+            numbers[:, 6],
+            fastest_approach(self._before, *pairs, position, normal),
+            np.full(len(rows), self.world.friction),
         )
 
     def _separation(self, point: Any) -> float | None:
@@ -280,12 +280,9 @@ class PhysxSimulation(Simulation):
         separation: float = point.separation
         if separation <= 0.0:
             return separation
-        if point.impulse.any():
+        if any(point.impulse.tolist()):
             return 0.0
         return separation if separation <= FARTHEST * self.scale else None
-
-    def _body_of(self, component: Any) -> int:
-        return self._bodies[component._physx_pointer]
 
     def _close(self) -> None:
         self._components.clear()
