@@ -13,8 +13,9 @@ the first, and all points of a pair share one: boxes are convex. All poses and v
 Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
 
 Traps. The scene's settings are global and read when a system is made. A box's inertia is that of its density, at least
-1e-6 kg m2, more than a plank has: it is set by hand. SAPIEN warns of a missing Vulkan when it is imported, though
-nothing is rendered.
+1e-6 kg m2, more than a plank has: it is set by hand. Until the next step contacts go on naming a component that was
+removed, by its address: it is held so long. SAPIEN warns of a missing Vulkan when it is imported, though nothing is
+rendered.
 """
 
 from __future__ import annotations
@@ -129,6 +130,7 @@ class PhysxSimulation(Simulation):
         self._scene = sapien.Scene([self._system])
         self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
         self._components: dict[int, Any] = {}
+        self._removed_components: list[Any] = []  # since the latest step
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
         self._rows = np.empty(0, np.int64)
         self._before: Motions | None = None
@@ -167,6 +169,7 @@ class PhysxSimulation(Simulation):
         component = self._components.pop(body)
         del self._bodies[component]
         self._scene.remove_entity(component.entity)
+        self._removed_components.append(component)
         self._count_rows()
 
     def _count_rows(self) -> None:
@@ -207,6 +210,7 @@ class PhysxSimulation(Simulation):
             if self.is_observed and self._live:
                 before.append(self._state(bodies))
             self._system.step()
+        self._removed_components.clear()
         self._before = None
         if before:
             states = np.array(before)
@@ -244,15 +248,15 @@ class PhysxSimulation(Simulation):
         return state[:, 7:10], state[:, 10:13]
 
     def _contacts(self) -> Contacts:
-        live, body_of = self._live, self._bodies
+        live, body_of = self._live, self._bodies.get  # None for a brick that was removed since the step
         body_a: list[int] = []
         body_b: list[int] = []
         rows: list[tuple[float, ...]] = []
         for contact in self._system.get_contacts():
             first, second = contact.bodies
-            a, b = body_of[second], body_of[first]
+            a, b = body_of(second), body_of(first)
             points = contact.points
-            if not points or (a not in live and b not in live):
+            if a is None or b is None or not points or (a not in live and b not in live):
                 continue
             normal = points[0].normal.tolist()
             for point in points:

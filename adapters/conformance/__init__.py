@@ -78,6 +78,7 @@ CHECKS: tuple[Check, ...] = (
     Check(contacts.reports_every_pair),
     Check(contacts.reports_the_speed_of_impact),
     Check(contacts.reports_the_overlap, capable=lambda capabilities: capabilities.separation),
+    Check(contacts.forgets_a_removed_brick),
     Check(contacts.reports_masses),
     Check(freezing.stays_frozen),
     Check(freezing.freezes_in_flight),

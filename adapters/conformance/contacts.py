@@ -198,6 +198,20 @@ def reports_the_overlap(rig: Rig) -> None:
     )
 
 
+def forgets_a_removed_brick(rig: Rig) -> None:
+    """Once a brick is removed nothing touches it, even before the next step; what else touches is reported still."""
+    simulation = rig.open()
+    lower, aside = place_on(simulation, 0), place_on(simulation, 0, x=0.4)
+    advance(simulation, 0.5)
+    upper = place_on(simulation, 1)
+    advance(simulation, 0.5)
+    simulation.remove(upper)
+    contacts = simulation.port.contacts()
+    _require_well_formed(simulation, contacts)
+    expected = {(GROUND, lower), (GROUND, aside)}
+    require(pairs(contacts) == expected, f"pairs {sorted(pairs(contacts))} after a removal, must be {sorted(expected)}")
+
+
 def reports_masses(rig: Rig) -> None:
     """Live bodies with mass and centre; removed ids exactly once."""
     simulation = rig.open()

@@ -209,6 +209,17 @@ class GhostLeftBehind(BulletSimulation):
         self._handles.pop(body)
 
 
+class ContactsOutliveTheirBricks(BulletSimulation):
+    """Contacts are those of the latest step, whatever was removed since."""
+
+    def _step(self, seconds: float) -> None:
+        super()._step(seconds)
+        self._stepped = super()._contacts()
+
+    def _contacts(self) -> Contacts:
+        return self._stepped
+
+
 class MoveIgnored(BulletSimulation):
     def _move(self, body: int, *args: Any) -> None:
         self._stop(self._handles[body])
@@ -277,6 +288,7 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     (InertiaLostOnWaking, ["tumbles_as_if_never_frozen"]),
     (NeverWakes, ["freezes_before_its_first_step", "wakes_to_live_again"]),
     (GhostLeftBehind, ["removes_a_frozen_brick"]),
+    (ContactsOutliveTheirBricks, ["forgets_a_removed_brick"]),
     (MoveIgnored, ["moves_a_live_brick", "moves_a_frozen_brick"]),
     (QuaternionsAsInBullet, ["keeps_poses_and_ids"]),
     (RemovalToldTwice, ["reports_masses"]),
