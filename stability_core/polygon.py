@@ -118,6 +118,12 @@ def is_inside(hull: FloatArray, x: float, y: float) -> bool:
 
 
 @compiled
+def lies_on(hull: FloatArray, x: float, y: float) -> bool:
+    """True if (x, y) lies in the hull (n, 3) or on its border, which is all that a point or a line has."""
+    return is_inside(hull, x, y) if len(hull) > 2 else bool(inside_distance(hull, x, y) == 0.0)
+
+
+@compiled
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     """Distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 

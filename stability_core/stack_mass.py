@@ -11,51 +11,39 @@ import heapq
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.polygon import convex_hull, inside_distance
+from stability_core.polygon import convex_hull, lies_on
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import MAX_VERTICES, NONE, SUPPORT, Graph, count_patches, hull_of, is_stack
 
 
 @compiled
-def supports_of(graph: Graph, body: int, on_stack: bool) -> IntArray:
-    """The patches on which ``body`` stands, shape (k,); with ``on_stack`` those on ground and frozen bodies only."""
+def support_polygon(graph: Graph, body: int) -> FloatArray:
+    """The combined contact area: hull (k, 3) in plan of all patches on which ``body`` stands on the stack."""
     bodies, patches = graph.bodies, graph.patches
-    found = np.empty(count_patches(graph, body), np.int64)
+    points = np.empty((MAX_VERTICES * count_patches(graph, body), 3))
     n, at = 0, bodies[body].first_support
     while at != NONE:
         patch = patches[at]
-        if patch.kind == SUPPORT and (is_stack(bodies, patch.lower) or not on_stack):
-            found[n] = at
-            n += 1
+        if patch.kind == SUPPORT and is_stack(bodies, patch.lower):
+            corners = hull_of(patch)
+            for vertex in range(len(corners)):
+                for k in range(3):
+                    points[n, k] = corners[vertex, k]
+                n += 1
         at = patch.next_support
-    return found[:n]
-
-
-@compiled
-def support_polygon(graph: Graph, body: int) -> FloatArray:
-    """The combined contact area: hull (k, 3) in plan of all patches on which ``body`` stands on the stack."""
-    patches = graph.patches
-    supports = supports_of(graph, body, True)
-    points = np.empty((MAX_VERTICES * len(supports), 3))
-    n = 0
-    for at in supports:
-        corners = hull_of(patches[at])
-        for vertex in range(len(corners)):
-            for k in range(3):
-                points[n, k] = corners[vertex, k]
-            n += 1
     return convex_hull(points[:n])
 
 
 @compiled
 def pivot_of(graph: Graph, body: int) -> int:
     """The lowest patch of a leaning body, on which it pivots; NONE if it has none."""
+    patches = graph.patches
     lowest, height = NONE, np.inf
     at = graph.bodies[body].first_support
     while at != NONE:
-        if graph.patches[at].center[2] < height:
-            lowest, height = at, graph.patches[at].center[2]
-        at = graph.patches[at].next_support
+        if patches[at].center[2] < height:
+            lowest, height = at, patches[at].center[2]
+        at = patches[at].next_support
     return lowest
 
 
@@ -67,7 +55,7 @@ def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
         distance = np.hypot(hull[i, 0] - point[0], hull[i, 1] - point[1])
         if distance < least:
             best, least = i, distance
-    nearest: FloatArray = hull[best].copy()
+    nearest: FloatArray = hull[best]
     return nearest
 
 
@@ -94,52 +82,63 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
 
 
 @compiled
-def share_on(graph: Graph, at: int) -> tuple[float, FloatArray]:
-    """What the upper body of patch ``at`` lays on the lower one: mass [kg] and where it acts [m], (3,).
+def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
+    """What the upper body of patch ``at`` lays on the lower one: mass [kg], and where it acts: x, y, z [m].
 
     Single branch: all of it, at C_stack. Merge branch: all on the support whose own area C_stack is in;
     else, of two supports, the equivalent mass at the contact's centre; of more, equal shares there.
     A leaning body stands on its pivot with all its weight, at the contact point closest to its C_stack:
     the paper is silent on how a leaning load is carried down.
     """
-    patch = graph.patches[at]
-    upper = graph.bodies[patch.upper]
-    mass, center, contact = upper.stack_mass, upper.stack_center.copy(), patch.center.copy()
+    bodies, patches = graph.bodies, graph.patches
+    patch = patches[at]
+    upper = bodies[patch.upper]
+    mass, center, contact = upper.stack_mass, upper.stack_center, patch.center
     if upper.leans:
         if at == pivot_of(graph, patch.upper):
-            return mass, nearest_vertex(hull_of(patch), center)
-        return 0.0, contact
+            foot = nearest_vertex(hull_of(patch), center)
+            return mass, foot[0], foot[1], foot[2]
+        return 0.0, 0.0, 0.0, 0.0
     if patch.kind != SUPPORT:
-        return 0.0, contact
-    supports = supports_of(graph, patch.upper, False)
-    if len(supports) == 1:
-        return mass, center
-    for other in supports:
-        if inside_distance(hull_of(graph.patches[other]), center[0], center[1]) >= 0.0:
-            return (mass if other == at else 0.0), center
-    if len(supports) == 2:
-        other = supports[0] if supports[1] == at else supports[1]
-        pivot = nearest_vertex(hull_of(graph.patches[other]), center)
-        return equivalent_mass(mass, center, pivot, contact), contact
-    return mass / len(supports), contact
+        return 0.0, 0.0, 0.0, 0.0
+    supports, bearer, other = 0, NONE, NONE
+    i = upper.first_support
+    while i != NONE:
+        if patches[i].kind == SUPPORT:
+            supports += 1
+            if bearer == NONE and lies_on(hull_of(patches[i]), center[0], center[1]):
+                bearer = i
+            if i != at:
+                other = i
+        i = patches[i].next_support
+    if supports == 1 or bearer != NONE:
+        borne = mass if supports == 1 or bearer == at else 0.0
+        return borne, center[0], center[1], center[2]
+    share = mass / supports
+    if supports == 2:
+        pivot = nearest_vertex(hull_of(patches[other]), center)
+        share = equivalent_mass(mass, center, pivot, contact)
+    return share, contact[0], contact[1], contact[2]
 
 
 @compiled
-def stack_above(graph: Graph, body: int) -> tuple[float, FloatArray]:
-    """m_stack [kg] and C_stack [m], (3,), of a body and all that it carries (Eqs 2 and 1).
+def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
+    """m_stack [kg] and C_stack: x, y, z [m], of a body and all that it carries (Eqs 2 and 1).
 
     m_stack = m_obj + sum m_above, C_stack = (C_obj m_obj + sum C_above m_above) / m_stack: the paper's
     equations for one body above, used for every body that rests on this one (split branch).
     """
-    mass = graph.bodies[body].mass
-    moment = graph.bodies[body].center * mass
-    at = graph.bodies[body].first_load
+    bodies, patches = graph.bodies, graph.patches
+    row = bodies[body]
+    mass, center = row.mass, row.center
+    x, y, z = center[0] * mass, center[1] * mass, center[2] * mass
+    at = row.first_load
     while at != NONE:
-        share, where = share_on(graph, at)
+        share, share_x, share_y, share_z = share_on(graph, at)
         mass += share
-        moment = moment + where * share
-        at = graph.patches[at].next_load
-    return mass, moment / mass
+        x, y, z = x + share_x * share, y + share_y * share, z + share_z * share
+        at = patches[at].next_load
+    return mass, x / mass, y / mass, z / mass
 
 
 @compiled
@@ -149,7 +148,7 @@ def carry_down(graph: Graph, changed: IntArray) -> IntArray:
     Highest first, so that each body is worked once; a branch ends where nothing changes any more.
     O(k log k) for the k bodies in the cone below the change, whatever stands elsewhere.
     """
-    bodies = graph.bodies
+    bodies, patches = graph.bodies, graph.patches
     waiting = [(0.0, 0) for _ in range(0)]
     queued = np.zeros(len(bodies), np.bool_)
     for body in changed:
@@ -161,18 +160,16 @@ def carry_down(graph: Graph, changed: IntArray) -> IntArray:
         body = heapq.heappop(waiting)[1]
         reached[n] = body
         n += 1
-        old_mass, old_center = bodies[body].stack_mass, bodies[body].stack_center.copy()
-        mass, center = stack_above(graph, body)
-        bodies[body].stack_mass = mass
-        same = mass == old_mass
-        for k in range(3):
-            bodies[body].stack_center[k] = center[k]
-            same = same and center[k] == old_center[k]
-        at = bodies[body].first_support
+        row = bodies[body]
+        mass, x, y, z = stack_above(graph, body)
+        center = row.stack_center
+        same = mass == row.stack_mass and x == center[0] and y == center[1] and z == center[2]
+        row.stack_mass, center[0], center[1], center[2] = mass, x, y, z
+        at = row.first_support
         while at != NONE:
-            lower = graph.patches[at].lower
+            lower = patches[at].lower
             if lower != GROUND and not queued[lower] and not same:
                 queued[lower] = True
                 heapq.heappush(waiting, (-bodies[lower].center[2], lower))
-            at = graph.patches[at].next_support
+            at = patches[at].next_support
     return reached[:n]
