@@ -27,7 +27,7 @@ from stability_core.stack import (
     grown,
     with_all_above,
 )
-from stability_core.watch import STRUCK, watch_for
+from stability_core.watch import STRUCK, skip_frame, watch_for
 
 
 class Change(NamedTuple):
@@ -110,7 +110,8 @@ class StabilityExtension:
     def update(self, dt: float) -> Change:
         """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
 
-        Costs what the live bodies and the changes cost, whatever the number of frozen bodies.
+        Costs what the live bodies and the changes cost, whatever the number of frozen bodies; next to nothing while
+        nothing is live.
 
         Raises:
             ValueError: if dt is not positive, or the port gives malformed contacts or masses.
@@ -119,6 +120,9 @@ class StabilityExtension:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         contacts, masses = self.port.contacts(), self.port.masses()
         self._forget(masses.removed)
+        if len(masses.body) == 0 and len(contacts) == 0 and not self._is_pending:
+            skip_frame(self._watch)
+            return UNCHANGED
         due, rows = self._observe(contacts, masses, dt)
         if due == 0 and not self._is_pending:
             return UNCHANGED

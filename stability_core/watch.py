@@ -46,6 +46,12 @@ def watch_for(frames: int, room: int, known: Watch | None = None) -> Watch:
     return fresh
 
 
+def skip_frame(watch: Watch) -> None:
+    """Note a frame in which nothing is live: it has no contacts."""
+    latest = (watch.latest.item(0) + 1) % len(watch.sizes)
+    watch.latest[0], watch.sizes[latest] = latest, 0
+
+
 @compiled
 def listed(watch: Watch, kind: int) -> IntArray:
     """The bodies of one list of the latest frame, shape (k,)."""

@@ -192,6 +192,7 @@ def live_table() -> list[str]:
     for policy in POLICIES:
         moving = StabilityExtension(CarpetPort(100, is_moving=True), policy)
         rows = [(f"quiet, one live brick, {n} frozen", partial(repeated, quiet(n, policy)), 30) for n in QUIET]
+        rows.append((f"nothing live, {QUIET[-1]} frozen", partial(repeated, quiet(QUIET[-1], policy, live=0)), 30))
         rows.append(("100 live bricks, moving", partial(repeated, moving), 400))
         rows.append(("100 live bricks come to rest at once", partial(each_first, policy), 400))
         for frame, measure, target in rows:

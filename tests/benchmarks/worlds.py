@@ -174,8 +174,8 @@ class CarpetPort(_Port):
         return self.weight
 
 
-def quiet(frozen: int, policy: str) -> StabilityExtension:
-    """``frozen`` planks and a live one that never comes to rest."""
+def quiet(frozen: int, policy: str, live: int = 1) -> StabilityExtension:
+    """``frozen`` planks and ``live`` ones that never come to rest."""
     port = CarpetPort(10, is_moving=False)
     extension = StabilityExtension(port, policy)
     while len(port.frozen) < frozen:
@@ -183,7 +183,7 @@ def quiet(frozen: int, policy: str) -> StabilityExtension:
         for _ in range(Settings().rest_frames + 1):
             extension.update(DT)
     port.is_moving = True
-    port.lay(frozen, 1)
+    port.lay(frozen, live)
     extension.update(DT)
     return extension
 

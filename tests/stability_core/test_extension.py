@@ -7,6 +7,7 @@ import pytest
 
 from stability_core import GROUND, Contacts, Masses, Settings, StabilityExtension
 from stability_core.lookup import UnknownNameError
+from stability_core.policies.base import NOBODY, Decision
 
 DT = 1 / 60
 SETTINGS = Settings()
@@ -366,6 +367,22 @@ def test_many_bodies_and_large_gaps_in_ids(port):
         port.lay(body, GROUND, (body - 0.05, body + 0.05), DEEP, 0.0)
     run(StabilityExtension(port), SETTINGS.rest_frames + 1)
     assert port.frozen == set(range(0, 3000, 300))
+
+
+def test_frames_in_which_nothing_is_live_are_frames_without_contacts(port):
+    """They are passed over, yet what wakes after them is not judged by what it touched before."""
+    column(port, 2)
+    extension = StabilityExtension(port)
+    settle(extension)
+    assert port.frozen == {0, 1}
+    shown = []
+    extension.policy.settle = lambda graph, watch: shown.append(watch) or Decision({}, NOBODY)
+    extension.disturb([1])
+    extension.update(DT)
+    assert shown[-1].sizes.tolist() == [0] * SETTINGS.longest_dwell
+    extension.update(DT)
+    assert port.frozen == {0}
+    assert shown[-1].sizes.sum() == len(port.contacts()), "those of the frame since it woke"
 
 
 def test_unknown_policy_names_the_nearest():
