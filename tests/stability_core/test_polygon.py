@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from stability_core.polygon import centroid, convex_hull, inside_distance, nearest_point, width
+from stability_core.polygon import centroid, convex_hull, inside_distance, lies_on, nearest_point, width
 
 SQUARE = np.array([(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)], float)
 GRID = st.integers(1, 30).flatmap(lambda n: arrays(float, (n, 3), elements=st.integers(-5, 5).map(float)))
@@ -56,6 +56,13 @@ def test_a_line_a_point_and_nothing_have_no_inside():
     assert inside_distance(SQUARE[:2], 1.0, 0.5) == pytest.approx(-0.5)
     assert inside_distance(SQUARE[:1], 3.0, 4.0) == pytest.approx(-5.0)
     assert inside_distance(SQUARE[:0], 0.0, 0.0) == -np.inf
+
+
+@given(GRID, st.integers(-5, 5), st.integers(-5, 5))
+def test_a_point_lies_on_a_hull_where_its_distance_is_not_negative(points, x, y):
+    """Borders count, and a line or a point is all border. On a grid, sides are told without rounding."""
+    hull = convex_hull(points)
+    assert lies_on(hull, float(x), float(y)) == (inside_distance(hull, float(x), float(y)) >= 0.0)
 
 
 def test_width_is_the_least_extent():
