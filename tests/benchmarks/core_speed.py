@@ -40,8 +40,8 @@ STACKS = {"4-stack": plank_of_four_stack, "wall": plank_of_wall}
 FROZEN = (12, 100, 1000)
 QUIET = (10, 100, 1000, 10_000)
 ROUNDS = 200
-PASSES = 9
-SAMPLED_S, PATIENCE_S, STILL_QUIET = 5.0, 10.0, 1.1
+PASSES = 5
+SAMPLED_S, PATIENCE_S, STILL_QUIET = 5.0, 3.0, 1.1
 """How long the fixed calculation is sampled; how long a pass waits for a quiet moment; what still counts as one."""
 SOLVED = (12, 100, 300)
 """Planks of the 4-stacks that the solvers of others solve too."""
