@@ -28,6 +28,7 @@ from pebble import ProcessExpired, ProcessFuture
 from pebble.concurrent import process
 
 from adapters import ENGINES
+from bench.forked import CONTEXT
 from bench.plan import Trial
 from bench.play import Progress
 from bench.studies import Limits
@@ -47,7 +48,6 @@ _MOST_OUTPUT = 2**24
 _TAIL = 2**16
 """How much of its output is looked through for its last words [bytes]."""
 _MEBI = 2**20
-_CONTEXT = multiprocessing.get_context("forkserver")
 
 
 def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
@@ -101,7 +101,7 @@ class IsolatedTrial:
         self._limits = limits
         self._environment = environment
         self._log = folder / f"{trial.id}.log"
-        self._reader, writer = _CONTEXT.Pipe(duplex=False)
+        self._reader, writer = CONTEXT.Pipe(duplex=False)
         self._news: deque[Progress] = deque()
         self._pid: int | None = None
         self._excess_mib: float | None = None
@@ -182,7 +182,7 @@ class IsolatedTrial:
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
     """``function`` in a fresh process that is ended after ``timeout_s`` [s]."""
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
-    return process(name="stillstack-trial", timeout=timeout_s, context=_CONTEXT)(function)  # type: ignore[call-overload, no-any-return]
+    return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]
 
 
 def _run_in_child(
