@@ -26,7 +26,7 @@ def balances(graph: Graph, body: int, margin: float) -> bool:
     """True if C_stack lies in the combined contact area, or at most ``margin`` [m] outside."""
     center, support = graph.bodies[body].stack_center, support_polygon(graph, body)
     if lies_on(support, center[0], center[1]):
-        return True  # a tenth of the time that the distance takes
+        return True  # cheaper than the distance, and most often enough
     return margin > 0.0 and bool(inside_distance(support, center[0], center[1]) >= -margin)
 
 
