@@ -24,7 +24,8 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csc_array, hstack
 
-from scenarios.contact_patch import GROUND, Patch
+from scenarios.contact_patch import Patch
+from scenarios.contact_wrenches import Corners
 from scenarios.geometry import FloatArray
 
 Verdict = Literal["stable", "unstable", "doubt"]
@@ -82,18 +83,10 @@ class _Solution:
 
 
 class _Balance:
-    """The linear program, without units: forces over the mean weight, lengths over ``length``."""
+    """The linear program, without units: see ``Corners``."""
 
-    def __init__(self, centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], length: float) -> None:
-        corners = [len(patch.points) for patch in patches]
-        self.points = np.concatenate([np.empty((0, 3)), *(patch.points for patch in patches)])
-        self.normals = np.repeat(np.array([patch.normal for patch in patches]).reshape(-1, 3), corners, axis=0)
-        self.first = np.repeat(np.array([patch.first for patch in patches], np.int64), corners)
-        self.second = np.repeat(np.array([patch.second for patch in patches], np.int64), corners)
-        self.tangents = _tangents(self.normals)
-        self.unit = float(np.linalg.norm(weights, axis=1).mean())
-        self._centers, self._length, self._bodies = centers, length, len(centers)
-        self._load = -np.hstack([weights / self.unit, np.zeros_like(weights)]).ravel()
+    def __init__(self, corners: Corners) -> None:
+        self._corners = corners
 
     def solve(self, friction: float | FloatArray, angles: FloatArray) -> _Solution:
         """The least residual with a pyramid at each corner.
@@ -103,37 +96,25 @@ class _Balance:
             angles: their directions [rad] in the contact plane, shape (p, k).
         """
         lean = friction * np.array([np.cos(angles), np.sin(angles)])
-        edges = self.normals[:, None] + np.einsum("apk,apd->pkd", lean, self.tangents)
-        wrenches = hstack([self._wrenches(edges), *self._hand()], format="csc")
+        edges = self._corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, self._corners.tangents)
+        return self.along(edges)
+
+    def along(self, edges: FloatArray) -> _Solution:
+        """Return the least residual with forces that are sums of each corner's edges, shape (p, k, 3)."""
+        wrenches = hstack([self._corners.wrenches(edges), *self._hand()], format="csc")
         count = edges.shape[0] * edges.shape[1]
         cost = np.ones(wrenches.shape[1])
         cost[:count] = 0.0
-        found = linprog(cost, A_eq=wrenches, b_eq=self._load, method="highs", options=_SOLVER)
+        found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=_SOLVER)
         if found.x is None:
             raise ArithmeticError(f"HiGHS found no solution of a program that always has one: {found.message}")
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
-        motion = -found.eqlin.marginals.reshape(self._bodies, 6)
-        return _Solution(max(0.0, float(found.fun)) / self._bodies, forces, motion)
-
-    def _wrenches(self, forces: FloatArray) -> csc_array:
-        """Force and moment on every body, shape (6 n, p k), by a unit of each of forces (p, k, 3)."""
-        p, k, _ = forces.shape
-        rows, columns, values = [], [], []
-        for body, sign in ((self.first, -1.0), (self.second, 1.0)):
-            moving = np.flatnonzero(body != GROUND)
-            arm = (self.points[moving] - self._centers[body[moving]]) / self._length
-            force = sign * forces[moving]
-            wrench = np.concatenate([force, np.cross(arm[:, None], force)], axis=2)
-            shape = wrench.shape
-            rows.append(np.broadcast_to(6 * body[moving, None, None] + np.arange(6), shape).ravel())
-            columns.append(np.broadcast_to(k * moving[:, None, None] + np.arange(k)[:, None], shape).ravel())
-            values.append(wrench.ravel())
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return csc_array(entries, shape=(6 * self._bodies, p * k))
+        motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)
+        return _Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
 
     def _hand(self) -> tuple[csc_array, csc_array]:
         """The invisible hand's forces and moments, either way."""
-        diagonal = np.arange(6 * self._bodies)
+        diagonal = np.arange(6 * self._corners.bodies)
         push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
         return push, -push
 
@@ -150,8 +131,9 @@ def solve_balance(
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
     """
-    balance = _Balance(centers, weights, patches, length)
-    p = len(balance.points)
+    corners = Corners(centers, weights, patches, length)
+    balance = _Balance(corners)
+    p = len(corners.points)
     at_rest = np.zeros((len(centers), 6))
 
     def answer(verdict: Verdict, solution: _Solution, *, frictionless: bool = False) -> Statics:
@@ -159,10 +141,10 @@ def solve_balance(
             verdict=verdict,
             residual=solution.residual,
             frictionless=frictionless,
-            points=balance.points,
-            normals=balance.normals,
-            bodies=tuple(zip(balance.first.tolist(), balance.second.tolist(), strict=True)),
-            forces=balance.unit * solution.forces,
+            points=corners.points,
+            normals=corners.normals,
+            bodies=tuple(zip(corners.first.tolist(), corners.second.tolist(), strict=True)),
+            forces=corners.unit * solution.forces,
             mechanism=solution.motion if verdict == "unstable" else at_rest,
         )
 
@@ -181,7 +163,7 @@ def solve_balance(
         inner = balance.solve(friction, angles)
         if inner.residual <= BALANCED:
             return answer("stable", inner)
-        along_first, along_second = np.einsum("apd,pd->ap", balance.tangents, outer.forces)
+        along_first, along_second = np.einsum("apd,pd->ap", corners.tangents, outer.forces)
         leaning = np.arctan2(along_second, along_first) % (2 * np.pi)
         angles = np.sort(np.column_stack([angles, leaning]), axis=1)
     return answer("doubt", outer)
@@ -191,11 +173,3 @@ def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, Flo
     """Edges of the pyramids (p, k) whose sides touch the cones at ``angles`` (p, k), rising: how far, and whither."""
     half = np.diff(angles, axis=1, append=angles[:, :1] + 2 * np.pi) / 2
     return friction / np.cos(half), angles + half
-
-
-def _tangents(normals: FloatArray) -> FloatArray:
-    """Two unit vectors across each normal (p, 3), shape (2, p, 3)."""
-    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    first = np.cross(least, normals)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return np.array([first, np.cross(normals, first)])
