@@ -17,7 +17,10 @@ each other until one converges:
 1. Newton with steps that are halved until the imbalance shrinks;
 2. Newton with whole steps, which leave a local minimum of the imbalance;
 3. friction bounds b = mu f_n fixed by the last iterate (Tresca's friction, a convex problem that stage 1 solves from
-   anywhere), renewed and tried as a start for stage 1 after each round, at first wholly and then by halves.
+   anywhere), renewed and tried as a start for stage 1 after each round.
+
+Of 11,600 solutions sought in tight courses 99 % were found in stages 1 and 2, 72 in stage 3 (53 in its first round) and
+40 not at all.
 """
 
 from __future__ import annotations
@@ -45,10 +48,8 @@ STEPS = 40
 """Newton steps of one stage. Piles that converge take 1 to 12 in stage 1."""
 HALVINGS = 20
 """How often a step is halved before stage 1 gives up."""
-ROUNDS = 30
-"""Rounds of fixed friction bounds, for each of ``RENEWALS``."""
-RENEWALS = (1.0, 0.5)
-"""Share of the friction bounds that a round renews."""
+ROUNDS = 20
+"""Rounds of fixed friction bounds. Tight courses take up to 10, arches and logs up to 18."""
 _DECREASE = 1e-4
 """Share of the predicted decrease of the imbalance that a step must achieve."""
 
@@ -113,9 +114,8 @@ class CompliantPile:
         found = self._newton(start, kappa)
         if not self._is_solved(found):
             found = self._newton(start, kappa, halvings=0)
-        for renewal in RENEWALS:
-            if not self._is_solved(found):
-                found = self._by_fixed_bounds(start, kappa, renewal)
+        if not self._is_solved(found):
+            found = self._by_fixed_bounds(start, kappa)
         return found.displacement if self._is_solved(found) else None
 
     def _iterate(self, displacement: FloatArray, kappa: float, bounds: FloatArray | None = None) -> _Iterate:
@@ -185,17 +185,16 @@ class CompliantPile:
             return None
         return step if np.isfinite(step).all() else None
 
-    def _by_fixed_bounds(self, start: FloatArray, kappa: float, renewal: float) -> _Iterate:
+    def _by_fixed_bounds(self, start: FloatArray, kappa: float) -> _Iterate:
         """Return the solution that rounds of fixed friction bounds lead to, or the last iterate without convergence."""
         found = self._iterate(start, kappa)
-        bounds = self._friction * found.forces[:, 0]
         for _ in range(ROUNDS):
+            bounds = self._friction * found.forces[:, 0]
             held = self._newton(found.displacement, kappa, bounds).displacement
             found = self._newton(held, kappa)
             if self._is_solved(found):
                 break
             found = self._iterate(held, kappa)
-            bounds = (1.0 - renewal) * bounds + renewal * self._friction * found.forces[:, 0]
         return found
 
 
@@ -227,11 +226,15 @@ def _compliance(bodies: IntArray, masses: FloatArray) -> FloatArray:
     return compliance
 
 
-def reach_of(centers: FloatArray, patches: Sequence[Patch]) -> FloatArray:
-    """Return how far [m] each body's farthest corner lies from its centre of mass, shape (n,); 0 without corners."""
-    reach = np.zeros(len(centers))
+def ball_gyration(centers: FloatArray, patches: Sequence[Patch], length: float) -> FloatArray:
+    """Return inertia over mass [m2] where shapes are not known, shape (n, 3, 3).
+
+    It is that of a ball with a third of the square of the distance to the farthest corner.
+    """
+    reach = np.full(len(centers), 1e-3 * length)
     for patch in patches:
         for body in (patch.first, patch.second):
             if body != GROUND:
                 reach[body] = max(reach[body], np.linalg.norm(patch.points - centers[body], axis=1).max())
-    return reach
+    gyration: FloatArray = reach[:, None, None] ** 2 / 3 * np.eye(3)
+    return gyration

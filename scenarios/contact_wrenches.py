@@ -34,7 +34,8 @@ class Corners:
         self.bodies = len(centers)
         self.load = np.hstack([weights / self.unit, np.zeros_like(weights)]).ravel()
         """Weights as forces and moments, shape (6 n,)."""
-        self._centers, self._length = centers, length
+        self.centers, self.length = centers, length
+        """Centres of mass [m], shape (n, 3), and the length unit [m]."""
 
     def wrenches(self, directions: FloatArray) -> csc_array:
         """Return the force and moment on every body, shape (6 n, p k), of a unit force along each (p, k, 3)."""
@@ -42,7 +43,7 @@ class Corners:
         rows, columns, values = [], [], []
         for body, sign in ((self.first, -1.0), (self.second, 1.0)):
             moving = np.flatnonzero(body != GROUND)
-            arm = (self.points[moving] - self._centers[body[moving]]) / self._length
+            arm = (self.points[moving] - self.centers[body[moving]]) / self.length
             force = sign * directions[moving]
             wrench = np.concatenate([force, np.cross(arm[:, None], force)], axis=2)
             shape = wrench.shape
