@@ -29,6 +29,7 @@ from scenarios.contact_wrenches import Corners
 from scenarios.geometry import FloatArray
 
 Verdict = Literal["stable", "unstable", "doubt"]
+Criterion = Literal["normal forces", "vertical forces", "loading", "cone"]
 
 BALANCED = 1e-9
 """Residual below which forces balance, in weights of all bodies (moments: times the length unit). The solver's own
@@ -45,13 +46,20 @@ class Statics:
     """Whether bodies can rest, with the proof."""
 
     verdict: Verdict
-    """``stable``: contact forces exist that hold all bodies; ``unstable``: none exist; ``doubt``: not decided.
+    """``stable``: forces that hold all bodies exist, and arise; ``unstable``: none exist; ``doubt``: neither is proven.
 
-    Existence is necessary for rest, and sufficient where ``frictionless``. With friction it is not quite: bodies wedged
-    against each other may stress themselves in theory and fall in fact (Kao et al. 2022).
+    Existence of forces is necessary for rest, and sufficient where normal forces alone do it. With friction it is not:
+    bodies wedged against each other may stress themselves in theory and fall in fact (Kao et al. 2022).
     """
+    by: Criterion
+    """What decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: what happens as the weights
+    grow from zero; ``cone``: whether any forces obey Coulomb's law and balance the weights."""
+    why: str
+    """The reason of a doubt, in words; else empty."""
+    balanced: bool | None
+    """Whether contact forces exist that obey Coulomb's law and hold all bodies; None if neither pyramid proves it."""
     residual: float
-    """What is missing at best, in weights of all bodies: proven too small to matter if stable, too large if unstable.
+    """What is missing at best, in weights of all bodies: proven too small to matter if balanced, too large if not.
     How far a stable pile is from its limit it does not say."""
     frictionless: bool
     """True if normal forces alone hold all bodies."""
@@ -62,7 +70,8 @@ class Statics:
     bodies: tuple[tuple[int, int], ...]
     """First and second body of each corner."""
     forces: FloatArray
-    """Force [N] on the second body at each corner, shape (p, 3); the proof if stable."""
+    """Force [N] on the second body at each corner, shape (p, 3): the proof that forces exist, if they do. There may be
+    others, and those that arise are others in general."""
     mechanism: FloatArray
     """Virtual velocity of each body, shape (n, 6): linear, then angular times the length unit, at most 1 in any
     component; the proof if unstable, else zero. Bodies that do not move in it need not fall."""
@@ -122,7 +131,15 @@ class _Balance:
 def solve_balance(
     centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
 ) -> Statics:
-    """Whether contact forces exist that hold all bodies.
+    """Find contact forces that hold all bodies, or prove that there are none.
+
+    The verdict is ``stable`` only where that suffices: if normal forces alone do it, or vertical forces at contacts
+    whose cones contain the vertical. Where other friction is needed forces may exist (``balanced``) and not arise:
+    ``truth.judge`` asks further.
+
+    Proof that normal forces p >= 0 suffice: they balance the weights w, so w . a = -p . J_n a <= 0 for every motion a
+    without overlap, while contact forces do no work; rest is the only solution (``strong_stability``). Vertical forces
+    are no such proof: that nothing slides where the whole load bears straight down is a matter of experience.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
@@ -133,40 +150,71 @@ def solve_balance(
     """
     corners = Corners(centers, weights, patches, length)
     balance = _Balance(corners)
-    p = len(corners.points)
-    at_rest = np.zeros((len(centers), 6))
 
-    def answer(verdict: Verdict, solution: _Solution, *, frictionless: bool = False) -> Statics:
-        return Statics(
-            verdict=verdict,
-            residual=solution.residual,
-            frictionless=frictionless,
-            points=corners.points,
-            normals=corners.normals,
-            bodies=tuple(zip(corners.first.tolist(), corners.second.tolist(), strict=True)),
-            forces=corners.unit * solution.forces,
-            mechanism=solution.motion if verdict == "unstable" else at_rest,
-        )
-
-    smooth = balance.solve(0.0, np.zeros((p, 1)))
+    smooth = balance.solve(0.0, np.zeros((len(corners.points), 1)))
     if smooth.residual <= BALANCED:
-        return answer("stable", smooth, frictionless=True)
+        return _statics(corners, smooth, "stable", "normal forces")
     if friction == 0:
-        return answer("unstable", smooth)
+        return _statics(corners, smooth, "unstable", "cone")
+    vertical = balance.along(_vertical(corners, friction))
+    if vertical.residual <= BALANCED:
+        return _statics(corners, vertical, "stable", "vertical forces")
+    is_balanced, solution = _in_cones(corners, balance, friction)
+    if is_balanced is False:
+        return _statics(corners, solution, "unstable", "cone")
+    why = "too close to its limit to tell" if is_balanced is None else "forces exist, and need not arise"
+    return _statics(corners, solution, "doubt", "cone", why=why, balanced=is_balanced)
 
-    angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (p, 1))
-    outer = smooth
+
+def _in_cones(corners: Corners, balance: _Balance, friction: float) -> tuple[bool | None, _Solution]:
+    """Tell whether forces in the Coulomb cones balance the weights, with the proof; None if it stays open."""
+    angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
+    outer = None
     for _ in range(ROUNDS):
         outer = balance.solve(*_circumscribed(friction, angles))
         if outer.residual > BALANCED:
-            return answer("unstable", outer)
+            return False, outer
         inner = balance.solve(friction, angles)
         if inner.residual <= BALANCED:
-            return answer("stable", inner)
+            return True, inner
         along_first, along_second = np.einsum("apd,pd->ap", corners.tangents, outer.forces)
         leaning = np.arctan2(along_second, along_first) % (2 * np.pi)
         angles = np.sort(np.column_stack([angles, leaning]), axis=1)
-    return answer("doubt", outer)
+    return None, outer or balance.solve(*_circumscribed(friction, angles))
+
+
+def _statics(
+    corners: Corners,
+    solution: _Solution,
+    verdict: Verdict,
+    by: Criterion,
+    *,
+    why: str = "",
+    balanced: bool | None = None,
+) -> Statics:
+    return Statics(
+        verdict=verdict,
+        by=by,
+        why=why,
+        balanced=balanced if verdict == "doubt" else verdict == "stable",
+        residual=solution.residual,
+        frictionless=by == "normal forces",
+        points=corners.points,
+        normals=corners.normals,
+        bodies=tuple(zip(corners.first.tolist(), corners.second.tolist(), strict=True)),
+        forces=corners.unit * solution.forces,
+        mechanism=solution.motion if verdict == "unstable" else np.zeros((corners.bodies, 6)),
+    )
+
+
+def _vertical(corners: Corners, friction: float) -> FloatArray:
+    """Return unit forces against gravity where the cone contains them, else zero, shape (p, 1, 3)."""
+    up = -corners.load.reshape(-1, 6)[:, :3].sum(axis=0)
+    up /= np.linalg.norm(up)
+    upward = corners.normals @ up
+    is_load_bearing = np.abs(upward) >= 1 / np.hypot(1.0, friction)
+    forces: FloatArray = (np.where(is_load_bearing, np.sign(upward), 0.0)[:, None] * up)[:, None]
+    return forces
 
 
 def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -64,6 +64,13 @@ class Boxes:
         return self.center[:, None, :] + from_center
 
     @property
+    def gyration(self) -> FloatArray:
+        """Inertia over mass of homogeneous boxes about their centres [m2], shape (n, 3, 3)."""
+        moments = np.einsum("nki,nkj->nij", self.half_axes, self.half_axes) / 3
+        gyration: FloatArray = np.einsum("nkk->n", moments)[:, None, None] * np.eye(3) - moments
+        return gyration
+
+    @property
     def reach(self) -> FloatArray:
         """Half the edge lengths [m] of the upright boxes around them, shape (n, 3)."""
         reach: FloatArray = np.abs(self.half_axes).sum(axis=1)

@@ -48,15 +48,21 @@ from typing import Literal
 
 import numpy as np
 
-from scenarios.compliant_contacts import CompliantPile, ball_gyration, pile_of
+from scenarios.compliant_contacts import (
+    CompliantPile,
+    ball_gyration,
+    even_stiffness,
+    pile_of,
+    stiffness_by_weight,
+)
 from scenarios.contact_patch import GROUND, Patch
 from scenarios.contact_wrenches import Corners
 from scenarios.geometry import FloatArray
 
 RATIOS = (1.0, 0.1, 10.0)
 """Tangential over normal stiffness. Elastic spheres have 0.7 to 1; rough faces and grains may have far less."""
-BY_WEIGHT = (True, False)
-"""Distributions of stiffness: see ``pile_of``."""
+DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
+"""How the normal stiffness of corners may differ."""
 MOST_SAG = 100.0
 """Sag up to which a pile stands. It is 1 to 6 in card houses, logs, balls and planks at walls that stand, 12 / 24 / 49
 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let stand. Contacts
@@ -84,7 +90,7 @@ class Loading:
     why: str
     """The reason, in words, unless it stands."""
     sag: float
-    """Greatest sag of a body; infinite if it falls."""
+    """Greatest sag of a body; infinite where it does not come to rest."""
     acceleration: float
     """Greatest acceleration that is left at the highest kappa, as a share of gravity, moments over the length unit."""
 
@@ -113,10 +119,10 @@ def load_from_zero(
     if gyration is None:
         gyration = ball_gyration(centers, patches, length)
     piles = (
-        pile_of(corners, gyration / length**2, friction, ratio, is_by_weight=is_by_weight)
-        for is_by_weight, ratio in product(BY_WEIGHT, RATIOS)
+        pile_of(corners, gyration / length**2, friction, ratio, stiffness(corners))
+        for stiffness, ratio in product(DISTRIBUTIONS, RATIOS)
     )
-    return _agreed(_load(pile, corners) for pile in piles)
+    return _agreed(load_pile(pile, corners) for pile in piles)
 
 
 def _agreed(loadings: Iterator[Loading]) -> Loading:
@@ -133,8 +139,8 @@ def _agreed(loadings: Iterator[Loading]) -> Loading:
     return worst
 
 
-def _load(pile: CompliantPile, corners: Corners) -> Loading:
-    """Load one pile, with kappa from 1 to where a verdict is found."""
+def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
+    """Load one compliant pile, with kappa from 1 to where a verdict is found."""
     displacement = np.zeros(6 * corners.bodies)
     accelerations: dict[int, float] = {}
     failures = 0
@@ -152,25 +158,24 @@ def _load(pile: CompliantPile, corners: Corners) -> Loading:
         before = accelerations.get(step - 2 * _DECADE)
         if step < _FIRST or before is None:
             continue
-        glued = pile.glued(kappa)
-        is_stiff = np.abs(glued).max() <= 100 * STANDS * np.abs(pile.glued(kappa / 100)).max()
-        sag = _sag(corners, pile.relative_motion(displacement), pile.relative_motion(glued))
-        if acceleration >= FALLS * before and (is_stiff or step == _LAST):
+        ratio = acceleration / before
+        if ratio >= FALLS and (step == _LAST or _is_at_rest_glued(pile, kappa)):
             return Loading("falls", f"it gives way with {acceleration:.2g} g", np.inf, acceleration)
-        loading = _at(step, acceleration / before, sag, acceleration)
-        if acceleration <= STANDS * before and sag > MOST_SAG:
-            break
+        loading = Loading(
+            "doubt", f"it does not come to rest: it gives way with {acceleration:.2g} g", np.inf, acceleration
+        )
+        if ratio <= STANDS and step >= _LAST - 1:
+            sag = _sag(corners, pile.relative_motion(displacement), pile.relative_motion(pile.glued(kappa)))
+            is_small = sag <= MOST_SAG
+            why = "" if is_small else f"a body gives {sag:.0f} times as far as with its contacts glued"
+            loading = Loading("stands" if is_small else "doubt", why, sag, acceleration)
     return loading
 
 
-def _at(step: int, ratio: float, sag: float, acceleration: float) -> Loading:
-    """Return what a pile that does not fall shows at a step of kappa."""
-    why = ""
-    if ratio <= STANDS and sag > MOST_SAG:
-        why = f"a body gives {sag:.0f} times as far as with its contacts glued"
-    elif ratio > STANDS or step < _LAST - 1:
-        why = f"it does not come to rest: it gives way with {acceleration:.2g} g"
-    return Loading("doubt" if why else "stands", why, sag, acceleration)
+def _is_at_rest_glued(pile: CompliantPile, kappa: float) -> bool:
+    """Tell whether the pile with its contacts glued comes to rest over the two decades up to kappa."""
+    before, after = (float(np.abs(pile.glued(step)).max()) / step for step in (kappa / 100, kappa))
+    return after <= STANDS * before
 
 
 def _sag(corners: Corners, motion: FloatArray, glued: FloatArray) -> float:

@@ -86,6 +86,7 @@ def strong_stability(
     *,
     gyration: FloatArray | None = None,
     seconds: float = SECONDS,
+    most_choices: int | None = None,
 ) -> Strength:
     """Ask whether a pile is strongly stable.
 
@@ -97,15 +98,19 @@ def strong_stability(
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``.
         seconds: time limit [s].
+        most_choices: binary variables beyond which the answer is doubt at once; by default there is no such limit.
     """
     if gyration is None:
         gyration = ball_gyration(centers, patches, length)
     corners = Corners(centers, weights, patches, length)
     spatial = spatial_pile(corners, gyration / length**2)
-    planar = planar_pile(corners, spatial)
-    if planar is not None:
-        return _solve(planar, law_in_plane(friction), seconds)
-    return _solve(spatial, law_in_space(friction), seconds)
+    pile, law = planar_pile(corners, spatial), law_in_plane(friction)
+    if pile is None:
+        pile, law = spatial, law_in_space(friction)
+    choices = pile.wrenches.shape[1] * (int(law.modes.max()) + 1)
+    if most_choices is not None and choices > most_choices:
+        return Strength("doubt", 0.0, choices)
+    return _solve(pile, law, seconds)
 
 
 def _solve(problem: RigidPile, law: Law, seconds: float) -> Strength:

@@ -142,12 +142,13 @@ def test_a_plank_against_a_wall_slips_below_a_known_angle(friction):
         assert verdict([plank], friction, walls=[wall]) == expected
 
 
-def test_a_block_between_walls_is_held_by_friction_alone_and_the_answer_says_so():
-    """Walls that never give can press it in theory. One wall cannot: what presses the block against it is missing."""
+def test_a_block_between_walls_needs_prestress_and_the_answer_says_so():
+    """Walls that never give could press it, but do not. One wall could not: nothing presses the block against it."""
     walls = [Brick((0.1, 0.1, 0.4), 1.0, (x, 0.0, 0.2)) for x in (-0.1, 0.1)]
     block = Brick((0.1, 0.1, 0.1), 1.0, (0.0, 0.0, 0.2))
     wedged = equilibrium([block], World(friction=0.45), walls=walls)
-    assert (wedged.verdict, wedged.frictionless) == ("stable", False)
+    assert (wedged.verdict, wedged.by, wedged.balanced) == ("doubt", "loading", True)
+    assert wedged.why.startswith("needs prestress: loaded from zero, it gives way with 1 g")
     assert verdict([block], walls=walls[:1]) == "unstable"
 
 
