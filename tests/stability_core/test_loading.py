@@ -69,7 +69,7 @@ def test_an_unrelated_v_licenses_no_self_stress_elsewhere():
 @pytest.mark.parametrize("outer", [0.0, 0.001])
 @pytest.mark.parametrize("excess", [0.001, 0.005])
 def test_no_verdict_hangs_on_the_sign_of_a_normals_error(excess, outer, tilt):
-    """Tilted one way the side contact closes as the brick turns, by a thousandth of its slip; the other way it opens."""
+    """Tilted one way the side closes as the brick turns, by a thousandth of its slip; the other way it opens."""
     assert verdict(overhang(excess, outer=outer, side_tilt=tilt)) in {"doubt", "unstable"}
 
 
