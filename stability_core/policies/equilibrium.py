@@ -255,8 +255,9 @@ class Equilibrium(Policy):
     def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
         """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
 
-        Live bodies may fall from what stands: they are taken away, and the rest must bear what they press on it. What
-        stands with a live load is not proven to stand without it. A body that was frozen in doubt goes at any change.
+        Live bodies may fall from what stands, or be in doubt, as may be those that the engine held before they were
+        frozen: they are taken away, and the rest must bear what they press on it. What stands with a live load is not
+        proven to stand without it. A body that was frozen in doubt goes at any change around it.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         doubtful: IntArray = unproven[in_doubt]
@@ -280,12 +281,11 @@ class Equilibrium(Policy):
                     self._prove(graph, ids[is_frozen])
                 return doubtful
             falls = takes_part(rest)
-            if verdict == "doubt":
-                was_proven = graph.bodies["doubt"][ids] == PROVEN
-                loose = ids[is_frozen & was_proven & (falls | changed)]
-                return _together(doubtful, loose)
-            if is_frozen[falls].any():
-                return _together(doubtful, ids[falls & is_frozen])
+            goes = falls & is_frozen & (graph.bodies["doubt"][ids] == PROVEN)
+            if forces is None:  # no equilibrium was found, nor a proof that there is none
+                goes |= changed & is_frozen
+            if goes.any() or forces is None:
+                return _together(doubtful, ids[goes])
             pressed = force[rows] * (STRAIGHT_DOWN if level[rows].all() else 1.0)
             problem, kept = relieved_of(problem, falls, pressed)
             ids, is_frozen, changed, rows = ids[~falls], is_frozen[~falls], changed[~falls], rows[kept]
