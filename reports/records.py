@@ -21,7 +21,7 @@ Status: TypeAlias = Literal[
     "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
 ]
 Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "failed", "none"]
-CollapseKind: TypeAlias = Literal["topple", "slide", "sink"]
+CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
 
 CENSORED: frozenset[Status] = frozenset({"timeout"})
 """Ends that say only "at least this far": their levels are lower bounds, never heights."""
@@ -107,7 +107,7 @@ class TrialRecord(BaseModel):
     environment: str
     """Digest of the environment.json of the run."""
     collapse_kind: CollapseKind | None = None
-    """What the collapse was: sink only if nothing toppled or slid within a second of it."""
+    """What the collapse was: sink only if nothing toppled, slid or dropped within a second of it."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
