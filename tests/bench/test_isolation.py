@@ -11,6 +11,7 @@ OUTCOMES = {
     "segfault": ("crashed", "the process died of SIGSEGV: Fatal Python error: Segmentation fault"),
     "abort": ("crashed", "the process died of SIGABRT: Fatal Python error: Aborted"),
     "exit": ("crashed", "the process ended with status 3: it said nothing"),
+    "alarm": ("crashed", "the process died of SIGALRM: it said nothing"),
     "leak": ("out_of_memory", "MiB, above its limit of 450 MiB"),
     "raise": ("error", "RuntimeError: the solver gave up"),
     "nan": ("diverged", "poses were not finite"),
@@ -40,6 +41,25 @@ def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite, outco
         assert (record.profile, record.status) == (record.profile, status), record.message
         assert message in record.message
     assert not list(rogue_suite.folder.glob("**/core*"))
+
+
+def test_a_step_longer_than_the_limit_is_a_timeout_also_if_the_trial_stops_itself(rogue_suite) -> None:
+    """The alarm of the process rings first: it dies of SIGALRM, which is no crash of the engine."""
+    rogue_suite.environment |= {"GRACE_S": "60", "GRACE_IN_TRIALS_S": "0"}
+    rogue_suite.write_study(["hang"], limits={"trial_wall_s": 8.0})
+    rogue_suite.run()
+    (record,) = read_records(rogue_suite.out / "trials.jsonl")
+    assert (record.status, record.verdict) == ("timeout", "failed")
+    assert "the engine hung and was stopped" in record.message
+
+
+def test_a_step_that_ends_after_the_limit_is_a_timeout(rogue_suite) -> None:
+    rogue_suite.environment |= {"GRACE_S": "60"}
+    rogue_suite.write_study(["stall"], limits={"trial_wall_s": 3.0})
+    rogue_suite.run()
+    (record,) = read_records(rogue_suite.out / "trials.jsonl")
+    assert record.status == "timeout"
+    assert record.message == "stopped after 3 s of wall time at 1.2 simulated seconds"
 
 
 def test_a_trial_is_no_fork_of_this_process() -> None:

@@ -6,6 +6,7 @@ Frames are long, so that a trial is over in some milliseconds.
 import ctypes
 import faulthandler
 import os
+import signal
 import time
 from typing import ClassVar
 
@@ -21,6 +22,14 @@ FIRST_MISDEED = 5
 def _hang(_):
     while True:
         ctypes.PyDLL(None).sleep(3600)  # holds the interpreter's lock, as an engine in an endless loop does
+
+
+def _stall(_):
+    ctypes.PyDLL(None).sleep(4)  # as _hang, but it ends
+
+
+def _alarm(_):
+    os.kill(os.getpid(), signal.SIGALRM)
 
 
 def _leak(simulation):
@@ -52,6 +61,8 @@ MISDEEDS = {
     "abort": lambda _: os.abort(),
     "exit": _exit,
     "hang": _hang,
+    "stall": _stall,
+    "alarm": _alarm,
     "leak": _leak,
     "raise": _raise,
     "nan": _diverge,
