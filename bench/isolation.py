@@ -33,6 +33,7 @@ from bench.plan import Trial
 from bench.play import Progress
 from bench.studies import Limits
 from bench.trial import Outcome, bare_record, run_trial
+from reports.plain_text import plain_text
 from reports.records import Status
 
 GRACE_S = 60.0
@@ -249,10 +250,9 @@ def _last_words(log: Path) -> str:
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))
-            said = file.read().decode(errors="replace")
+            said = plain_text(file.read().decode(errors="replace"))
     except FileNotFoundError:
         return "it said nothing"
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     fatal = [line for line in lines if line.startswith("Fatal Python error")]
-    last = (fatal or lines or ["it said nothing"])[-1][:300]
-    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in last)
+    return (fatal or lines or ["it said nothing"])[-1][:300]

@@ -13,8 +13,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
+from reports.plain_text import plain_text
 from scenarios.model import Expectation
 
 Status: TypeAlias = Literal[
@@ -140,6 +141,12 @@ class TrialRecord(BaseModel):
     """Number of live bricks in the last frame."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
+
+    @field_validator("message", "frame_ratio_message", mode="before")
+    @classmethod
+    def _without_escapes(cls, text: object) -> object:
+        """Remove the terminal escapes that engines put into what they print and raise."""
+        return plain_text(text) if isinstance(text, str) else text
 
 
 class RecordWriter:

@@ -15,6 +15,7 @@ OUTCOMES = {
     "leak": ("out_of_memory", "MiB, above its limit of 450 MiB"),
     "raise": ("error", "RuntimeError: the solver gave up"),
     "nan": ("diverged", "poses were not finite"),
+    "red_exit": ("crashed", "the process ended with status 3: out of contacts"),
     "garbage": ("completed", ""),
     "game": ("completed", ""),
 }
@@ -40,6 +41,7 @@ def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite, outco
         status, message = outcomes[record.profile]
         assert (record.profile, record.status) == (record.profile, status), record.message
         assert message in record.message
+        assert "\x1b" not in record.message
     assert not list(rogue_suite.folder.glob("**/core*"))
 
 
@@ -70,6 +72,6 @@ def test_a_trial_is_no_fork_of_this_process() -> None:
 
 def test_garbled_last_words_are_made_fit_to_print(tmp_path) -> None:
     log = tmp_path / "log"
-    log.write_bytes(b"x\n" * 100_000 + b"\xff\x1b[31m out of contacts \n\n")
-    assert isolation._last_words(log) == "\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER}[31m out of contacts"
+    log.write_bytes(b"x\n" * 100_000 + b"\xff\x1b[31m out of contacts \n\x1b[0m\n")
+    assert isolation._last_words(log) == "\N{REPLACEMENT CHARACTER} out of contacts"
     assert isolation._last_words(tmp_path / "none") == "it said nothing"

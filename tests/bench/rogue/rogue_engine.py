@@ -54,12 +54,18 @@ def _exit(_):
     os._exit(3)
 
 
+def _red_exit(_):
+    os.write(1, b"\x1b[1;31mout of contacts\x1b[0m\n\x1b[0m\n")
+    os._exit(3)
+
+
 MISDEEDS = {
     "game": lambda _: None,
     "slow": lambda _: time.sleep(0.05),
     "segfault": lambda _: faulthandler._sigsegv(),
     "abort": lambda _: os.abort(),
     "exit": _exit,
+    "red_exit": _red_exit,
     "hang": _hang,
     "stall": _stall,
     "alarm": _alarm,
