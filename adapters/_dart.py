@@ -13,6 +13,7 @@ How it works here:
 
 Traps:
 
+- DART keeps 1000 contacts as shipped and lets pairs share them beyond; ``_dart_limits`` raises that.
 - Penetration recovers at 1 mm/s at most, and more slowly below 0.4 mm at 240 Hz (a hundredth of the depth a step); no
   knob in Python changes that. Only shorter steps keep a landing brick from sinking.
 - The matrix-free solver gives up when its iterations run out and starts afresh with the dense one, whose time grows
@@ -36,6 +37,7 @@ from typing import Any, ClassVar
 import dartpy
 import numpy as np
 
+from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -54,11 +56,17 @@ _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tole
 _PLANK_MASS = 0.0119
 """Mass [kg] of the planks for which they were chosen."""
 
+_LIMIT_KNOB: Mapping[str, Knob] = {
+    "max_contacts": Knob(
+        f"{PER_PAIR} for each pair of bodies",
+        "the shipped limit of 1000 in all is too small for 190 cubes: a wall of them has 1,408",
+    ),
+}
 _COMMON_KNOBS: Mapping[str, Knob] = {
     "collision_detector": Knob(
         "DART", "4 clean points a pair: the 4-stack sinks a quarter as deep and solves twice as fast as with the others"
     ),
-    "max_contacts": Knob(10_000, "the shipped 1000 silently drops contacts above about 30 levels of the 4-stack"),
+    **_LIMIT_KNOB,
     "matrix_free": Knob(True, "the shipped dense Dantzig solver takes a second a step at 350 contacts"),
     "matrix_free_min_rows": Knob(1, "the shipped 193 leaves piles of up to 16 face contacts to the dense solver"),
 }
@@ -90,6 +98,7 @@ class DartSimulation(Simulation):
                 name="default",
                 description="as shipped: FCL collision, dense Dantzig solver, 1 ms steps rounded to 17 a frame",
                 substeps=17,
+                knobs=_LIMIT_KNOB,
             ),
             "game": Profile(
                 name="game",
@@ -133,6 +142,8 @@ class DartSimulation(Simulation):
         self._world = dartpy.simulation.World()
         self._world.setGravity(list(world.gravity))
         self._configure({name: knob.value for name, knob in profile.knobs.items()}, sleeping)
+        self._room = 0  # bricks for whose contacts DART's limit is raised
+        self._make_room(len(expected))
         self._skeletons: dict[int, Any] = {}
         self._joints: dict[int, Any] = {}
         self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
@@ -149,8 +160,6 @@ class DartSimulation(Simulation):
             detectors = dartpy.simulation.CollisionDetectorType
             self._world.setCollisionDetector(getattr(detectors, str(knobs["collision_detector"])))
         solver = self._world.getConstraintSolver()
-        if "max_contacts" in knobs:
-            solver.getCollisionOption().maxNumContacts = knobs["max_contacts"]
         options = solver.getMatrixFreeContactSolverOptions()
         for knob, option in _MATRIX_FREE_OPTIONS.items():
             if knob in knobs:
@@ -166,6 +175,12 @@ class DartSimulation(Simulation):
             deactivation.mLinearSpeedThreshold *= RAISED_THRESHOLD
             deactivation.mAngularSpeedThreshold *= RAISED_THRESHOLD
         self._world.setDeactivationOptions(deactivation)
+
+    def _make_room(self, bricks: int) -> None:
+        """Raise DART's limit on contacts to what so many bricks can have."""
+        if bricks > self._room:
+            self._room = max(bricks, 2 * self._room)
+            raise_limit(self._world.getConstraintSolver(), contacts_for(self._room))
 
     def _least_mass_in_planks(self) -> float:
         """By how much the lightest expected brick is heavier than a plank; at least 1, for bits of planks are few.
@@ -203,6 +218,7 @@ class DartSimulation(Simulation):
         inertia.setMoment(shape.computeInertia(brick.mass))
         node.setInertia(inertia)
         joint.setPositions(_coordinates(brick.position, brick.quaternion))
+        self._make_room(len(self._skeletons) + 1)  # bricks may come that were not expected
         self._world.addSkeleton(skeleton)
         self._skeletons[body] = skeleton
         self._joints[body] = joint

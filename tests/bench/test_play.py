@@ -104,6 +104,20 @@ def test_the_wall_limit_stops_a_trial(fake_engine) -> None:
     assert play(build("plank_tower"), fake_engine(), wall_limit_s=0.0).run() == "timeout"
 
 
+@pytest.mark.parametrize("frame", [30, 180])
+def test_one_long_step_that_ends_after_the_limit_is_a_timeout(monkeypatch, fake_engine, frame: int) -> None:
+    """Also where it is the last one: 1 s of building and 2 s of watching make 180 frames."""
+    clock = [0.0]
+    monkeypatch.setattr("bench.play.perf_counter", lambda: clock[0])
+
+    def take_long(simulation, step: int) -> None:
+        clock[0] += 61.0 if step == frame else 0.0
+
+    run = play(scene_of(Place(0, (lay(0, level=1),)), Place(1, (lay(0, level=2),))), fake_engine(take_long), 60.0)
+    assert run.run() == "timeout"
+    assert len(run.rows) == frame
+
+
 def test_the_engine_alone_is_never_asked_for_its_port(fake_engine) -> None:
     simulation = fake_engine()
     play(build("plank_tower", levels=1), simulation).run()
