@@ -2,10 +2,10 @@
 
     uv run python -m tests.stability_core.tight_courses [CASES]
 
-writes ``docs/results/truth/tight_courses.md``; it goes on from where an earlier run was stopped. Each case is asked of ``solve_equilibrium`` and of the judge
-(``scenarios.truth``), with the ideal contacts of the plan, and played alone in three engines, tuned by experts, from
-the planned pose at rest: no drop, no placement noise. Where contact at exactly zero gap decides, one engine is no
-truth; three that agree are.
+writes ``docs/results/truth/tight_courses.md``; it goes on from where an earlier run was stopped. Each case is asked of
+``solve_equilibrium`` and of the judge (``scenarios.truth``), with the ideal contacts of the plan, and played alone in
+three engines, tuned by experts, from the planned pose at rest: no drop, no placement noise. Where contact at exactly
+zero gap decides, one engine is no truth; three that agree are.
 
 A case has 1 to 3 courses of 2 to 4 bricks each, in the x-z plane. Each course begins at a random place and its bricks
 touch at their ends, so that bricks which lie more than half beyond what carries them have a neighbour's side to rub on.
