@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from stability_core.equilibrium.correction import correct
-from stability_core.equilibrium.loading import needs_prestress
+from stability_core.equilibrium.loading import STIFFNESSES, needs_prestress
 from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, UNDECIDED, solve
 from stability_core.equilibrium.problem import (
     BALANCED,
@@ -55,7 +55,11 @@ def takes_part(rest: FloatArray) -> BoolArray:
 
 
 def decide(
-    problem: Problem, level: BoolArray, start: FloatArray | None = None, changed: BoolArray | None = None
+    problem: Problem,
+    level: BoolArray,
+    start: FloatArray | None = None,
+    changed: BoolArray | None = None,
+    displacement: FloatArray | None = None,
 ) -> Answer:
     """Whether what changed falls by itself; if not, correct the forces of before; only then start from scratch.
 
@@ -69,6 +73,7 @@ def decide(
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
         changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand, shape (n,); None
             for all.
+        displacement: where loading looks first, shape (3, n, 6), overwritten; None for nowhere (see ``loading``).
 
     Returns:
         The verdict; forces (m, 3) that hold the bodies, or nearly if they are "unstable", or None; a motion (n, 6) that
@@ -79,6 +84,8 @@ def decide(
         start = np.zeros_like(problem.normal)
     if changed is None:
         changed = np.ones(len(problem.load), np.bool_)
+    if displacement is None:
+        displacement = np.zeros((len(STIFFNESSES), *problem.load.shape))
     falls = _falls_by_itself(problem, changed)
     if falls is not None:
         return falls
@@ -92,11 +99,14 @@ def decide(
             return falls
         held, force, rest, residual = correct(aim, rows, start, y, MORE_STEPS)
     if held:
-        return ("stable", force, rest, residual) if are_vertical else _arising(problem, level, force, residual)
+        if are_vertical:
+            return "stable", force, rest, residual
+        is_upright = _held_by_verticals(problem, level)[0]
+        return _arising(problem, force, residual, displacement) if not is_upright else ("stable", force, rest, residual)
     falls = _falls_by_itself(problem, takes_part(rest))
     if falls is not None:
         return falls
-    return _decide_from_scratch(problem, level)
+    return _decide_from_scratch(problem, level, displacement)
 
 
 def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | None:
@@ -134,7 +144,7 @@ def _is_vertical(load: FloatArray) -> bool:
     return not load[:, OTHER_ROWS].any()
 
 
-def _decide_from_scratch(problem: Problem, level: BoolArray) -> Answer:
+def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray) -> Answer:
     """Try vertical forces on level contacts first, at an eighth of the cost, then all that the cones allow."""
     held, force, rest, residual = _held_by_verticals(problem, level)
     if held:
@@ -145,7 +155,7 @@ def _decide_from_scratch(problem: Problem, level: BoolArray) -> Answer:
     if verdict == FALLING:
         return "unstable", force, ray, residual
     if verdict == HELD:
-        return _arising(problem, level, force, residual, vertically=False)
+        return _arising(problem, force, residual, displacement)
     return "doubt", None, rest, residual
 
 
@@ -183,28 +193,21 @@ def _held_within_slack(
 
 
 def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatArray, FloatArray, float]:
-    """Whether vertical forces on level contacts hold the bodies; the forces (m, 3); what they leave unbalanced."""
+    """Whether vertical forces on level contacts hold the bodies; the forces (m, 3); what they leave unbalanced.
+
+    Such forces arise by themselves: each body presses on what it stands on.
+    """
     verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, STRONGEST)
     forces = np.zeros((len(level), 3))
     forces[level] = force
     return verdict == HELD and _is_vertical(problem.load), forces, rest, residual
 
 
-def _arising(
-    problem: Problem, level: BoolArray, force: FloatArray, residual: float, *, vertically: bool = True
-) -> Answer:
-    """Stable if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else doubt.
-
-    Vertical forces on level contacts do: each body presses on what it stands on. ``vertically`` is False where they are
-    known not to suffice.
-    """
-    at_rest = np.zeros_like(problem.load)
-    if vertically and _held_by_verticals(problem, level)[0]:
-        return "stable", force, at_rest, residual
-    loose = needs_prestress(problem)
-    if not loose.any():
-        return "stable", force, at_rest, residual
-    return "doubt", force, at_rest + loose[:, None], residual
+def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
+    """Stable if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else doubt."""
+    loose = needs_prestress(problem, displacement)
+    verdict: Verdict = "doubt" if loose.any() else "stable"
+    return verdict, force, np.zeros_like(problem.load) + loose[:, None], residual
 
 
 def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:

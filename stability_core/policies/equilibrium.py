@@ -19,6 +19,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.component import component, problem_of
+from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import relieved_of
 from stability_core.equilibrium.region import (
@@ -185,6 +186,8 @@ class Equilibrium(Policy):
         self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
+        self._sag = np.zeros((len(STIFFNESSES), 0, 6))
+        """Displacements to which loading last came, by body: where it looks first for the next."""
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
@@ -195,6 +198,8 @@ class Equilibrium(Policy):
         if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
             self._found = np.empty((3, len(graph.bodies)), np.int64)
+            more = len(graph.bodies) - self._sag.shape[1]
+            self._sag = np.concatenate([self._sag, np.zeros((len(STIFFNESSES), more, 6))], axis=1)
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
         safe, left, unsolved = _settle_safely(*graph, self._regions, *watch, self.limits, self._found)
@@ -234,7 +239,9 @@ class Equilibrium(Policy):
             ids = component(graph, part, part, False)
             problem, level, patches = problem_of(graph, ids, self.gravity, 0.0, 1.0, self.settings.point_radius)
             start = recall(graph, self._memory, patches, len(level))
-            verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, part))
+            sag = self._sag[:, ids]
+            verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, part), sag)
+            self._sag[:, ids] = sag
             if verdict == "stable" and forces is not None:
                 remember(graph, self._memory, patches, forces)
                 bodies["state"][part] = FROZEN
@@ -272,7 +279,9 @@ class Equilibrium(Policy):
         is_loaded = not is_frozen.all()
         changed, rows = np.isin(ids, unproven), np.arange(len(level))
         while True:
-            verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed)
+            sag = self._sag[:, ids]
+            verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed, sag)
+            self._sag[:, ids] = sag
             if forces is not None:
                 force[rows] = forces
             if verdict == "stable":
