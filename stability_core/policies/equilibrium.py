@@ -239,7 +239,7 @@ class Equilibrium(Policy):
             ids = component(graph, part, part, False)
             problem, level, patches = problem_of(graph, ids, self.gravity, 0.0, 1.0, self.settings.point_radius)
             start = recall(graph, self._memory, patches, len(level))
-            sag = self._sag[:, ids]
+            sag = np.ascontiguousarray(self._sag[:, ids])  # as the kernels are compiled for it
             verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, part), sag)
             self._sag[:, ids] = sag
             if verdict == "stable" and forces is not None:
@@ -279,7 +279,7 @@ class Equilibrium(Policy):
         is_loaded = not is_frozen.all()
         changed, rows = np.isin(ids, unproven), np.arange(len(level))
         while True:
-            sag = self._sag[:, ids]
+            sag = np.ascontiguousarray(self._sag[:, ids])
             verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed, sag)
             self._sag[:, ids] = sag
             if forces is not None:
