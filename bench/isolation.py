@@ -173,7 +173,7 @@ class IsolatedTrial:
 
     def _lost(self, status: Status, message: str) -> Outcome:
         """The record of a trial whose process left none."""
-        return Outcome(bare_record(self.trial, self.trial.build_scene(), self._environment, status, message), [])
+        return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
 
     def _excess(self) -> str:
         return f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB"

@@ -95,3 +95,12 @@ def build(name: str, **parameters: Value) -> Scene:
         return scenario.builder(**parameters)
     except ValueError as error:
         raise ValueError(f"scenario {name}: {error}") from error
+
+
+def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
+    """Return recorded parameters with the defaults of those that the scenario did not have when they were recorded.
+
+    A default builds what was built before, so that old records still compare with new ones.
+    """
+    scenario = SCENARIOS.get(name)
+    return {**(scenario.parameters if scenario else {}), **parameters}

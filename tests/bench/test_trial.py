@@ -2,10 +2,12 @@
 
 import pytest
 
+from bench import plan
 from bench import trial as trials
 from bench.plan import Trial
 from bench.studies import Limits
 from reports.records import TrialRecord
+from scenarios.hand import NoRoomError
 
 
 def run(engine: str, scenario: str, **parameters) -> TrialRecord:
@@ -33,3 +35,13 @@ def test_what_an_engine_raises_is_an_outcome(monkeypatch, error, status, message
     monkeypatch.setattr(trials, "open_engine", refuse)
     record = run("bullet", "leaning_tower", levels=2)
     assert (record.status, record.verdict, record.message) == (status, "failed", message)
+
+
+def test_a_seed_whose_noise_finds_no_room_is_unsupported(monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise NoRoomError("no room; use seed 0")
+
+    monkeypatch.setattr(plan, "with_hand", refuse)
+    record = run("bullet", "leaning_tower", levels=2)
+    assert (record.status, record.verdict, record.message) == ("unsupported", "none", "no room; use seed 0")
+    assert record.levels_planned == 2

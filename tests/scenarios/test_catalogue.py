@@ -55,7 +55,7 @@ def test_most_scenes_have_a_partner_with_the_other_answer():
     whole = [pair for pair in pairs if sides[pair, "stand"] == sides[pair, "fall"] == 1]
     assert len(whole) >= 40
     assert max(sides.values()) == 1, "no pair has two scenes of one side"
-    assert pairs - set(whole) == {f"card_house-{storeys}" for storeys in (2, 3, 4, 5)}
+    assert pairs - set(whole) == {*(f"card_house-{storeys}" for storeys in (2, 3, 4, 5)), "card_house-3-gap0"}
 
 
 @pytest.mark.parametrize("name", QUICK)
