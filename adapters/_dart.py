@@ -39,7 +39,9 @@ import numpy as np
 
 from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from scenarios.model import Brick, Quaternion, Vector, World
+from adapters.box_table import fixed_id
+from adapters.vectors import rotate
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 _MATRIX_FREE_OPTIONS = {
@@ -149,7 +151,10 @@ class DartSimulation(Simulation):
         self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
         self._contacts_of_step: Contacts | None = None
         self._motion: _Motion | None = None
-        self._world.addSkeleton(self._make_ground())
+        x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
+        self._add_fixed(GROUND, (2 * x, 2 * y, 2 * z), (0.0, 0.0, -z), UPRIGHT)
+        for index, box in enumerate(world.fixed):
+            self._add_fixed(fixed_id(index), box.size, box.position, box.quaternion)
 
     @staticmethod
     def _version() -> str:
@@ -189,16 +194,17 @@ class DartSimulation(Simulation):
         """
         return max(1.0, min((brick.mass for brick in self.expected), default=_PLANK_MASS) / _PLANK_MASS)
 
-    def _make_ground(self) -> Any:
-        skeleton = dartpy.dynamics.Skeleton(str(GROUND))
-        joint, body = skeleton.createWeldJointAndBodyNodePair()
-        x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
-        self._add_shape(body, (2 * x, 2 * y, 2 * z))
+    def _add_fixed(self, body: int, size: Vector, position: Vector, quaternion: Quaternion) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        skeleton = dartpy.dynamics.Skeleton(str(body))
+        joint, node = skeleton.createWeldJointAndBodyNodePair()
+        self._add_shape(node, size)
         pose = dartpy.math.Isometry3()
-        pose.set_translation([0.0, 0.0, -z])
+        pose.set_translation(list(position))
+        pose.set_rotation(rotate(np.tile(quaternion, (3, 1)), np.eye(3)).T)
         joint.setTransformFromParentBodyNode(pose)
         skeleton.setMobile(False)
-        return skeleton
+        self._world.addSkeleton(skeleton)
 
     def _add_shape(self, body: Any, size: Vector) -> Any:
         shape = dartpy.dynamics.BoxShape(list(size))
@@ -293,11 +299,11 @@ class DartSimulation(Simulation):
         if self._contacts_of_step is None:
             self._contacts_of_step = self._read_contacts()
         seen = self._contacts_of_step
-        known, live = self.bricks.keys() | {GROUND}, self._live
+        known, live = self.bricks, self._live
         kept = [
             row
             for row, (a, b) in enumerate(zip(seen.body_a.tolist(), seen.body_b.tolist(), strict=True))
-            if (a in live or b in live) and a in known and b in known
+            if (a in live or b in live) and (a in known or a <= GROUND) and (b in known or b <= GROUND)
         ]
         if len(kept) == len(seen):
             return seen

@@ -12,7 +12,7 @@ from adapters.base import Simulation
 from bench.grip import Grip, Listener
 from bench.measure import FloatArray, Plan
 from bench.support import drop_heights
-from scenarios.geometry import Boxes, resting_shift
+from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Place, Pull, Push, Remove, Scene
 
 HOLD_S = 0.1
@@ -27,6 +27,8 @@ class Builder:
     def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
         """Build ``scene`` in an empty ``simulation``; ``listener`` is told what the hand holds."""
         self._simulation = simulation
+        self._fixed = Boxes.of(scene.world.fixed)
+        self._is_poured = scene.poured
         self._grip = Grip(simulation, listener)
         self._pending = list(reversed(scene.actions))
         self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
@@ -112,7 +114,7 @@ class Builder:
         return None
 
     def _place(self, action: Place, time: float) -> None:
-        shift = resting_shift(Boxes.of(action.bricks), self._supports(action)) + action.height - CLEARANCE
+        shift = self._resting_shift(action) + action.height - CLEARANCE
         for brick in action.bricks:
             x, y, z = brick.position
             body = self._simulation.spawn(replace(brick, position=(x, y, z + shift)))
@@ -123,11 +125,19 @@ class Builder:
             if not self._missing[brick.level]:
                 self.placed[brick.level] = time
 
-    def _supports(self, action: Place) -> Boxes:
-        """The actual boxes of all bricks of lower levels: a neighbour of the same level is no support."""
+    def _resting_shift(self, action: Place) -> float:
+        """Return what to add to the planned heights [m] so that the group hangs ``CLEARANCE`` above its support.
+
+        The support is a fixed box or a brick of a lower level. A brick that is planned beside the group is none, though
+        it may overlap it in plan by the micrometres by which it has moved; of poured bricks the plan tells nothing.
+        """
         _, position, quaternion = self._simulation.poses()
-        lower = self.plan.level < min(brick.level for brick in action.bricks)
-        return Boxes.at(self.plan.size[lower], position[lower], quaternion[lower])
+        plan, group = self.plan, Boxes.of(action.bricks)
+        lower = plan.level < min(brick.level for brick in action.bricks)
+        planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
+        neighbours = None if self._is_poured else side_by_side(group, planned)
+        actual = Boxes.at(plan.size[lower], position[lower], quaternion[lower])
+        return resting_shift(group, actual, neighbours=neighbours, fixed=self._fixed)
 
 
 def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick:

@@ -178,7 +178,7 @@ class IsolatedTrial:
 
     def _lost(self, status: Status, message: str) -> Outcome:
         """The record of a trial whose process left none."""
-        return Outcome(bare_record(self.trial, self.trial.build_scene(), self._environment, status, message), [])
+        return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
 
     def _stopped_itself(self, exitcode: int | None) -> bool:
         """Whether the process died of its own alarm, not of one that its engine had set before the limit.

@@ -81,7 +81,7 @@ class Play:
         watch_from_s = self._last_action_s + SEATING_S
         self.watch = HeapWatch(self._last_action_s, watch_from_s) if scene.poured else StackWatch(watch_from_s)
         self.sleepers = Sleepers()
-        self.recorder = Recorder(simulation.info.frame_s)
+        self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
         """By level: the stack when it was complete, just before the next one was begun."""

@@ -27,6 +27,7 @@ from bench.studies import Limits
 from reports.frames import UNTIMED_FRAMES, FrameRow
 from reports.recording import Recording
 from reports.records import Status, TrialRecord
+from scenarios.hand import NoRoomError
 from scenarios.model import Scene
 
 
@@ -49,7 +50,10 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         environment: digest of the environment, for the record.
         tell: is called with the progress after every frame.
     """
-    scene = trial.build_scene()
+    try:
+        scene = trial.build_scene()
+    except NoRoomError as error:
+        return Outcome(bare_record(trial, trial.planned_scene(), environment, "unsupported", str(error)), [])
     if capabilities(trial.engine).planar and not scene.planar:
         why = f"{trial.engine} is a planar engine and {scene.variant} is not a planar scene"
         return Outcome(bare_record(trial, scene, environment, "unsupported", why), [])

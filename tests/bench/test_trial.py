@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from bench import plan
 from bench import trial as trials
 from bench.plan import Trial
 from bench.studies import Limits
 from reports.records import TrialRecord
+from scenarios.hand import NoRoomError
 from scenarios.model import Place
 from scenarios.registry import build
 
@@ -94,3 +96,13 @@ def test_a_level_that_never_was_the_highest_has_no_ratio(monkeypatch, fake_engin
     record = run("bullet", "plank_tower", "at_rest")
     assert (record.status, record.frame_ratio_level) == ("completed", 25), record.message
     assert record.frame_ratio_message == "the level came together with higher ones"
+
+
+def test_a_seed_whose_noise_finds_no_room_is_unsupported(monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise NoRoomError("no room; use seed 0")
+
+    monkeypatch.setattr(plan, "with_hand", refuse)
+    record = run("bullet", "leaning_tower", levels=2)
+    assert (record.status, record.verdict, record.message) == ("unsupported", "none", "no room; use seed 0")
+    assert record.levels_planned == 2
