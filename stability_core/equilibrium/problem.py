@@ -126,6 +126,26 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
     return gained / (resisted * weight) if gained > 0.0 else 0.0
 
 
+@compiled
+def islands(problem: Problem) -> IntArray:
+    """Number of the island of each body, shape (n,): contacts join bodies to islands, the ground does not.
+
+    O(m) a sweep over the contacts, back and forth until nothing changes.
+    """
+    label = np.arange(len(problem.load))
+    grows = True
+    while grows:
+        grows = False
+        for sweep in range(2):
+            for i in range(len(problem.body_a)):
+                c = i if sweep == 0 else len(problem.body_a) - 1 - i
+                a, b = problem.body_a[c], problem.body_b[c]
+                if a >= 0 and b >= 0 and label[a] != label[b]:
+                    label[a] = label[b] = min(label[a], label[b])
+                    grows = True
+    return label
+
+
 def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
     """The ``bodies``, (n,), and all that they touch."""
     among = np.append(bodies, False)  # the last row is the ground's

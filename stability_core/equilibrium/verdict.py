@@ -22,6 +22,7 @@ from stability_core.equilibrium.problem import (
     greatest_imbalance,
     held_by_the_rest,
     imbalance,
+    islands,
     weakest_equilibrium,
     with_neighbours,
 )
@@ -204,8 +205,18 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
 
 
 def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
-    """Stable if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else doubt."""
-    loose = needs_prestress(problem, displacement)
+    """Stable if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else doubt.
+
+    Island by island: a doubt in one is none in the others.
+    """
+    loose = np.zeros(len(problem.load), np.bool_)
+    island_of = islands(problem)
+    for island in np.unique(island_of):
+        members = island_of == island
+        part = held_by_the_rest(problem, members)[0]
+        found = np.ascontiguousarray(displacement[:, members])
+        loose[members] = needs_prestress(part, found)
+        displacement[:, members] = found
     verdict: Verdict = "doubt" if loose.any() else "stable"
     return verdict, force, np.zeros_like(problem.load) + loose[:, None], residual
 
