@@ -47,9 +47,6 @@ A hundred times what a tower of 100 blocks sags, and a rounding of 1e-9 of the w
 NORMAL_NOISE = 1e-2
 """What a contact may close per length of slip [rad] without any effect. Engines and single precision err by 1e-3 rad in
 normals and by 1e-4 m in the points of bricks of some centimetres; three standard deviations of both."""
-LESS_FRICTION = 0.9
-"""Share of the friction with which the bodies must stand: friction is never known better than that, and what stands by
-loading with all of mu = 0.8 fell in two engines of three."""
 SENSITIVE = 0.1
 """Sensitivity, over the displacement, from which on a body counts as not held. What stands has 1e-6 to 1e-2 (a tower of
 100 blocks, an arch of 200), what falls 0.5 to 1."""
@@ -339,8 +336,6 @@ def _load_step_by_step(
 def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
     """Which bodies no contact force would come to hold if all loads grew from zero, shape (n,).
 
-    Asked with ``LESS_FRICTION``: forces that arise then lie in the cones of the full friction as well.
-
     Args:
         problem: n bodies, each with a weight, that have an equilibrium.
         displacement: where to look first for what each of ``STIFFNESSES`` comes to, such as what was found for a
@@ -360,11 +355,10 @@ def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
     )
     place = numbering(problem.body_a, problem.body_b, n)
     envelope = envelope_of(problem.body_a, problem.body_b, place, 6)
-    friction = LESS_FRICTION * problem.friction
     found = np.zeros(n, np.bool_)
     for k in range(len(STIFFNESSES)):
         u = displacement[k] / unit
-        sensitivity = _load_step_by_step(scaled, friction, STIFFNESSES[k], place, envelope, u)
+        sensitivity = _load_step_by_step(scaled, problem.friction, STIFFNESSES[k], place, envelope, u)
         for i in range(n):
             found[i] = not sensitivity[i] <= SENSITIVE
         if found.any():

@@ -24,11 +24,8 @@ def plays_to_its_end(engine: str, profile: str, **parameters: float) -> Play:
 
 @pytest.mark.parametrize("storeys", [2, 3])
 def test_a_card_house_stands_on_vs_that_mujoco_skews(storeys):
-    """The planks of a frozen V differ in height by some tenths of a millimetre: the roof lies on both all the same.
-
-    At 78 deg: up to 76 deg the Vs of this profile come down within a tenth of the friction that they need.
-    """
-    assert plays_to_its_end("mujoco", "game", storeys=storeys, theta=78.0).sleepers.wakes == 0
+    """The planks of a frozen V differ in height by some tenths of a millimetre: the roof lies on both all the same."""
+    assert plays_to_its_end("mujoco", "game", storeys=storeys).sleepers.wakes == 0
 
 
 @pytest.mark.parametrize("storeys", [3, 4])
@@ -37,7 +34,7 @@ def test_a_card_house_stands_on_roofs_that_bullet_shows_on_some_of_their_edges(s
     assert plays_to_its_end("bullet", "tuned", storeys=storeys).sleepers.wakes == 0
 
 
-@pytest.mark.parametrize("theta", [76.0, 78.0, 84.0])
+@pytest.mark.parametrize("theta", [72.0, 78.0, 84.0])
 def test_a_v_stands_however_deep_its_feet_land(theta):
     """One step of 1/60 s a frame lets feet land 2.2 mm deep; of a steep V the heels go in as well."""
     plays_to_its_end("mujoco", "game", theta=theta)

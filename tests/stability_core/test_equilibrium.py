@@ -84,29 +84,19 @@ def test_the_harmonic_overhang_is_the_limit(port, blocks):
 
 @pytest.mark.parametrize("theta", np.radians([50.0, 60.0, 72.0, 80.0]))
 def test_an_inverted_v_needs_half_of_cot_theta_less_t_over_l(port, theta):
-    """What stands by leaning must also stand with nine tenths of the friction; between the two it is a doubt."""
     least = (1 / np.tan(theta) - THICKNESS / LENGTH) / 2
-    for share, expected in (
-        (1 - 1e-5, "unstable"),
-        (1 + 1e-5, "doubt"),
-        (1 / 0.9 - 1e-4, "doubt"),
-        (1 / 0.9 + 1e-4, "stable"),
-    ):
-        port.touches.clear()
-        inverted_v(port, theta, least * share)
-        assert verdict(port) == expected, share
+    inverted_v(port, theta, least * (1 + 1e-5))
+    assert verdict(port) == "stable"
+    port.touches.clear()
+    inverted_v(port, theta, least * (1 - 1e-5))
+    assert verdict(port) == "unstable"
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.5])
 def test_a_ladder_on_a_rough_wall_slips_below_its_angle(port, friction):
     """A thin plank between ground and wall, equally rough: tan(theta) = (1 - mu^2) / (2 mu)."""
-    limit, sure = (np.arctan((1 - mu**2) / (2 * mu)) for mu in (friction, 0.9 * friction))
-    for theta, expected in (
-        (limit - 1e-5, "unstable"),
-        (limit + 1e-5, "doubt"),
-        (sure - 1e-4, "doubt"),
-        (sure + 1e-4, "stable"),
-    ):
+    limit = np.arctan((1 - friction**2) / (2 * friction))
+    for theta, expected in ((limit + 1e-5, "stable"), (limit - 1e-5, "unstable")):
         port.touches.clear()
         x, z = LENGTH * np.cos(theta), LENGTH * np.sin(theta)
         port.add(0, (x / 2, 0.0, z / 2))
@@ -225,9 +215,8 @@ def test_bodies_that_are_taken_away_leave_behind_what_they_pressed():
     body_a = (body_b + random.integers(1, n, m)) % n
     body_a[::5] = -1
     lever_a, lever_b, normal, force = random.normal(size=(4, m, 3))
-    problem = Problem(
-        body_a, body_b, lever_a, lever_b, normal, random.random(m), random.normal(size=(n, 6)), np.zeros(n)
-    )
+    friction, load = random.random(m), random.normal(size=(n, 6))
+    problem = Problem(body_a, body_b, lever_a, lever_b, normal, friction, load, np.zeros(n))
     gone = np.array([False, True, False, False, True])
     fewer, kept = relieved_of(problem, gone, force)
     before, after = np.empty((n, 6)), np.empty((3, 6))

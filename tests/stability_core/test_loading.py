@@ -121,15 +121,14 @@ def test_the_thinnest_arch_is_decided_to_a_tenth_of_a_per_cent(voussoirs):
 
 @pytest.mark.parametrize("thickness", [0.2, 0.3])
 def test_an_arch_slides_below_its_least_friction(thickness):
-    """Within a tenth of the limit it is a doubt: nothing is held by friction to the last per cent."""
-    for share, expected in ((0.97, "unstable"), (1.03, "doubt"), (1.15, "stable")):
+    for share, expected in ((0.998, "unstable"), (1.002, "stable"), (1.15, "stable")):
         assert verdict(arch(50, thickness, share * LEAST_FRICTION)) == expected
 
 
 @pytest.mark.parametrize("build", [logs, spheres])
 @pytest.mark.parametrize("gap", [0.02, 0.05])
 def test_more_friction_never_turns_stable_into_doubt(build, gap):
-    """Unstable, then doubt, then stable: in this order for rising friction, also in single precision."""
+    """First unstable, then stable: in this order for rising friction, also in single precision."""
     for noise in (0.0, 1e-9, 1e-7):
         found = [verdict(build(gap, friction, noise)) for friction in (0.2, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0, 2.0)]
         order = ["unstable", "doubt", "stable"]

@@ -82,21 +82,6 @@ def test_what_is_in_doubt_wakes_at_any_change(port, extension, change):
     assert {body for update in frames(extension, SOON) for body in update.woken} >= {2}
 
 
-@pytest.mark.parametrize(("share", "waits"), [(1.05, True), (1.2, False)])
-def test_what_leans_within_a_tenth_of_its_friction_waits_for_the_engine(port, extension, share, waits):
-    """A thin V of 72 deg needs mu = cot(72) / 2: MuJoCo's `game` shows Vs that are let go at 72 deg as near as this."""
-    half, height = 0.1 * np.cos(np.radians(72.0)), 0.1 * np.sin(np.radians(72.0))
-    friction = share * half / height / 2
-    for body, side in ((0, -1.0), (1, 1.0)):
-        port.add(body, (side * half / 2, 0.0, height / 2))
-        port.touch(body, GROUND, [(side * half, y, 0.0) for y in DEEP], friction=friction)
-    port.touch(1, 0, [(0.0, y, height) for y in DEEP], normal=(1.0, 0.0, 0.0), friction=friction)
-    frames(extension, SOON)
-    assert port.frozen == (set() if waits else {0, 1})
-    frames(extension, LATER)
-    assert port.frozen == {0, 1}
-
-
 def test_a_doubt_elsewhere_does_not_keep_others_live(port, extension):
     """A column far off has no part in it."""
     overhang_beside_neighbour(port, 0.005)
