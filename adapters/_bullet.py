@@ -26,6 +26,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.box_table import fixed_id
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
@@ -111,6 +112,8 @@ class BulletSimulation(Simulation):
         half_edges = self.ground_half_edges
         ground = self._create(half_edges, 0.0, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
         self._bodies[ground] = GROUND
+        for index, box in enumerate(world.fixed):
+            self._bodies[self._create(_half(box.size), 0.0, box.position, box.quaternion)] = fixed_id(index)
 
     @staticmethod
     def _version() -> str:
@@ -144,8 +147,7 @@ class BulletSimulation(Simulation):
         return handle
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        x, y, z = brick.size
-        handle = self._create((x / 2, y / 2, z / 2), brick.mass, brick.position, brick.quaternion)
+        handle = self._create(_half(brick.size), brick.mass, brick.position, brick.quaternion)
         self._handles[body] = handle
         self._bodies[handle] = body
 
@@ -253,6 +255,11 @@ class BulletSimulation(Simulation):
 
     def _close(self) -> None:
         pybullet.disconnect(self._client)
+
+
+def _half(size: Vector) -> Vector:
+    x, y, z = size
+    return x / 2, y / 2, z / 2
 
 
 def _to_bullet(quaternion: Quaternion) -> Quaternion:

@@ -13,6 +13,7 @@ How it works here:
 
 Traps:
 
+- DART keeps 1000 contacts as shipped and lets pairs share them beyond; ``_dart_limits`` raises that.
 - Penetration recovers at 1 mm/s at most, and more slowly below 0.4 mm at 240 Hz (a hundredth of the depth a step); no
   knob in Python changes that. Only shorter steps keep a landing brick from sinking.
 - The matrix-free solver gives up when its iterations run out and starts afresh with the dense one, whose time grows
@@ -36,8 +37,11 @@ from typing import Any, ClassVar
 import dartpy
 import numpy as np
 
+from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from scenarios.model import Brick, Quaternion, Vector, World
+from adapters.box_table import fixed_id
+from adapters.vectors import rotate
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 _MATRIX_FREE_OPTIONS = {
@@ -54,11 +58,17 @@ _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tole
 _PLANK_MASS = 0.0119
 """Mass [kg] of the planks for which they were chosen."""
 
+_LIMIT_KNOB: Mapping[str, Knob] = {
+    "max_contacts": Knob(
+        f"{PER_PAIR} for each pair of bodies",
+        "the shipped limit of 1000 in all is too small for 190 cubes: a wall of them has 1,408",
+    ),
+}
 _COMMON_KNOBS: Mapping[str, Knob] = {
     "collision_detector": Knob(
         "DART", "4 clean points a pair: the 4-stack sinks a quarter as deep and solves twice as fast as with the others"
     ),
-    "max_contacts": Knob(10_000, "the shipped 1000 silently drops contacts above about 30 levels of the 4-stack"),
+    **_LIMIT_KNOB,
     "matrix_free": Knob(True, "the shipped dense Dantzig solver takes a second a step at 350 contacts"),
     "matrix_free_min_rows": Knob(1, "the shipped 193 leaves piles of up to 16 face contacts to the dense solver"),
 }
@@ -90,6 +100,7 @@ class DartSimulation(Simulation):
                 name="default",
                 description="as shipped: FCL collision, dense Dantzig solver, 1 ms steps rounded to 17 a frame",
                 substeps=17,
+                knobs=_LIMIT_KNOB,
             ),
             "game": Profile(
                 name="game",
@@ -133,12 +144,17 @@ class DartSimulation(Simulation):
         self._world = dartpy.simulation.World()
         self._world.setGravity(list(world.gravity))
         self._configure({name: knob.value for name, knob in profile.knobs.items()}, sleeping)
+        self._room = 0  # bricks for whose contacts DART's limit is raised
+        self._make_room(len(expected))
         self._skeletons: dict[int, Any] = {}
         self._joints: dict[int, Any] = {}
         self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
         self._contacts_of_step: Contacts | None = None
         self._motion: _Motion | None = None
-        self._world.addSkeleton(self._make_ground())
+        x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
+        self._add_fixed(GROUND, (2 * x, 2 * y, 2 * z), (0.0, 0.0, -z), UPRIGHT)
+        for index, box in enumerate(world.fixed):
+            self._add_fixed(fixed_id(index), box.size, box.position, box.quaternion)
 
     @staticmethod
     def _version() -> str:
@@ -149,8 +165,6 @@ class DartSimulation(Simulation):
             detectors = dartpy.simulation.CollisionDetectorType
             self._world.setCollisionDetector(getattr(detectors, str(knobs["collision_detector"])))
         solver = self._world.getConstraintSolver()
-        if "max_contacts" in knobs:
-            solver.getCollisionOption().maxNumContacts = knobs["max_contacts"]
         options = solver.getMatrixFreeContactSolverOptions()
         for knob, option in _MATRIX_FREE_OPTIONS.items():
             if knob in knobs:
@@ -167,6 +181,12 @@ class DartSimulation(Simulation):
             deactivation.mAngularSpeedThreshold *= RAISED_THRESHOLD
         self._world.setDeactivationOptions(deactivation)
 
+    def _make_room(self, bricks: int) -> None:
+        """Raise DART's limit on contacts to what so many bricks can have."""
+        if bricks > self._room:
+            self._room = max(bricks, 2 * self._room)
+            raise_limit(self._world.getConstraintSolver(), contacts_for(self._room))
+
     def _least_mass_in_planks(self) -> float:
         """By how much the lightest expected brick is heavier than a plank; at least 1, for bits of planks are few.
 
@@ -174,16 +194,17 @@ class DartSimulation(Simulation):
         """
         return max(1.0, min((brick.mass for brick in self.expected), default=_PLANK_MASS) / _PLANK_MASS)
 
-    def _make_ground(self) -> Any:
-        skeleton = dartpy.dynamics.Skeleton(str(GROUND))
-        joint, body = skeleton.createWeldJointAndBodyNodePair()
-        x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
-        self._add_shape(body, (2 * x, 2 * y, 2 * z))
+    def _add_fixed(self, body: int, size: Vector, position: Vector, quaternion: Quaternion) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        skeleton = dartpy.dynamics.Skeleton(str(body))
+        joint, node = skeleton.createWeldJointAndBodyNodePair()
+        self._add_shape(node, size)
         pose = dartpy.math.Isometry3()
-        pose.set_translation([0.0, 0.0, -z])
+        pose.set_translation(list(position))
+        pose.set_rotation(rotate(np.tile(quaternion, (3, 1)), np.eye(3)).T)
         joint.setTransformFromParentBodyNode(pose)
         skeleton.setMobile(False)
-        return skeleton
+        self._world.addSkeleton(skeleton)
 
     def _add_shape(self, body: Any, size: Vector) -> Any:
         shape = dartpy.dynamics.BoxShape(list(size))
@@ -203,6 +224,7 @@ class DartSimulation(Simulation):
         inertia.setMoment(shape.computeInertia(brick.mass))
         node.setInertia(inertia)
         joint.setPositions(_coordinates(brick.position, brick.quaternion))
+        self._make_room(len(self._skeletons) + 1)  # bricks may come that were not expected
         self._world.addSkeleton(skeleton)
         self._skeletons[body] = skeleton
         self._joints[body] = joint
@@ -277,11 +299,11 @@ class DartSimulation(Simulation):
         if self._contacts_of_step is None:
             self._contacts_of_step = self._read_contacts()
         seen = self._contacts_of_step
-        known, live = self.bricks.keys() | {GROUND}, self._live
+        known, live = self.bricks, self._live
         kept = [
             row
             for row, (a, b) in enumerate(zip(seen.body_a.tolist(), seen.body_b.tolist(), strict=True))
-            if (a in live or b in live) and a in known and b in known
+            if (a in live or b in live) and (a in known or a <= GROUND) and (b in known or b <= GROUND)
         ]
         if len(kept) == len(seen):
             return seen

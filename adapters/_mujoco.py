@@ -32,13 +32,14 @@ import numpy as np
 
 from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.box_table import fixed_id
 from adapters.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
-_NOBODY = -2
+_NOBODY = np.iinfo(np.int64).min
 """Stands for the body of an empty slot."""
 
 _AUTORESET = {"flag.autoreset": Knob("disable", "a diverged world must be seen, not silently put back to its start")}
@@ -142,6 +143,7 @@ class MujocoSimulation(Simulation):
         self._compiled = new
         self._body_of_geom = np.full(new.geoms, _NOBODY)
         self._body_of_geom[0] = GROUND
+        self._body_of_geom[new.first_fixed :] = [fixed_id(index) for index in range(len(self.world.fixed))]
         self._is_live_geom = np.zeros(new.geoms, bool)
         self._is_current_geom = np.ones(new.geoms, bool)
         for body, slot in self._slot.items():
@@ -163,7 +165,8 @@ class MujocoSimulation(Simulation):
 
     def _assign_geoms(self, slot: int, body: int) -> None:
         """Say whose a slot's geoms are. What they touched until now is no contact of the body in its new place."""
-        geoms = slice(1 + slot, None, self._engine.slots)  # the brick's and, if there is one, the ghost's
+        # the brick's and, if there is one, the ghost's
+        geoms = slice(1 + slot, self._engine.first_fixed, self._engine.slots)
         self._body_of_geom[geoms] = body
         self._is_current_geom[geoms] = False
 

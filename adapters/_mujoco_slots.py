@@ -17,20 +17,22 @@ Shape: TypeAlias = tuple[Vector, float]
 CONTACT_STEPS = "contact_steps"
 """Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` tells it in seconds."""
 
+_COLLIDES = 'contype="1" conaffinity="1"'
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
 
 
 class SlotModel:
-    """The ground, a slot for each shape and, if asked for, a ghost for each slot.
+    """The ground, a slot for each shape, if asked for a ghost for each slot, and the fixed boxes.
 
     A slot is a free body, parked until it is unparked; a ghost is a mocap body with the same box, which
-    nothing moves. Geom and body ids coincide: 0 is the ground, then come the slots, then their ghosts.
+    nothing moves. Geom and body ids coincide: 0 is the ground, then come the slots, their ghosts and the fixed boxes.
     """
 
     def __init__(self, shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> None:
         self.slots = len(shapes)
-        self.geoms = 1 + self.slots * (2 if ghosts else 1)
+        self.first_fixed = 1 + self.slots * (2 if ghosts else 1)
+        self.geoms = self.first_fixed + len(world.fixed)
         self.has_ghosts = ghosts
         self.model = mujoco.MjModel.from_xml_string(_mjcf(shapes, world, profile, ghosts=ghosts))
         self.data = mujoco.MjData(self.model)
@@ -118,19 +120,27 @@ def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bo
         " ".join(f'{name}="{value}"' for name, value in settings[element].items())
         for element in ("option", "flag", "geom")
     )
-    boxes = [
-        f'<geom type="box" size="{_numbers(edge / 2 for edge in size)}" mass="{mass!r}"/>' for size, mass in shapes
+    boxes = [_box(size, mass) for size, mass in shapes]
+    fixed = [
+        f'<body pos="{_numbers(box.position)}" quat="{_numbers(box.quaternion)}">'
+        f"{_box(box.size, 1.0, _COLLIDES)}</body>"
+        for box in world.fixed
     ]
     return f"""
         <mujoco>
             <option {option}><flag {flag}/></option>
             <default><geom {geom}/></default>
             <worldbody>
-                <geom type="plane" size="0 0 1" contype="1" conaffinity="1"/>
+                <geom type="plane" size="0 0 1" {_COLLIDES}/>
                 {"".join(f'<body sleep="init" gravcomp="1"><freejoint/>{box}</body>' for box in boxes)}
                 {"".join(f'<body mocap="true">{box}</body>' for box in boxes) if ghosts else ""}
+                {"".join(fixed)}
             </worldbody>
         </mujoco>"""
+
+
+def _box(size: Vector, mass: float, attributes: str = "") -> str:
+    return f'<geom type="box" size="{_numbers(edge / 2 for edge in size)}" mass="{mass!r}" {attributes}/>'
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -29,9 +29,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.box_table import fixed_id
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
-from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 with silenced_stderr(), warnings.catch_warnings():
@@ -134,10 +135,10 @@ class PhysxSimulation(Simulation):
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
         self._rows = np.empty(0, np.int64)
         self._before: Motions | None = None
-        self._ground = physx.PhysxRigidStaticComponent()
         half_edges = self.ground_half_edges
-        self._add(self._ground, half_edges, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
-        self._bodies[self._ground] = GROUND
+        self._add_fixed(GROUND, half_edges, (0.0, 0.0, -half_edges[2]), UPRIGHT)
+        for index, box in enumerate(world.fixed):
+            self._add_fixed(fixed_id(index), _half(box.size), box.position, box.quaternion)
 
     @staticmethod
     def _version() -> str:
@@ -153,10 +154,16 @@ class PhysxSimulation(Simulation):
         entity.pose = sapien.Pose(position, quaternion)
         self._scene.add_entity(entity)
 
+    def _add_fixed(self, body: int, half_edges: Vector, position: Vector, quaternion: Quaternion) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        component = physx.PhysxRigidStaticComponent()
+        self._add(component, half_edges, position, quaternion)
+        self._bodies[component] = body
+
     def _spawn(self, body: int, brick: Brick) -> None:
         x, y, z = brick.size
         component = physx.PhysxRigidDynamicComponent()
-        self._add(component, (x / 2, y / 2, z / 2), brick.position, brick.quaternion)
+        self._add(component, _half(brick.size), brick.position, brick.quaternion)
         component.mass = brick.mass
         component.inertia = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
         for name, value in self._for_bodies.items():
@@ -291,3 +298,8 @@ class PhysxSimulation(Simulation):
     def _close(self) -> None:
         self._components.clear()
         self._scene.clear()
+
+
+def _half(size: Vector) -> Vector:
+    x, y, z = size
+    return x / 2, y / 2, z / 2

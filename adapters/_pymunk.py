@@ -34,6 +34,7 @@ from pymunk import batch
 
 from adapters._pymunk_arrays import lift_contacts, sort_by_id
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.box_table import fixed_id
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -134,18 +135,33 @@ class PymunkSimulation(Simulation):
         self._latest_state: FloatArray | None = None
         self._before = np.empty((0, 1, 3))  # velocities before each substep of the latest frame, by id
         self._buffer = batch.Buffer()
-        ground = pymunk.Body(body_type=pymunk.Body.STATIC)
+        self._engine_ids = np.empty(0, np.int64)  # sorted; they are addresses, in no order of their own
+        self._ids = np.empty(0, np.int64)  # ours, in the order of the engine's
+        self._fixed_rows = 1 + len(world.fixed)
+        """Rows of the ground and the fixed boxes, behind those of the bodies, where negative ids find them."""
+        self._depths = np.array([*(box.size[1] for box in reversed(world.fixed)), np.inf])  # [m]
         width, thickness = (edge * self.scale for edge in _GROUND_SIZE)
-        ground.position = 0.0, -thickness / 2
-        self._add(ground, (width, thickness))
-        self._engine_ids = np.array([ground.id])  # sorted; they are addresses, in no order of their own
-        self._ids = np.array([GROUND])  # ours, in the order of the engine's
-        self._depths = np.array([np.inf])  # [m], the ground's last, where -1 finds it
+        self._add_fixed(GROUND, (width, thickness), (0.0, -thickness / 2), 0.0)
+        for index, box in enumerate(world.fixed):
+            size = box.size[0] * UNITS_PER_METRE, box.size[2] * UNITS_PER_METRE
+            self._add_fixed(fixed_id(index), size, *_in_plane(box.position, box.quaternion))
         self._contacts()  # none yet: this loads the compiled code before any frame is timed
 
     @staticmethod
     def _version() -> str:
         return str(pymunk.version)
+
+    def _add_fixed(self, body: int, size: tuple[float, float], place: tuple[float, float], angle: float) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``; lengths in engine units."""
+        planar = pymunk.Body(body_type=pymunk.Body.STATIC)
+        planar.position, planar.angle = place, angle
+        self._add(planar, size)
+        self._note_id(planar, body)
+
+    def _note_id(self, planar: pymunk.Body, body: int) -> None:
+        rank = np.searchsorted(self._engine_ids, planar.id)
+        self._engine_ids = np.insert(self._engine_ids, rank, planar.id)
+        self._ids = np.insert(self._ids, rank, body)
 
     def _add(self, body: pymunk.Body, size: tuple[float, float]) -> None:
         shape = pymunk.Poly.create_box(body, size)
@@ -158,11 +174,10 @@ class PymunkSimulation(Simulation):
         planar.position, planar.angle = place
         self._add(planar, (brick.size[0] * UNITS_PER_METRE, brick.size[2] * UNITS_PER_METRE))
         self._bodies[body] = planar
-        rank = np.searchsorted(self._engine_ids, planar.id)
-        self._engine_ids = np.insert(self._engine_ids, rank, planar.id)
-        self._ids = np.insert(self._ids, rank, body)
-        depths = np.full(self._next_id + 1, np.inf)
-        depths[: len(self._depths) - 1] = self._depths[:-1]
+        self._note_id(planar, body)
+        depths = np.full(self._rows, np.inf)
+        depths[: len(self._depths) - self._fixed_rows] = self._depths[: -self._fixed_rows]
+        depths[-self._fixed_rows :] = self._depths[-self._fixed_rows :]
         depths[body] = brick.size[1]
         self._depths = depths
         self._latest_state = None
@@ -192,7 +207,7 @@ class PymunkSimulation(Simulation):
     def _step(self, seconds: float) -> None:
         self._forget_static_pairs()
         substeps = self.info.profile.substeps
-        self._before = np.empty((substeps if self.is_observed else 0, self._next_id + 1, 3))
+        self._before = np.empty((substeps if self.is_observed else 0, self._rows, 3))
         for substep in range(substeps):
             if self.is_observed:
                 self._before[substep] = self._state[:, 3:]
@@ -212,16 +227,22 @@ class PymunkSimulation(Simulation):
         self._new_statics.clear()
 
     @property
+    def _rows(self) -> int:
+        """One a body id given out so far, and those of the ground and the fixed boxes."""
+        return self._next_id + self._fixed_rows
+
+    @property
     def _state(self) -> FloatArray:
         """Place (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (n + 1, 6).
 
-        The row is the id; the ground's is the last, -1. Read once, until a step or a hand changes something.
+        The row is the id; the ground's is the last, -1, and before it come those of the fixed boxes. Read once, until a
+        step or a hand changes something.
         """
         if self._latest_state is None:
             self._buffer.clear()
             batch.get_space_bodies(self._space, _STATE, self._buffer)
             bodies, values = self._buffered(1, 6)
-            self._latest_state = np.zeros((self._next_id + 1, 6))
+            self._latest_state = np.zeros((self._rows, 6))
             sort_by_id(self._engine_ids, self._ids, bodies[:, 0], values, self._latest_state)
         return self._latest_state
 
@@ -253,10 +274,10 @@ class PymunkSimulation(Simulation):
         self._buffer.clear()
         batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
         arbiters, numbers = self._buffered(3, 12)
-        is_live = np.zeros(self._next_id + 1, np.bool_)
+        is_live = np.zeros(self._rows, np.bool_)
         is_live[list(self._live)] = True
         pairs, points, normals, separations, velocities = lift_contacts(
-            self._engine_ids, self._ids, arbiters, numbers, is_live,
+            self._engine_ids, self._ids, arbiters, numbers, is_live, self._fixed_rows,
             state, self._before, self._depths, UNITS_PER_METRE,
         )  # fmt: skip
         friction = np.full(len(pairs), self.world.friction)

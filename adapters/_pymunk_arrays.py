@@ -38,6 +38,7 @@ def lift_contacts(
     arbiters: IntArray,
     numbers: FloatArray,
     is_live: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    fixed: int,
     state: FloatArray,
     before: FloatArray,
     depths: FloatArray,
@@ -50,20 +51,21 @@ def lift_contacts(
 
     Args:
         engine_ids: every engine id, sorted.
-        ids: our id of each; the ground's is -1 and so finds the last row of what follows.
+        ids: our id of each; the ground's is -1 and so finds the last row of what follows, fixed boxes those before it.
         arbiters: engine ids of a and b and the number of points, shape (m, 3).
         numbers: normal, then for two points each the place on a, the place on b, the distance, shape (m, 12).
-        is_live: by our id, shape (n + 1,).
-        state: by our id, the centre first, shape (n + 1, 6).
-        before: velocity and spin before each substep by our id, shape (substeps, n + 1, 3).
-        depths: extents along y [m] by our id, shape (n + 1,).
+        is_live: by our id, shape (n + fixed,).
+        fixed: rows of what never moves: the ground's and the fixed boxes'.
+        state: by our id, the centre first, shape (n + fixed, 6).
+        before: velocity and spin before each substep by our id, shape (substeps, n + fixed, 3).
+        depths: extents along y [m] by our id, shape (n + fixed,).
         units_per_metre: the engine's.
 
     Returns:
         In SI units, k rows each: body ids (k, 2), points (k, 3), normals (k, 3), separations (k,), and velocities
         of b against a (k, 3) of the substep in which the two closed in fastest; NaN if none was recorded.
     """
-    bricks = len(is_live)
+    rows = len(is_live)
     order, keys = np.empty(len(arbiters), np.int64), np.empty(len(arbiters), np.int64)
     live = 0
     size = 0
@@ -72,7 +74,7 @@ def lift_contacts(
         b = ids[np.searchsorted(engine_ids, arbiters[k, 1])]
         has_normal = numbers[k, 0] != 0.0 or numbers[k, 1] != 0.0
         if has_normal and (is_live[a] or is_live[b]):
-            key = (min(a, b) + 1) * bricks + max(a, b) + 1
+            key = (min(a, b) + fixed) * rows + max(a, b) + fixed
             place = live  # insertion sort: the rows are few, and argsort takes seconds to compile
             while place > 0 and keys[place - 1] > key:
                 order[place], keys[place] = order[place - 1], keys[place - 1]
@@ -87,7 +89,7 @@ def lift_contacts(
     row = 0
     for place in range(live):
         k = order[place]
-        a, b = keys[place] // bricks - 1, keys[place] % bricks - 1
+        a, b = keys[place] // rows - fixed, keys[place] % rows - fixed
         turn = 1.0 if ids[np.searchsorted(engine_ids, arbiters[k, 0])] == a else -1.0
         nx, nz = turn * numbers[k, 0], turn * numbers[k, 1]
         depth = min(depths[a], depths[b])

@@ -33,12 +33,12 @@ import numpy as np
 import rapier3d
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.box_table import fixed_id
 from adapters.motions import Motions, fastest_approach
 from adapters.vectors import dot, rotate
-from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
-_NO_TURN = (1.0, 0.0, 0.0, 0.0)
 _NEAR = 1e-4
 """Points further apart than this [m] do not touch."""
 
@@ -145,9 +145,13 @@ class RapierSimulation(Simulation):
         self._has_diverged = False
         for name, knob in profile.knobs.items():
             self._configure(name, knob.value)
-        self._ground_center = (0.0, 0.0, -self.ground_half_edges[2])
-        ground = rapier3d.Collider.cuboid(*self.ground_half_edges).translation(self._ground_center)
+        ground_center = (0.0, 0.0, -self.ground_half_edges[2])
+        ground = rapier3d.Collider.cuboid(*self.ground_half_edges).translation(ground_center)
         self._body_of[self._engine.add_collider(ground.friction(world.friction))] = GROUND
+        for index, box in enumerate(world.fixed):
+            self._body_of[self._engine.add_collider(self._fixed_collider(box))] = fixed_id(index)
+        self._fixed_centers = np.array([*(box.position for box in reversed(world.fixed)), ground_center])
+        self._fixed_turns = np.array([*(box.quaternion for box in reversed(world.fixed)), UPRIGHT])
 
     @staticmethod
     def _version() -> str:
@@ -165,6 +169,11 @@ class RapierSimulation(Simulation):
             coefficients = getattr(parameters, owner)  # a copy: set back whole
             setattr(coefficients, attribute, value)
             setattr(parameters, owner, coefficients)
+
+    def _fixed_collider(self, box: Brick) -> rapier3d.ColliderBuilder:
+        half_x, half_y, half_z = (edge / 2 for edge in box.size)
+        collider = rapier3d.Collider.cuboid(half_x, half_y, half_z).friction(self.world.friction)
+        return collider.position((box.position, _to_rapier(box.quaternion)))
 
     # -- driven by the harness ---------------------------------------------------------------------
 
@@ -306,10 +315,10 @@ class RapierSimulation(Simulation):
     def _in_world(self, pairs: IntArray, local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Normals, points on a and points on b [m] in the world's frame, each (n, 3), of what ``_listed`` returns."""
         bodies, place = np.unique(pairs, return_inverse=True)
-        positions, quaternions = self._poses(bodies[bodies != GROUND])
-        if bodies[0] == GROUND:  # the least id
-            positions = np.vstack([self._ground_center, positions])
-            quaternions = np.vstack([_NO_TURN, quaternions])
+        fixed = bodies[: np.searchsorted(bodies, 0)] + len(self._fixed_centers)  # rows: ids rise to that of the ground
+        positions, quaternions = self._poses(bodies[len(fixed) :])
+        positions = np.vstack([self._fixed_centers[fixed], positions])
+        quaternions = np.vstack([self._fixed_turns[fixed], quaternions])
         a, b = place.reshape(pairs.shape).T
         return (
             rotate(quaternions[a], local[:, :3]),

@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal
 
 import numpy as np
 
 from adapters.box_table import BoxTable, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
-from stability_core.port import Contacts, FloatArray, IntArray, Masses
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 GROUND_HALF_EDGES = (2.0, 2.0, 0.5)
 """Half the least edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
@@ -129,15 +129,17 @@ class Simulation(ABC):
     """Name of the knob that says how often the solver iterates, at most, in a step."""
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        """Open an empty world with its ground.
+        """Open an empty world with its ground and its fixed boxes.
 
         Args:
             profile: one of ``profiles``.
-            world: friction and gravity.
+            world: friction, gravity and fixed boxes.
             sleeping: the engine's own sleeping: off, as shipped, or with its threshold raised.
             expected: the bricks that will be spawned, for engines that must allocate beforehand;
                 others may ignore it, and a brick that was not expected must still be accepted.
         """
+        for box in world.fixed:
+            _check_box(box)
         self.world = world
         self.expected = tuple(expected)
         self.info = EngineInfo(self.engine, self._version(), profile, sleeping)
@@ -147,7 +149,7 @@ class Simulation(ABC):
         self._live_rows: tuple[IntArray, FloatArray] | None = None  # the same, once asked for
         self._removed: list[int] = []
         self._next_id = 0
-        self._boxes = BoxTable()
+        self._boxes = BoxTable(world.fixed)
         self._port: EnginePort | None = None
 
     # -- driven by the harness ---------------------------------------------------------------------
@@ -170,7 +172,7 @@ class Simulation(ABC):
     def ground_half_edges(self) -> Vector:
         """Half the ground's edges, in the engine's world; larger scenes get a larger ground."""
         x, y, z = GROUND_HALF_EDGES
-        reach = GROUND_ROOM * max((_reach(brick) for brick in self.expected), default=0.0)
+        reach = GROUND_ROOM * max((_reach(brick) for brick in (*self.expected, *self.world.fixed)), default=0.0)
         return max(x * self.scale, reach), max(y * self.scale, reach), z * self.scale
 
     @property
@@ -186,9 +188,7 @@ class Simulation(ABC):
         """
         if not (math.isfinite(brick.mass) and brick.mass > 0):
             raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
-        if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
-            raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
-        _check_pose(brick.position, brick.quaternion)
+        _check_box(brick)
         body, self._next_id = self._next_id, self._next_id + 1
         self._spawn(body, brick)
         self._boxes.add(body, brick.size)
@@ -261,11 +261,18 @@ class Simulation(ABC):
         if not self._live:
             return NO_CONTACTS
         contacts = self._contacts()
-        if self.capabilities.near_contacts:
+        if not self.capabilities.near_contacts:
+            live = self._note_boxes(self._live)
+            whole = self._boxes.with_missing_corners(contacts)
+            contacts = self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+        return self._without_fixed_ids(contacts)
+
+    def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
+        """Replace the ids of fixed boxes, which the core does not know, by ``GROUND``."""
+        if not self.world.fixed:
             return contacts
-        live = self._note_boxes(self._live)
-        whole = self._boxes.with_missing_corners(contacts)
-        return self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+        body_a, body_b = np.maximum(contacts.body_a, GROUND), np.maximum(contacts.body_b, GROUND)
+        return replace(contacts, body_a=body_a, body_b=body_b)
 
     def _note_boxes(self, bodies: Collection[int]) -> IntArray:
         """Tell the table of boxes where ``bodies`` are now; returns them, shape (k,)."""
@@ -355,7 +362,8 @@ class Simulation(ABC):
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]: ...
 
     @abstractmethod
-    def _contacts(self) -> Contacts: ...
+    def _contacts(self) -> Contacts:
+        """Return every contact that touches a live body; fixed boxes go by ``box_table.fixed_id``."""
 
     @abstractmethod
     def _freeze(self, body: int) -> None: ...
@@ -365,6 +373,12 @@ class Simulation(ABC):
 
     @abstractmethod
     def _close(self) -> None: ...
+
+
+def _check_box(brick: Brick) -> None:
+    if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
+        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
+    _check_pose(brick.position, brick.quaternion)
 
 
 def _check_pose(position: Vector, quaternion: Quaternion) -> None:

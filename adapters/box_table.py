@@ -8,12 +8,12 @@ the other as the engines themselves do.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from adapters.near_contacts import CENTER, HALF, TURN, missing_corners, near_corners, note_reach
-from scenarios.model import Vector
+from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 _GROUND_BOX = (0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0, 1e3, 1e3, 1.0)
@@ -23,6 +23,14 @@ VelocitiesAt = Callable[[IntArray, FloatArray], FloatArray]
 """From ids (k,) and points (k, 3) [m] to the velocities (k, 3) [m/s] that the bodies have there."""
 
 
+def fixed_id(index: int) -> int:
+    """Return the id by which an adapter's contacts name the fixed box at ``index`` in ``World.fixed``.
+
+    The port turns it into ``GROUND`` after the contacts are completed, for which the boxes must be told apart.
+    """
+    return GROUND - 1 - index
+
+
 class BoxTable:
     """Where the boxes of a world are, and what of their contacts an engine leaves out.
 
@@ -30,27 +38,36 @@ class BoxTable:
     of the others.
     """
 
-    def __init__(self) -> None:
-        self._boxes = np.full((64, len(_GROUND_BOX)), np.nan)  # the row is the id + 1, NaN where there is no body
-        self._boxes[GROUND + 1] = _GROUND_BOX
-        self._rows = 1
+    def __init__(self, fixed: Sequence[Brick] = ()) -> None:
+        self._first = (
+            len(fixed) + 1
+        )  # row of body 0; every row is an id + this: before it the fixed boxes and the ground
+        self._boxes = np.full((64 + self._first, len(_GROUND_BOX)), np.nan)  # NaN where there is no body
+        self._boxes[self._first + GROUND] = _GROUND_BOX
+        self._rows = self._first
+        if fixed:
+            ids = np.array([fixed_id(index) for index in range(len(fixed))])
+            self._boxes[self._first + ids, HALF] = np.array([box.size for box in fixed]) / 2
+            self.place(ids, np.array([box.position for box in fixed]), np.array([box.quaternion for box in fixed]))
 
     def add(self, body: int, size: Vector) -> None:
         """A body of these edges [m], yet to be placed; ids rise."""
-        self._rows = body + 2
+        row = self._first + body
+        self._rows = row + 1
         if self._rows > len(self._boxes):
             self._boxes = np.concatenate([self._boxes, np.full_like(self._boxes, np.nan)])
-        self._boxes[body + 1, HALF] = np.asarray(size) / 2
+        self._boxes[row, HALF] = np.asarray(size) / 2
 
     def place(self, bodies: IntArray, positions: FloatArray, quaternions: FloatArray) -> None:
         """Take over where ``bodies`` (k,) are: positions (k, 3) [m], quaternions (k, 4)."""
-        self._boxes[bodies + 1, CENTER] = positions
-        self._boxes[bodies + 1, TURN] = quaternions
-        note_reach(self._boxes, bodies + 1)
+        rows = bodies + self._first
+        self._boxes[rows, CENTER] = positions
+        self._boxes[rows, TURN] = quaternions
+        note_reach(self._boxes, rows)
 
     def remove(self, body: int) -> None:
         """Forget a body."""
-        self._boxes[body + 1] = np.nan
+        self._boxes[self._first + body] = np.nan
 
     def with_missing_corners(self, contacts: Contacts) -> Contacts:
         """The contacts, and behind them the corners of their faces that nearly touch and that the engine did not list.
@@ -59,7 +76,7 @@ class BoxTable:
         """
         if not len(contacts):
             return contacts
-        a, b = contacts.body_a + 1, contacts.body_b + 1
+        a, b = contacts.body_a + self._first, contacts.body_b + self._first
         order = np.argsort(a * self._rows + b, kind="stable")
         row, corner, gap = missing_corners(
             self._boxes, a[order], b[order], contacts.normal[order], contacts.point[order]
@@ -89,13 +106,14 @@ class BoxTable:
             friction: of every pair.
             velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
         """
-        a, b = contacts.body_a + 1, contacts.body_b + 1
+        a, b = contacts.body_a + self._first, contacts.body_b + self._first
         listed = np.sort(np.minimum(a, b) * self._rows + np.maximum(a, b))
-        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + 1, listed)
+        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed)
         if not len(a):
             return contacts
-        relative = velocities(b - 1, corner) - velocities(a - 1, corner)
-        return _joined(contacts, Contacts(a - 1, b - 1, corner, normal, gap, relative, np.full(len(a), friction)))
+        a, b = a - self._first, b - self._first
+        relative = velocities(b, corner) - velocities(a, corner)
+        return _joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
 
 
 def _joined(first: Contacts, second: Contacts) -> Contacts:

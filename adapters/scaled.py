@@ -29,8 +29,9 @@ class _ScaledSimulation(Simulation):
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         super().__init__(profile, world, sleeping, expected)
-        larger = replace(world, gravity=_times(profile.scale, world.gravity))
         bricks = [_enlarged(profile.scale, brick) for brick in expected]
+        fixed = tuple(_enlarged(profile.scale, box) for box in world.fixed)
+        larger = replace(world, gravity=_times(profile.scale, world.gravity), fixed=fixed)
         self._larger = self.unscaled(profile, larger, sleeping, bricks)
         self.info = replace(self._larger.info, unit_scale=self._larger.info.unit_scale * profile.scale)
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import replace
+
+import numpy as np
 
 from adapters.base import Simulation
 from bench.grip import Grip, Listener
 from bench.measure import FloatArray, Plan
-from scenarios.geometry import Boxes, resting_shift
+from bench.support import drop_heights
+from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Place, Pull, Push, Remove, Scene
 
 HOLD_S = 0.1
@@ -23,11 +27,14 @@ class Builder:
     def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
         """Build ``scene`` in an empty ``simulation``; ``listener`` is told what the hand holds."""
         self._simulation = simulation
+        self._fixed = Boxes.of(scene.world.fixed)
+        self._is_poured = scene.poured
         self._grip = Grip(simulation, listener)
         self._pending = list(reversed(scene.actions))
         self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
         self._bodies: list[int] = []  # in the order of placement
         self._planned: dict[int, Brick] = {}  # by body, of those now in the world
+        self._drop_below: dict[int, float] = {}  # by body, of those that lost their support
         self.placed: dict[int, float] = {}
         """The levels that are complete, and when [s] the last brick of each was let go."""
         self.level = 0
@@ -48,8 +55,8 @@ class Builder:
     def act(self, time: float) -> None:
         """Carry out all actions that are due at ``time`` [s], and go on with those that take longer."""
         for body in self._grip.pull_on(time):
-            del self._planned[body]
-            self.plan = Plan.of(self.bricks)
+            self._forget(body)
+            self._plan_anew()
         while action := self._due(time):
             self._pending.pop()
             if isinstance(action, Place):
@@ -57,12 +64,12 @@ class Builder:
             elif isinstance(action, Remove):
                 body = self._bodies[action.brick]
                 self._simulation.remove(body)
-                del self._planned[body]
+                self._forget(body)
             elif isinstance(action, Push):
                 self._grip.push(self._bodies[action.brick], action.impulse)
             else:
                 self._grip.pull(self._bodies[action.brick], action)
-            self.plan = Plan.of(self.bricks)
+            self._plan_anew()
         for action in self._pending:
             if isinstance(action, Push | Pull) and action.time <= time + HOLD_S and action.brick < len(self._bodies):
                 self._grip.hold(self._bodies[action.brick])
@@ -74,8 +81,32 @@ class Builder:
         bodies, position, quaternion = self._simulation.poses()
         for row, body in enumerate(bodies.tolist()):
             if body in self._grip.pulls:
-                self._planned[body] = at_pose(self._planned[body], position[row], quaternion[row])
+                before = self._planned[body]
+                self._planned[body] = at_pose(before, position[row], quaternion[row])
+                self._note_lost_support(before, body)
+        self._plan_anew()
+
+    def _forget(self, body: int) -> None:
+        """Take a brick that the simulation no longer holds out of the plan."""
+        self._note_lost_support(self._planned.pop(body), body)
+
+    def _note_lost_support(self, before: Brick, moved: int) -> None:
+        """Note the bricks that rested on one that was taken away or pulled from where it was ``before``."""
+        rest = {body: brick for body, brick in self._planned.items() if body != moved}
+        left = [self._planned[moved]] if moved in self._planned else []
+        bodies, position, _ = self._simulation.poses()
+        heights = drop_heights(Plan.of(list(rest.values())), position[bodies != moved], before, left)
+        for body, height in zip(rest, heights.tolist(), strict=True):
+            if height > -math.inf:
+                self._drop_below.setdefault(body, height)
+
+    def _plan_anew(self) -> None:
         self.plan = Plan.of(self.bricks)
+        if self._drop_below:
+            held = dict.fromkeys(self._grip.pulls, -math.inf)
+            heights = self._drop_below | held
+            rows = [heights.get(body, -math.inf) for body in self._planned]
+            self.plan = replace(self.plan, drop_below=np.array(rows))
 
     def _due(self, time: float) -> Action | None:
         if self._pending and self._pending[-1].time <= time + _EARLY_S:
@@ -83,7 +114,7 @@ class Builder:
         return None
 
     def _place(self, action: Place, time: float) -> None:
-        shift = resting_shift(Boxes.of(action.bricks), self._supports(action)) + action.height - CLEARANCE
+        shift = self._resting_shift(action) + action.height - CLEARANCE
         for brick in action.bricks:
             x, y, z = brick.position
             body = self._simulation.spawn(replace(brick, position=(x, y, z + shift)))
@@ -94,11 +125,19 @@ class Builder:
             if not self._missing[brick.level]:
                 self.placed[brick.level] = time
 
-    def _supports(self, action: Place) -> Boxes:
-        """The actual boxes of all bricks of lower levels: a neighbour of the same level is no support."""
+    def _resting_shift(self, action: Place) -> float:
+        """Return what to add to the planned heights [m] so that the group hangs ``CLEARANCE`` above its support.
+
+        The support is a fixed box or a brick of a lower level. A brick that is planned beside the group is none, though
+        it may overlap it in plan by the micrometres by which it has moved; of poured bricks the plan tells nothing.
+        """
         _, position, quaternion = self._simulation.poses()
-        lower = self.plan.level < min(brick.level for brick in action.bricks)
-        return Boxes.at(self.plan.size[lower], position[lower], quaternion[lower])
+        plan, group = self.plan, Boxes.of(action.bricks)
+        lower = plan.level < min(brick.level for brick in action.bricks)
+        planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
+        neighbours = None if self._is_poured else side_by_side(group, planned)
+        actual = Boxes.at(plan.size[lower], position[lower], quaternion[lower])
+        return resting_shift(group, actual, neighbours=neighbours, fixed=self._fixed)
 
 
 def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick:

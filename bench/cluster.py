@@ -138,7 +138,7 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
         return future.result()
     except KilledWorker as error:
         message = f"{error.allowed_failures + 1} workers were lost while they ran it"
-        record = bare_record(trial, trial.build_scene(), digest(environment), "crashed", message)
+        record = bare_record(trial, trial.planned_scene(), digest(environment), "crashed", message)
         return RemoteOutcome(Outcome(record, []), environment)
     except ClusterError:
         raise

@@ -28,6 +28,8 @@ AMBIENT = 0.45
 """Share of the light that comes from everywhere."""
 FAMILY_COLOR = {"stand": "#d9a760", "fall": "#c9694f", "study": "#8fa3b5"}
 """Wood for what must stand, brick for what must fall, slate for what theory leaves open."""
+FIXED_COLOR = "#b9bcc0"
+"""Grey of boxes that never move."""
 _GRAZE = 1e-6
 """Overlap [m] in the picture that nobody sees."""
 _FACES = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
@@ -52,7 +54,7 @@ def draw_contact_sheet(path: Path, scenes: Sequence[Scene]) -> None:
 
 def _draw(axes: Axes, scene: Scene) -> None:
     """One scene: its faces from back to front."""
-    polygons, colors = faces(scene.bricks, FAMILY_COLOR[scene.expectation.outcome])
+    polygons, colors = faces(scene.bricks, FAMILY_COLOR[scene.expectation.outcome], scene.world.fixed)
     axes.add_collection(PolyCollection(list(polygons), facecolors=list(colors), edgecolors="#3b2a1a", linewidths=0.35))
     corners = polygons.reshape(-1, 2)
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -63,13 +65,18 @@ def _draw(axes: Axes, scene: Scene) -> None:
     axes.set_title(f"{scene.variant}\n{scene.expectation}", fontsize=8, color="#333333")
 
 
-def faces(bricks: Sequence[Brick], color: str) -> tuple[FloatArray, FloatArray]:
-    """The visible faces of ``bricks``, from back to front: corners in the picture (n, 4, 2) and colours (n, 3)."""
+def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> tuple[FloatArray, FloatArray]:
+    """The visible faces of ``bricks`` and of ``fixed`` boxes, which are grey, from back to front.
+
+    Returns:
+        Corners in the picture (n, 4, 2) and colours (n, 3).
+    """
     right, up, toward = _view()
-    boxes = Boxes.of(bricks)
+    boxes = Boxes.of([*bricks, *fixed])
     polygons, colors = [], []
     for index in from_back_to_front(boxes, toward):
         center, half_axes = boxes.center[index], boxes.half_axes[index]
+        own = np.array(to_rgb(color if index < len(bricks) else FIXED_COLOR))
         for axis, sign in _FACES:
             outward = sign * half_axes[axis] / np.linalg.norm(half_axes[axis])
             if outward @ toward <= 0:
@@ -77,7 +84,7 @@ def faces(bricks: Sequence[Brick], color: str) -> tuple[FloatArray, FloatArray]:
             u, v = half_axes[(axis + 1) % 3], half_axes[(axis + 2) % 3]
             corners = center + sign * half_axes[axis] + np.array([-u - v, u - v, u + v, -u + v])
             polygons.append(np.column_stack([corners @ right, corners @ up]))
-            colors.append(np.array(to_rgb(color)) * (AMBIENT + (1 - AMBIENT) * max(0.0, float(outward @ LIGHT))))
+            colors.append(own * (AMBIENT + (1 - AMBIENT) * max(0.0, float(outward @ LIGHT))))
     return np.array(polygons), np.clip(colors, 0, 1)
 
 

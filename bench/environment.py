@@ -17,6 +17,7 @@ from typing import Any
 import psutil
 
 from adapters import ENGINES, Profile, capabilities, profiles
+from bench.core_digest import present_core
 from bench.sources import ROOT, SUITE, sources_digest
 from stability_core import Settings
 
@@ -42,6 +43,7 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
         "commit": _git("rev-parse", "HEAD"),
         "modified": bool(_git("status", "--porcelain", "--untracked-files=no")),
         "sources": sources_digest(SUITE),
+        "core": present_core(),
         "settings": asdict(Settings()),
         "engines": {name: describe_engine(name) for name in engines},
     }

@@ -8,9 +8,12 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 from adapters import ENGINES, Profile, profiles
+from bench.core_digest import present_core
 from bench.environment import describe_engine
+from bench.page_marks import NOT_USED, core_of, pages, warning
 from bench.publications import PUBLICATIONS, PUBLISHED
 from bench.sources import ROOT
 from reports.capabilities import capability_table
@@ -36,12 +39,12 @@ def headline_block() -> str:
     assert gallery is not None, "the headline has a picture"
     shown = f"How they ended on {gallery.engine}: a row a stack, a column a policy"
     picture = f"![{shown}]({(PUBLISHED / HEADLINE).relative_to(ROOT).as_posix()}/stills.png)"
-    return f"{picture}\n\n{_published_rows(HEADLINE, 'What stood and what fell')}\n"
+    return f"{picture}\n\n{_published_rows(HEADLINE, 'What stood and what fell')}\n{_caveat(HEADLINE)}"
 
 
 def hands_block() -> str:
     """How many of the trials by twenty hands ended as theory demands, of those that must stand and that must fall."""
-    return f"{_published_rows('publish', 'Right by theory')}\n"
+    return f"{_published_rows('publish', 'Right by theory')}\n{_caveat('publish')}"
 
 
 def pairs_block() -> str:
@@ -51,7 +54,7 @@ def pairs_block() -> str:
     counted = {(row["engine"], row["policy"]): _right_of(row) for row in rows}
     engines, policies = (tuple(dict.fromkeys(row[key] for row in rows)) for key in ("engine", "policy"))
     cells = ((engine, *(counted[engine, policy] for policy in policies)) for engine in engines)
-    return _untitled(Table("", ("engine", *policies), tuple(cells)))
+    return _untitled(Table("", ("engine", *policies), tuple(cells))) + _caveat("truth")
 
 
 def _right_of(row: Mapping[str, str]) -> str:
@@ -64,6 +67,40 @@ def results_block() -> str:
     there = {name: one for name, one in PUBLICATIONS.items() if (PUBLISHED / name / "trials.csv").exists()}
     rows = tuple((f"`{name}/`", one.shows, f"`{one.command}`") for name, one in there.items())
     return _untitled(Table("", ("Folder", "Study", "Command"), rows))
+
+
+def cores_block() -> str:
+    """Every published page, and the core that its claims hold for."""
+    present = present_core()
+    rows = tuple((f"[`{name}`]({name})", *_core(page, present)) for name, page in _published_pages())
+    return _untitled(Table("", ("Page", "Core", "Claims"), rows))
+
+
+def _core(page: Path, present: str) -> tuple[str, str]:
+    core = core_of(page)
+    if core == NOT_USED:
+        return NOTHING, "of engines alone"
+    return f"`{core}`", "hold for that core only: not yet made again" if warning(core, present) else "present core"
+
+
+def claims_block() -> str:
+    """Which pages are of an earlier core, in a sentence for documents that quote them."""
+    present = present_core()
+    earlier = [name for name, page in _published_pages() if warning(core_of(page), present)]
+    if not earlier:
+        return "Every published page was made with the present core.\n"
+    told = ", ".join(f"`{name}`" for name in earlier)
+    return f"**Made with an earlier core and not yet made again: {told}.** Claims from them hold for that core only.\n"
+
+
+def _published_pages() -> list[tuple[str, Path]]:
+    return [(page.relative_to(PUBLISHED).as_posix(), page) for page in pages(PUBLISHED)]
+
+
+def _caveat(name: str) -> str:
+    """What stands below a publication's table if it is of an earlier core; else nothing."""
+    told = warning(core_of(PUBLISHED / name / "tables.md"), present_core())
+    return f"\n*{told}*\n" if told else ""
 
 
 def scenes_block() -> str:
@@ -106,6 +143,8 @@ BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "hands": ("README.md", hands_block),
     "pairs": ("README.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
+    "cores": ("docs/results/README.md", cores_block),
+    "claims": ("docs/reproducing_the_paper.md", claims_block),
     "capabilities": ("README.md", capabilities_block),
     "scenes": ("docs/truth.md", scenes_block),
     "profiles": ("docs/profiles.md", profiles_block),

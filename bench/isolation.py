@@ -33,6 +33,7 @@ from bench.plan import Trial
 from bench.play import Progress
 from bench.studies import Limits
 from bench.trial import Outcome, bare_record, run_trial
+from reports.plain_text import plain_text
 from reports.records import Status
 
 GRACE_S = 60.0
@@ -48,6 +49,7 @@ _MOST_OUTPUT = 2**24
 _TAIL = 2**16
 """How much of its output is looked through for its last words [bytes]."""
 _MEBI = 2**20
+_HUNG = "the engine hung and was stopped; how far it got is not known"
 
 
 def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
@@ -105,6 +107,7 @@ class IsolatedTrial:
         self._news: deque[Progress] = deque()
         self._pid: int | None = None
         self._excess_mib: float | None = None
+        self._begun = monotonic()
         launch = in_process(_run_in_child, limits.trial_wall_s + GRACE_S)
         self.future: ProcessFuture[Outcome] = launch(trial, limits, environment, core, writer, self._log)
         writer.close()
@@ -149,9 +152,11 @@ class IsolatedTrial:
         except ProcessExpired as error:
             if self._excess_mib is not None:
                 return self._lost("out_of_memory", self._excess())
+            if self._stopped_itself(error.exitcode):
+                return self._lost("timeout", _HUNG)
             return self._lost("crashed", f"{_ending(error.exitcode)}: {_last_words(self._log)}")
         except TimeoutError:
-            return self._lost("timeout", "the engine hung and was stopped; how far it got is not known")
+            return self._lost("timeout", _HUNG)
         except MemoryError:
             return self._lost("out_of_memory", "the process ran out of memory")
         except Exception as error:  # a fault of the harness itself costs this trial, not the run
@@ -173,7 +178,15 @@ class IsolatedTrial:
 
     def _lost(self, status: Status, message: str) -> Outcome:
         """The record of a trial whose process left none."""
-        return Outcome(bare_record(self.trial, self.trial.build_scene(), self._environment, status, message), [])
+        return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
+
+    def _stopped_itself(self, exitcode: int | None) -> bool:
+        """Whether the process died of its own alarm, not of one that its engine had set before the limit.
+
+        Either that alarm or pebble ends a step that does not return. Pebble counts polls of 0.1 s, each of which takes
+        a little longer, so that its limit comes seconds late after minutes.
+        """
+        return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 
     def _excess(self) -> str:
         return f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB"
@@ -237,10 +250,9 @@ def _last_words(log: Path) -> str:
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))
-            said = file.read().decode(errors="replace")
+            said = plain_text(file.read().decode(errors="replace"))
     except FileNotFoundError:
         return "it said nothing"
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     fatal = [line for line in lines if line.startswith("Fatal Python error")]
-    last = (fatal or lines or ["it said nothing"])[-1][:300]
-    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in last)
+    return (fatal or lines or ["it said nothing"])[-1][:300]

@@ -1,8 +1,14 @@
 """Is it still standing, and how well? Pure functions of planned and actual poses.
 
 A brick is in place while it lies within a plank's thickness sideways of where it was let go and within
-15 degrees of tilt, and its level has not sunk by half a thickness into the level below. The three ways to
-fail are told apart, because a heap that sinks upright has not toppled and a heap that topples has not sunk.
+15 degrees of tilt, and its level has not sunk by half a thickness into the level below. Four kinds of collapse
+are told apart:
+
+- topple: a brick turned by more than 15 degrees;
+- slide: a brick moved sideways by more than its thickness;
+- drop: a brick fell straight down through free space, because the plan no longer holds its support or because it
+  lies more than its thickness lower than planned on the level below and overlaps nothing by much;
+- sink: a level moved by more than half a thickness into what still lies below it.
 """
 
 from __future__ import annotations
@@ -15,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.records import CollapseKind, Status, Verdict
+from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
 from scenarios.model import Brick, Expectation
 
 FloatArray = npt.NDArray[np.float64]
@@ -24,6 +31,9 @@ TILT_LIMIT = math.radians(15)
 """A plank that leans this far off its plan [rad] no longer carries what was planned to lie on it."""
 SINK_LIMIT = 0.5
 """Relative sink between neighbouring levels, in thicknesses of a brick."""
+DROP_LIMIT = 1.0
+"""Relative sink beyond which a brick that overlaps nothing has dropped, in thicknesses: a level that sank so far into
+the level below would overlap it by as much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +48,9 @@ class Plan:
     """Edge lengths [m], shape (n, 3)."""
     level: npt.NDArray[np.int64]
     """Levels from 1, shape (n,)."""
+    drop_below: FloatArray
+    """Height [m] of the centre below which a brick has dropped, shape (n,); minus infinity while its support is there.
+    ``bench.support`` sets it."""
 
     @classmethod
     def of(cls, bricks: Sequence[Brick]) -> Plan:
@@ -47,6 +60,7 @@ class Plan:
             np.array([brick.quaternion for brick in bricks], np.float64).reshape(-1, 4),
             np.array([brick.size for brick in bricks], np.float64).reshape(-1, 3),
             np.array([brick.level for brick in bricks], np.int64),
+            np.full(len(bricks), -np.inf),
         )
 
     @property
@@ -62,12 +76,13 @@ class Faults:
 
     topple: BoolArray
     slide: BoolArray
+    drop: BoolArray
     sink: BoolArray
 
     @property
     def any(self) -> BoolArray:
         """Out of place in whichever way."""
-        return self.topple | self.slide | self.sink
+        return self.topple | self.slide | self.drop | self.sink
 
     @property
     def kind(self) -> CollapseKind | None:
@@ -76,6 +91,8 @@ class Faults:
             return "topple"
         if self.slide.any():
             return "slide"
+        if self.drop.any():
+            return "drop"
         return "sink" if self.sink.any() else None
 
 
@@ -119,11 +136,30 @@ def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
 def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
     """Which bricks are out of place, and how."""
     thickness = plan.thickness
+    sunk = relative_sink(plan, position)
     return Faults(
         topple=tilt(plan, quaternion) > TILT_LIMIT,
         slide=sideways(plan, position) > thickness,
-        sink=relative_sink(plan, position) > SINK_LIMIT * thickness,
+        drop=(position[:, 2] < plan.drop_below) | _fell_freely(plan, position, quaternion, sunk),
+        sink=sunk > SINK_LIMIT * thickness,
     )
+
+
+def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
+    """Find the bricks that lie more than a thickness too low and yet inside nothing, shape (n,).
+
+    A brick that passed through the level below, or through the ground, counts as inside it.
+    """
+    fallen = sunk > DROP_LIMIT * plan.thickness
+    if not fallen.any():
+        return fallen
+    boxes = Boxes.at(plan.size, position, quaternion)
+    here = Boxes(boxes.center[fallen], boxes.half_axes[fallen])
+    is_lower = plan.level[None, :] < plan.level[fallen, None]
+    clearance = np.where(is_lower, vertical_clearance(here, boxes), np.inf).min(axis=1)
+    overlap = -np.minimum(clearance, height_above_ground(here))
+    fallen[fallen] = overlap < SINK_LIMIT * plan.thickness[fallen]
+    return fallen
 
 
 def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
@@ -168,8 +204,8 @@ def verdict(
     """Was the outcome what theory demands?
 
     Standing is right if the trial ran to its end; falling is right only at the level itself and not before it is
-    due, by toppling or sliding. A trial that did not get to its end, and one that sank where it had to fall, has
-    failed.
+    due, by toppling, sliding or dropping. A trial that did not get to its end, and one that sank where it had to
+    fall, has failed.
     """
     if expectation.outcome == "study" or status == "unsupported":
         return "none"

@@ -34,8 +34,16 @@ class Trial:
         return f"{self.engine}.{self.profile}.{self.scene}.{self.policy}.s{self.seed}.r{self.repeat}"
 
     def build_scene(self) -> Scene:
-        """The scene as this trial's hand builds it."""
-        return with_hand(build(self.scenario, **self.parameters), self.seed)
+        """The scene as this trial's hand builds it.
+
+        Raises:
+            NoRoomError: if its bricks fit too closely for placement noise.
+        """
+        return with_hand(self.planned_scene(), self.seed)
+
+    def planned_scene(self) -> Scene:
+        """Return the scene without placement noise."""
+        return build(self.scenario, **self.parameters)
 
 
 def plan_trials(study: Study) -> list[Trial]:

@@ -81,7 +81,7 @@ class Play:
         watch_from_s = self._last_action_s + SEATING_S
         self.watch = HeapWatch(self._last_action_s, watch_from_s) if scene.poured else StackWatch(watch_from_s)
         self.sleepers = Sleepers()
-        self.recorder = Recorder(simulation.info.frame_s)
+        self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
         """By level: the stack when it was complete, just before the next one was begun."""
@@ -97,7 +97,10 @@ class Play:
         return self._hash.hexdigest()
 
     def run(self) -> Status:
-        """Play to the end; returns how it ended."""
+        """Play to the end; returns how it ended.
+
+        A stack that still stands when a frame ends after the limit has timed out, even if that frame was the last.
+        """
         deadline = perf_counter() + self._wall_limit_s
         end = self._last_action_s + self._scene.watch_s - _ROUNDING_S
         while True:
@@ -105,10 +108,11 @@ class Play:
                 self.builder.act(self.simulated_s)
             if not self._play_frame():
                 return "diverged"
-            if self.watch.is_over or (self.builder.is_done and self.simulated_s >= end):
+            is_late = perf_counter() > deadline
+            if is_late and self.watch.collapse is None:
+                return "timeout"
+            if is_late or self.watch.is_over or (self.builder.is_done and self.simulated_s >= end):
                 return "completed" if self.watch.collapse is None else "collapsed"
-            if perf_counter() > deadline:
-                return "timeout" if self.watch.collapse is None else "collapsed"
 
     def frames_of(self, level: int) -> list[FrameRow]:
         """The frames in which ``level`` was placed, each brick's second included."""

@@ -2,6 +2,8 @@
 
 Without DIR the study is run first, into ``results/published-NAME``; what was cut off goes on there. Tables, figures and
 trials are then copied, and the documents' generated parts filled anew, so that the README says what the tables say.
+
+``uv run python -m bench.publish --mark`` runs nothing: it marks the pages of an earlier core, and fills those parts.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import typer
 
 from bench import generated
 from bench.environment import describe
+from bench.page_marks import mark, mark_all
 from bench.publications import PUBLICATIONS, PUBLISHED, Gallery, Publication
 from bench.replaying import first_stacks, read_stack
 from bench.results import ENVIRONMENT, STUDY, TRIALS, missing_trials
@@ -57,6 +60,8 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     for part in (*(report / table for table in _TABLES), folder / STUDY, folder / ENVIRONMENT):
         if part.exists():
             shutil.copyfile(part, target / part.name)
+    if (target / "tables.md").exists():
+        mark(target / "tables.md")
     _copy_figures(report / "figures", target / "figures")
     if publication.gallery is not None:
         _draw(publication.gallery, folder, records, target / PICTURE)
@@ -103,10 +108,18 @@ def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], pictur
 
 
 def main(
-    name: Annotated[str, typer.Argument(help=f"One of {', '.join(PUBLICATIONS)}.")],
+    name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(PUBLICATIONS)}.")] = None,
     folder: Annotated[Path | None, typer.Argument(metavar="[DIR]", help="A results folder of it.")] = None,
+    is_mark: Annotated[bool, typer.Option("--mark", help="Only mark the pages of an earlier core.")] = False,
 ) -> None:
     """Publish a study in docs/results, and run it first unless a results folder is given."""
+    if is_mark == (name is not None):
+        raise typer.BadParameter("give the name of a publication, or --mark alone")
+    if name is None:
+        earlier = mark_all(PUBLISHED)
+        generated.main()
+        typer.echo(f"pages of an earlier core: {earlier}; the documents' generated parts are filled anew")
+        return
     try:
         publication = look_up("publication", name, PUBLICATIONS)
         if folder is None:

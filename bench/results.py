@@ -33,7 +33,7 @@ SESSIONS = "sessions"
 RECORDINGS = "recordings"
 _LOCK = ".lock"
 _PARTS = (STUDY, ENVIRONMENT, TRIALS, "frames", RECORDINGS, "report")
-_NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "sources": "sources"}
+_NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "core": "stability_core"}
 
 
 class ResultsError(ValueError):

@@ -27,6 +27,7 @@ from bench.studies import Limits
 from reports.frames import UNTIMED_FRAMES, FrameRow
 from reports.recording import Recording
 from reports.records import Status, TrialRecord
+from scenarios.hand import NoRoomError
 from scenarios.model import Scene
 
 
@@ -49,7 +50,10 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         environment: digest of the environment, for the record.
         tell: is called with the progress after every frame.
     """
-    scene = trial.build_scene()
+    try:
+        scene = trial.build_scene()
+    except NoRoomError as error:
+        return Outcome(bare_record(trial, trial.planned_scene(), environment, "unsupported", str(error)), [])
     if capabilities(trial.engine).planar and not scene.planar:
         why = f"{trial.engine} is a planar engine and {scene.variant} is not a planar scene"
         return Outcome(bare_record(trial, scene, environment, "unsupported", why), [])
@@ -158,12 +162,15 @@ def _seen(play: Play) -> dict[str, Any]:
         fields |= {"rest_s": play.watch.rest_s, "repose_deg": play.watch.repose_deg}
     if play.is_steered:
         fields |= {
-            "live_mean": statistics.fmean(row.live for row in play.rows),
-            "live_last": play.rows[-1].live,
             "wakes": play.sleepers.wakes,
             "refreezes": play.sleepers.refreezes,
             "longest_live_s": play.sleepers.longest_live_s(play.simulated_s),
         }
+        if play.rows:  # an engine may raise in its first step
+            fields |= {
+                "live_mean": statistics.fmean(row.live for row in play.rows),
+                "live_last": play.rows[-1].live,
+            }
     return fields
 
 
@@ -203,6 +210,12 @@ def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
     falls_at = scene.expectation.level
     if falls_at is not None and level >= falls_at:
         return {"frame_ratio_level": level, "frame_ratio_message": "no engine can hold this stack awake"}
+    if level not in play.at_level:
+        return {"frame_ratio_level": level, "frame_ratio_message": "the level came together with higher ones"}
+    steered_ms = [row.frame_ms for row in play.frames_of(level) if row.frame >= UNTIMED_FRAMES]
+    if not steered_ms:
+        message = f"the level was laid within the first {UNTIMED_FRAMES} frames, which are not timed"
+        return {"frame_ratio_level": level, "frame_ratio_message": message}
     try:
         with _undisturbed():
             awake = time_awake(trial.engine, trial.profile, scene.world, play.at_level[level])
@@ -210,8 +223,7 @@ def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
         return {"frame_ratio_level": level, "frame_ratio_message": awake.message}
-    steered_ms = statistics.fmean(row.frame_ms for row in play.frames_of(level) if row.frame >= UNTIMED_FRAMES)
-    return {"frame_ratio_level": level, "frame_ratio": steered_ms / awake.frame_ms}
+    return {"frame_ratio_level": level, "frame_ratio": statistics.fmean(steered_ms) / awake.frame_ms}
 
 
 def _message(status: Status, play: Play, limits: Limits) -> str:

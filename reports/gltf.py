@@ -1,7 +1,8 @@
 """A recording as an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
 Each brick is a node whose pose is animated; beneath it hangs a box for each state that the brick is ever in, of which
-the animation shows one at a time (scale 1 or 0, in steps). glTF's y axis points up: the root turns ours to it.
+the animation shows one at a time (scale 1 or 0, in steps). Fixed boxes are nodes that stay. glTF's y axis points up:
+the root turns ours to it.
 """
 
 from __future__ import annotations
@@ -15,9 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Recording
+from scenarios.model import Brick
 
 COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
 """Linear red, green and blue of what is shown; removed bricks are not."""
+_FIXED = "fixed"
+_MATERIALS = {**COLOURS, _FIXED: (0.30, 0.32, 0.34)}
+"""The colours, and the grey of boxes that never move."""
 _FLOAT, _SHORT = 5126, 5123
 _VERTICES, _INDICES = 34962, 34963
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
@@ -63,6 +68,9 @@ def to_glb(recording: Recording) -> bytes:
         samplers.append({"input": times, "output": values, "interpolation": how})
         channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
 
+    for box in recording.fixed:
+        nodes[0]["children"].append(len(nodes))
+        nodes.append(_fixed_node(box))
     starts = np.flatnonzero(np.diff(recording.body, prepend=-1))
     for rows in np.split(np.arange(len(recording.body)), starts[1:]) if len(starts) else ():
         body = int(recording.body[rows[0]])
@@ -103,6 +111,12 @@ def to_glb(recording: Recording) -> bytes:
     )
 
 
+def _fixed_node(box: Brick) -> dict[str, Any]:
+    w, x, y, z = box.quaternion
+    pose = {"translation": list(box.position), "rotation": [x, y, z, w], "scale": list(box.size)}
+    return {"name": _FIXED, "mesh": list(_MATERIALS).index(_FIXED), **pose}
+
+
 def _keyframes(
     recording: Recording, rows: npt.NDArray[np.int64]
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
@@ -134,7 +148,7 @@ def _boxes(buffer: _Buffer) -> list[dict[str, Any]]:
     indices = buffer.add(np.array(triangles, np.uint16), "SCALAR", _INDICES)
     return [
         {"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": number}]}
-        for number, name in enumerate(COLOURS)
+        for number, name in enumerate(_MATERIALS)
     ]
 
 
@@ -144,7 +158,7 @@ def _materials() -> list[dict[str, Any]]:
             "name": name,
             "pbrMetallicRoughness": {"baseColorFactor": [*colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8},
         }
-        for name, colour in COLOURS.items()
+        for name, colour in _MATERIALS.items()
     ]
 
 

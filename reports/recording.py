@@ -34,6 +34,8 @@ THINNED = 3
 _LENGTH_BAND = 5e-5
 _QUATERNION_BAND = 4e-4
 """Dead bands [m] and [1]: a solver's trembling is not kept. The second moves a plank's end by 0.05 mm."""
+FIXED_FIELDS = ("size", "position", "quaternion")
+"""Fields of a fixed box that a recording keeps."""
 _COLUMNS = ("body", "frame", "x", "y", "z", "qw", "qx", "qy", "qz", "state")
 STATES: tuple[Literal["live", "frozen", "removed"], ...] = ("live", "frozen", "removed")
 LIVE, FROZEN, REMOVED = range(3)
@@ -66,6 +68,8 @@ class Recording:
     """Indices into ``STATES``, shape (n,)."""
     every: int = 1
     """1, or ``THINNED`` if it was too large and only every third frame is kept."""
+    fixed: tuple[Brick, ...] = ()
+    """Boxes that never move."""
 
     def thinned(self) -> Recording:
         """Every third frame only, but every change of state and every body's first row."""
@@ -79,8 +83,10 @@ class Recording:
 class Recorder:
     """Takes in the poses of every frame and keeps what changed."""
 
-    def __init__(self, frame_s: float) -> None:
+    def __init__(self, frame_s: float, fixed: tuple[Brick, ...] = ()) -> None:
+        """Record frames of ``frame_s`` [s] in a world with ``fixed`` boxes."""
         self._frame_s = frame_s
+        self._fixed = fixed
         self._frames = 0
         self._sizes: dict[int, Vector] = {}
         self._position = np.empty((0, 3))
@@ -146,6 +152,7 @@ class Recorder:
             np.rint(position[order] / LENGTH_STEP).astype(np.int32),
             np.rint(quaternion[order] / QUATERNION_STEP).astype(np.int32),
             state[order],
+            fixed=self._fixed,
         )
 
     def _make_room(self, count: int) -> None:
@@ -189,7 +196,13 @@ def read_recording(path: Path) -> Recording:
         np.stack([columns[name] for name in ("qw", "qx", "qy", "qz")], axis=1),
         columns["state"],
         told["every"],
+        tuple(_fixed_box(box) for box in told.get("fixed", ())),
     )
+
+
+def _fixed_box(told: Mapping[str, Any]) -> Brick:
+    (length, width, height), (x, y, z), (w, i, j, k) = (told[name] for name in FIXED_FIELDS)
+    return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k))
 
 
 def _packed(recording: Recording) -> bytes:
@@ -199,6 +212,7 @@ def _packed(recording: Recording) -> bytes:
         "frames": recording.frames,
         "sizes": recording.sizes,
         "every": recording.every,
+        "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
     }
     schema = pa.schema([pa.field(name, pa.int32()) for name in _COLUMNS], {"stillstack": json.dumps(told)})
     table = pa.Table.from_arrays([pa.array(value, pa.int32()) for value in values], schema=schema)

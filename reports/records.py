@@ -13,15 +13,16 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
+from reports.plain_text import plain_text
 from scenarios.model import Expectation
 
 Status: TypeAlias = Literal[
     "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
 ]
 Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "failed", "none"]
-CollapseKind: TypeAlias = Literal["topple", "slide", "sink"]
+CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
 
 CENSORED: frozenset[Status] = frozenset({"timeout"})
 """Ends that say only "at least this far": their levels are lower bounds, never heights."""
@@ -107,7 +108,7 @@ class TrialRecord(BaseModel):
     environment: str
     """Digest of the environment.json of the run."""
     collapse_kind: CollapseKind | None = None
-    """What the collapse was: sink only if nothing toppled or slid within a second of it."""
+    """What the collapse was: sink only if nothing toppled, slid or dropped within a second of it."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
@@ -140,6 +141,12 @@ class TrialRecord(BaseModel):
     """Number of live bricks in the last frame."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
+
+    @field_validator("message", "frame_ratio_message", mode="before")
+    @classmethod
+    def _without_escapes(cls, text: object) -> object:
+        """Remove the terminal escapes that engines put into what they print and raise."""
+        return plain_text(text) if isinstance(text, str) else text
 
 
 class RecordWriter:

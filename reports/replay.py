@@ -18,7 +18,7 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
-from reports.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Recording
+from reports.recording import FIXED_FIELDS, LENGTH_STEP, QUATERNION_STEP, STATES, Recording
 from reports.records import TrialRecord
 from reports.writing import write_whole
 
@@ -85,6 +85,7 @@ def _told(trial: Replayed) -> dict[str, Any]:
         "frame_s": recording.frame_s,
         "frames": recording.frames,
         "every": recording.every,
+        "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
         "sizes": {str(body): size for body, size in recording.sizes.items()},
         "rows": len(recording.body),
         "data": _packed(np.array(rows, np.int32)),

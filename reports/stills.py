@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.recording import LENGTH_STEP, REMOVED, STATES
+from reports.recording import FIXED_FIELDS, LENGTH_STEP, REMOVED, STATES
 from reports.records import TrialRecord
 from reports.replay import Replayed
 
@@ -20,6 +20,8 @@ PIXELS = 240
 """Edge length of a still: fine at the 120 to 160 pixels of a page, and drawn in about a third of a second."""
 COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
 """As in a replay: amber, blue and dark red differ in lightness, too, for colour-blind readers."""
+FIXED_COLOUR = (150, 154, 158)
+"""Grey of boxes that never move."""
 _TINT = 0.08
 """By so much bricks differ from each other, so that neighbours can be told apart."""
 _LONGEST_S = 900
@@ -90,7 +92,7 @@ def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
 
 
 def _drawn(trial: Replayed) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
-    """The bricks that are there at the end, and the corners [m] of the space in which all bricks were laid."""
+    """The bricks that are there at the end, the fixed boxes, and the corners [m] of the space of them all."""
     recording, rng = trial.recording, np.random.default_rng(0)
     bricks, corners = [], []
     first = np.flatnonzero(np.diff(recording.body, prepend=-1))
@@ -113,4 +115,7 @@ def _drawn(trial: Replayed) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
                 "colour": [round(tint * value) for value in COLOURS[state]],
             }
         )
+    for box in recording.fixed:
+        bricks.append({name: list(getattr(box, name)) for name in FIXED_FIELDS} | {"colour": list(FIXED_COLOUR)})
+        corners += [np.array(box.position) - np.array(box.size) / 2, np.array(box.position) + np.array(box.size) / 2]
     return bricks, corners

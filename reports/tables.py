@@ -58,8 +58,8 @@ def _outcomes(records: Sequence[TrialRecord]) -> Table:
         rows.append((scene, str(trials[0].expectation), name(engine, profile), *cells))
     notes = ["✓ as theory demands, ✗ not, no mark: not to be judged. n/m: n of m levels stood."]
     notes += [
-        "“falls at k”: it fell when k levels were complete, 0: before the first was; “sinks at k”: it sank upright by "
-        "half a plank."
+        "“falls at k”: it toppled, slid or dropped when k levels were complete, 0: before the first was; “sinks at k”: "
+        "it sank upright by half a plank."
     ]
     if any(record.status in CENSORED for record in records):
         notes.append("≥: stopped by the time limit; at least so many levels stand. Counted as neither right nor wrong.")

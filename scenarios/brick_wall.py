@@ -2,7 +2,8 @@
 
 Theory: cut every joint between courses into pieces of half a plank, and let forces go through the middles of these
 pieces. A half plank has its one support straight below its load, a whole one has two at equal arms, and moments about
-its middle give both. All come out as pressure, nearly equal along a course: in equilibrium at any height.
+its middle give both. All come out as pressure, nearly equal along a course: in equilibrium at any height. No force
+between neighbours of a course is needed, whether they touch or not.
 
 What to look for: most planks have two supports and two loads. An engine that shares them badly opens the joints at the
 ends, where a half plank stands on one side of a whole one.
@@ -11,24 +12,23 @@ ends, where a half plank stands on one side of a whole one.
 from __future__ import annotations
 
 from scenarios.model import Brick, Expectation, Scene, World
-from scenarios.parameters import Value, variant_of, whole
-from scenarios.planks import GAP, LENGTH, MU, lay, one_a_second
-
-HALF = (LENGTH - GAP) / 2
-"""Length [m] of a half plank: two of them and their gap make a whole one."""
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MU, lay, one_a_second
 
 
-def brick_wall(*, courses: int = 8, width: int = 3) -> Scene:
+def brick_wall(*, courses: int = 8, width: int = 3, gap: float = 2.0) -> Scene:
     """A wall of planks along x in running bond, each course a level.
 
     Args:
         courses: number of courses.
         width: whole planks in odd courses; even ones have one less, and a half plank at each end.
+        gap: between neighbours of a course [mm]; with 0 their faces touch.
     """
     courses = whole("courses", courses, least=1, most=200)
     width = whole("width", width, least=2, most=50)
-    parameters: dict[str, Value] = {"courses": courses, "width": width}
-    planks = [plank for level in range(1, courses + 1) for plank in _course(level, width)]
+    gap = real("gap", gap, least=0, most=20)
+    parameters: dict[str, Value] = {"courses": courses, "width": width, "gap": gap}
+    planks = [plank for level in range(1, courses + 1) for plank in _course(level, width, gap * 1e-3)]
     return Scene(
         scenario="brick_wall",
         variant=variant_of(brick_wall, parameters),
@@ -41,12 +41,12 @@ def brick_wall(*, courses: int = 8, width: int = 3) -> Scene:
     )
 
 
-def _course(level: int, width: int) -> list[Brick]:
-    """One course, from left to right."""
-    pitch = LENGTH + GAP
+def _course(level: int, width: int, gap: float) -> list[Brick]:
+    """One course, from left to right, with gaps of ``gap`` [m]: two half planks and their gap make a whole one."""
+    pitch, half = LENGTH + gap, (LENGTH - gap) / 2
     wholes = width - (level + 1) % 2
     row = [lay((index - (wholes - 1) / 2) * pitch, level=level) for index in range(wholes)]
     if wholes == width:
         return row
-    end = (wholes * pitch + GAP + HALF) / 2
-    return [lay(-end, level=level, length=HALF), *row, lay(end, level=level, length=HALF)]
+    end = (wholes * pitch + gap + half) / 2
+    return [lay(-end, level=level, length=half), *row, lay(end, level=level, length=half)]

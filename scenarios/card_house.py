@@ -32,7 +32,7 @@ from collections.abc import Sequence
 
 from scenarios.model import Brick, Expectation, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
-from scenarios.planks import GAP, LENGTH, MU, THICKNESS, lay, lean, one_a_second
+from scenarios.planks import LENGTH, MU, THICKNESS, lay, lean, one_a_second
 
 RIDGE_GAP = 0.2e-3
 """Gap [m] between the two planks of a V at its ridge."""
@@ -42,25 +42,27 @@ CERTAIN = 1.05
 """Friction this many times off its limit gives an answer that survives a real hand."""
 
 
-def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU) -> Scene:
+def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU, gap: float = 2.0) -> Scene:
     """Leaning pairs of planks under flat roofs: one storey is the inverted V.
 
     Args:
         storeys: storeys of Vs, as many Vs on the ground.
         theta: angle [deg] between a leaning plank and the ground.
         friction: Coulomb coefficient of every pair.
+        gap: between roof planks, and at least between the feet of two Vs [mm]; with 0 roof planks touch.
     """
     storeys = whole("storeys", storeys, least=1, most=10)
     theta = real("theta", theta, least=45, most=85)
     friction = real("friction", friction, least=0, most=2)
-    parameters: dict[str, Value] = {"storeys": storeys, "theta": theta, "friction": friction}
+    gap = real("gap", gap, least=0, most=20)
+    parameters: dict[str, Value] = {"storeys": storeys, "theta": theta, "friction": friction, "gap": gap}
     angle = math.radians(theta)
     return Scene(
         scenario="card_house",
         variant=variant_of(card_house, parameters),
         parameters=parameters,
         world=World(friction=friction),
-        actions=one_a_second(_groups(storeys, angle)),
+        actions=one_a_second(_groups(storeys, angle, gap * 1e-3)),
         expectation=expected(angle, friction),
         look_for="feet that creep apart and a ridge that drops; standing on too little friction is glue",
         pair=variant_of(card_house, parameters | {"friction": MU}),
@@ -81,11 +83,11 @@ def expected(theta: float, friction: float) -> Expectation:
     return Expectation("study", f"between mu = {least:.3f} and {most:.3f} the ridge's contact normal decides")
 
 
-def _groups(storeys: int, theta: float) -> list[Sequence[Brick]]:
+def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
     """What is placed together, in order: single Vs on the ground, then whole roofs and whole storeys."""
     spread, edge = _half_foot_spread(theta), THICKNESS * math.sin(theta)
     spacing = LENGTH - 2 * (edge + RIDGE_GAP / 2 + OVERHANG)
-    if storeys > 1 and spacing < 2 * (spread + edge) + GAP:
+    if storeys > 1 and spacing < 2 * (spread + edge) + gap:
         raise ValueError(
             f"theta must be at least 70 for more than one storey, got {math.degrees(theta):g}: "
             "Vs that lean further collide before a roof plank reaches two ridges"
@@ -97,13 +99,13 @@ def _groups(storeys: int, theta: float) -> list[Sequence[Brick]]:
         pairs = [_inverted_v(x, theta, level, bottom) for x in _row(ridges, spacing)]
         groups.extend(pairs if storey == 0 else [[plank for pair in pairs for plank in pair]])
         if ridges > 1:
-            groups.append(_roofs(ridges, spacing, level + 1, bottom + height))
+            groups.append(_roofs(ridges, spacing, level + 1, bottom + height, gap))
     return groups
 
 
-def _roofs(ridges: int, spacing: float, level: int, bottom: float) -> list[Brick]:
+def _roofs(ridges: int, spacing: float, level: int, bottom: float, gap: float) -> list[Brick]:
     """Planks across each two neighbouring ridges: the outermost whole, those between sawn off."""
-    middles, sawn = _row(ridges - 1, spacing), spacing - GAP
+    middles, sawn = _row(ridges - 1, spacing), spacing - gap
     if ridges == 2:
         return [lay(0.0, level=level, bottom=bottom)]
     outward = (LENGTH - sawn) / 2

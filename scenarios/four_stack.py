@@ -5,7 +5,8 @@ lies on one plank for most of its length and bridges the joint to the next plank
 
 Theory: on each of the four sides the planks are shifted along themselves by half a gap and half a width, left and right
 in turn: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line, the planks
-of two levels share 45.8 mm to either side of it: each side alone is in equilibrium, whatever its height.
+of two levels share 45.8 mm to either side of it: each side alone is in equilibrium, whatever its height. With no gap it
+is 11.7 mm of 46.8 mm.
 
 What to look for: a merge at every plank (its load can go two ways). Sinking comes first, then one side gives.
 """
@@ -15,19 +16,21 @@ from __future__ import annotations
 import math
 
 from scenarios.model import Brick, Expectation, Scene, World
-from scenarios.parameters import Value, variant_of, whole
-from scenarios.planks import GAP, LENGTH, MU, WIDTH, lay, one_a_second
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MU, WIDTH, lay, one_a_second
 
 
-def four_stack(*, levels: int = 30) -> Scene:
+def four_stack(*, levels: int = 30, gap: float = 2.0) -> Scene:
     """Four planks a level in a pinwheel that turns the other way at each level.
 
     Args:
         levels: number of levels, of four planks each.
+        gap: between a plank's end and the next one's side [mm]; with 0 they touch.
     """
     levels = whole("levels", levels, least=1, most=200)
-    parameters: dict[str, Value] = {"levels": levels}
-    planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level)]
+    gap = real("gap", gap, least=0, most=20)
+    parameters: dict[str, Value] = {"levels": levels, "gap": gap}
+    planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level, gap * 1e-3)]
     return Scene(
         scenario="four_stack",
         variant=variant_of(four_stack, parameters),
@@ -39,10 +42,10 @@ def four_stack(*, levels: int = 30) -> Scene:
     )
 
 
-def _pinwheel(level: int) -> list[Brick]:
-    """The four planks of one level, from side to side around the stack."""
-    along = (GAP + WIDTH) / 2 * (-1) ** level
-    out = (LENGTH + GAP) / 2
+def _pinwheel(level: int, gap: float) -> list[Brick]:
+    """The four planks of one level, from side to side around the stack, with gaps of ``gap`` [m]."""
+    along = (gap + WIDTH) / 2 * (-1) ** level
+    out = (LENGTH + gap) / 2
     quarter_turns = (0.0, math.pi / 2, math.pi, -math.pi / 2)
     return [
         lay(

@@ -103,16 +103,43 @@ def overlap_in_plan(first: Boxes, second: Boxes) -> BoolArray:
     return np.isfinite(vertical_clearance(first, second))
 
 
-def resting_shift(group: Boxes, below: Boxes) -> float:
+def side_by_side(first: Boxes, second: Boxes) -> BoolArray:
+    """Tell which boxes are neighbours: apart in plan or flush, and partly at the same height, shape (m, n)."""
+    between = np.abs(first.center[:, None, 2] - second.center[None, :, 2])
+    shares_height = between < first.reach[:, None, 2] + second.reach[None, :, 2] - _GRAZE
+    return shares_height & ~overlap_in_plan(first, second)
+
+
+def resting_shift(
+    group: Boxes, below: Boxes, *, neighbours: BoolArray | None = None, fixed: Boxes | None = None
+) -> float:
     """What to add to z [m] so that a rigid group hangs ``CLEARANCE`` above its support, by the first box that meets it.
 
     Args:
         group: the boxes that are let go together, in their planned poses; none stands on another.
         below: the ACTUAL poses of what may carry them: the boxes of lower levels only. A neighbour of the same level
             that is overlapped by a hair would otherwise lift a plank on top of itself. The ground always counts.
+        neighbours: which of the boxes ``below`` are planned beside which of the group, shape (m, n); they do not carry.
+        fixed: boxes that never move. They carry what is planned above them, and not what is beside or below them.
     """
-    room = min(float(height_above_ground(group).min()), float(vertical_clearance(group, below).min(initial=np.inf)))
+    clearance = vertical_clearance(group, below)
+    if neighbours is not None:
+        clearance[neighbours] = np.inf
+    room = min(float(height_above_ground(group).min()), float(clearance.min(initial=np.inf)))
+    if fixed is not None:
+        room = min(room, room_above_fixed(group, fixed))
     return CLEARANCE - room
+
+
+def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
+    """Return how far [m] a rigid group can sink until it first touches a fixed box below it; infinite without one.
+
+    A box that would have to be raised by more than half its own height to come free is below the fixed box, as below a
+    ceiling. Placement noise on a slope overlaps by less than a millimetre.
+    """
+    clearance = vertical_clearance(group, fixed)
+    is_above = clearance > -group.reach[:, None, 2]
+    return float(clearance[is_above].min(initial=np.inf))
 
 
 def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:

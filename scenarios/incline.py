@@ -2,7 +2,8 @@
 
 Theory: it slides if tan(theta) > mu, whatever its mass. The ramp is a heavy slab that stands on its lower edge and
 leans on a heavy block's edge; it needs less than two thirds of that friction itself (exact statics), for most of its
-weight presses on the ground and on the block's corner.
+weight presses on the ground and on the block's corner. On the lower half of the ramp the tile is lower than the ramp's
+middle, and lies on it all the same.
 
 What to look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; one that sticks
 below it was frozen where it landed.
@@ -14,7 +15,7 @@ import math
 
 from scenarios.margins import by_margin, signed_margin
 from scenarios.model import Brick, Scene, World
-from scenarios.parameters import Value, real, variant_of
+from scenarios.parameters import Value, choice, real, variant_of
 from scenarios.planks import LENGTH, MASS, THICKNESS, WIDTH, one_a_second
 
 RAMP = (0.30, 0.10, 0.02)
@@ -25,20 +26,24 @@ HEAVY = 100 * MASS
 """Mass [kg] of slab and block."""
 TILE = (0.3 * LENGTH, WIDTH, THICKNESS)
 """Edges of what may slide [m]."""
-LEANS_AT, LIES_AT = 0.27, 0.20
-"""Where the slab leans on the block's edge, and where the tile's middle lies, along the slab from its foot [m]."""
+LEANS_AT = 0.27
+"""Where the slab leans on the block's edge, along the slab from its foot [m]."""
+LIES_AT = {"upper": 0.20, "lower": 0.06}
+"""Where the tile's middle lies on either half of the slab, along it from its foot [m]."""
 
 
-def incline(*, theta: float = 20.0, margin: float = 0.15) -> Scene:
+def incline(*, theta: float = 20.0, margin: float = 0.15, half: str = "upper") -> Scene:
     """A tile on a ramp.
 
     Args:
         theta: angle [deg] between ramp and ground.
         margin: share by which the friction exceeds its limit; with a negative one it falls short.
+        half: of the ramp, on which the tile lies: "upper" or "lower".
     """
     theta = real("theta", theta, least=5, most=30)
     margin = signed_margin(margin)
-    parameters: dict[str, Value] = {"theta": theta, "margin": margin}
+    half = choice("half", half, tuple(LIES_AT))
+    parameters: dict[str, Value] = {"theta": theta, "margin": margin, "half": half}
     angle = math.radians(theta)
     limit = math.tan(angle)
     tilt = (math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0)
@@ -53,7 +58,7 @@ def incline(*, theta: float = 20.0, margin: float = 0.15) -> Scene:
     height = LEANS_AT * math.sin(angle)
     block = Brick((*BLOCK, height), HEAVY, (LEANS_AT * math.cos(angle) + BLOCK[0] / 2, 0.0, height / 2), level=1)
     slab = on_slab(RAMP, RAMP[0] / 2, 0.0, 1, HEAVY)
-    tile = on_slab(TILE, LIES_AT, RAMP[2], 2, MASS * 0.3)
+    tile = on_slab(TILE, LIES_AT[half], RAMP[2], 2, MASS * 0.3)
     return Scene(
         scenario="incline",
         variant=variant_of(incline, parameters),

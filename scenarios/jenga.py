@@ -2,8 +2,8 @@
 
 Theory: what lies above a robbed level has its centre of mass over the tower's middle. If the middle plank is left it
 lies half a width (11.7 mm) inside that plank's edges: it stands, however many levels are robbed so. If a side plank is
-left it lies 13.7 mm beyond the nearest edge: it falls. With two planks left it stands either way, so the first of a
-level does no harm.
+left it lies half a width and the gap between planks (13.7 mm) beyond the nearest edge: it falls. With two planks left
+it stands either way, so the first of a level does no harm.
 
 Planks vanish, or are pulled out along their length by a hand, slowly. What is pulled drags the tower with mu times the
 load that it bears; the others hold it with mu times theirs, and they bear more: of three planks it bears a third, and a
@@ -19,7 +19,7 @@ from collections.abc import Container, Iterator
 
 from scenarios.model import Action, Brick, Expectation, Pull, Remove, Scene, World
 from scenarios.parameters import Value, choice, real, variant_of, whole
-from scenarios.planks import GAP, LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
+from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
 
 LOWEST = 2
 """The lowest level from which planks are taken."""
@@ -31,7 +31,7 @@ WAY = 1.2 * LENGTH
 """How far a plank is pulled [m]: all the way out."""
 
 
-def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: float = 0.0) -> Scene:
+def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: float = 0.0, gap: float = 2.0) -> Scene:
     """Three planks a level in turn along and across; then two of the second level are taken, and so on upward.
 
     Args:
@@ -39,14 +39,16 @@ def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: floa
         left: which plank of the last robbed level is left, "middle" or "side"; of those below it is the middle one.
         robbed: number of levels that are robbed, every other one from the second on.
         speed: with which planks are pulled out [m/s]; if 0 they vanish.
+        gap: between the planks of a level [mm]; with 0 their sides touch.
     """
     levels = whole("levels", levels, least=LOWEST + 1, most=100)
     left = choice("left", left, ("middle", "side"))
     robbed = whole("robbed", robbed, least=1, most=(levels - LOWEST + 1) // 2)
     speed = real("speed", speed, least=0, most=1)
-    parameters: dict[str, Value] = {"levels": levels, "left": left, "robbed": robbed, "speed": speed}
+    gap = real("gap", gap, least=0, most=20)
+    parameters: dict[str, Value] = {"levels": levels, "left": left, "robbed": robbed, "speed": speed, "gap": gap}
     robbed_levels = range(LOWEST, LOWEST + 2 * robbed, 2)
-    actions: tuple[Action, ...] = one_a_second(_layers(levels, robbed_levels))
+    actions: tuple[Action, ...] = one_a_second(_layers(levels, robbed_levels, gap * 1e-3))
     for level in robbed_levels:
         is_last = level == robbed_levels[-1]
         for place in (0, 1) if is_last and left == "side" else (0, 2):
@@ -58,7 +60,7 @@ def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: floa
     else:
         expectation = Expectation(
             "fall",
-            "the upper part's centre of mass lies 13.7 mm beside the plank that is left",
+            f"the upper part's centre of mass lies {WIDTH * 1e3 / 2 + gap:.1f} mm beside the plank that is left",
             levels,
             actions[-1].time,
         )
@@ -81,12 +83,12 @@ def _taken(plank: int, level: int, time: float, speed: float) -> Action:
     return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed)
 
 
-def _layers(levels: int, robbed: Container[int]) -> Iterator[list[Brick]]:
-    """The planks of each level, from the lowest, those of ``robbed`` levels taller."""
+def _layers(levels: int, robbed: Container[int], gap: float) -> Iterator[list[Brick]]:
+    """The planks of each level, ``gap`` [m] apart, from the lowest; those of ``robbed`` levels taller."""
     bottom = 0.0
     for level in range(1, levels + 1):
         height = THICKNESS * (TALL if level in robbed else 1)
-        aside = [place * (WIDTH + GAP) for place in (-1, 0, 1)]
+        aside = [place * (WIDTH + gap) for place in (-1, 0, 1)]
         poses = [(0.0, shift, 0.0) if level % 2 else (shift, 0.0, math.pi / 2) for shift in aside]
         yield [box((LENGTH, WIDTH, height), x, y, level=level, bottom=bottom, yaw=yaw) for x, y, yaw in poses]
         bottom += height

@@ -25,10 +25,17 @@ def signed_margin(value: object) -> float:
     return real("margin", value, least=-0.5, most=0.5)
 
 
-def by_margin(margin: float, limit: str, *, falls_at: int) -> Expectation:
-    """What must happen ``margin`` on the safe side of ``limit``, which is told in words; else it falls at a level."""
+def by_margin(margin: float, limit: str, *, falls_at: int, not_before_s: float = 0.0) -> Expectation:
+    """What must happen ``margin`` on the safe side of ``limit``, which is told in words; else it falls at a level.
+
+    Args:
+        margin: share of the limit; negative beyond it.
+        limit: what decides.
+        falls_at: level at which it falls beyond the limit.
+        not_before_s: when [s] that becomes due at the earliest.
+    """
     if abs(margin) < CERTAIN - ANSWERED:
         return Expectation("study", f"within {CERTAIN:.0%} of {limit}: how the bricks are laid decides")
     if margin > 0:
         return Expectation("stand", f"{margin:.0%} inside {limit}")
-    return Expectation("fall", f"{-margin:.0%} beyond {limit}", falls_at)
+    return Expectation("fall", f"{-margin:.0%} beyond {limit}", falls_at, not_before_s)

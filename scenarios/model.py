@@ -25,9 +25,12 @@ class World:
     """What every brick of a scene shares. The ground's upper face is z = 0."""
 
     friction: float = 0.45
-    """Coulomb coefficient of every pair, brick on brick and brick on ground alike."""
+    """Coulomb coefficient of every pair: brick on brick, on ground and on fixed boxes alike."""
     gravity: Vector = (0.0, 0.0, -9.81)
     """Gravitational acceleration [m/s2]."""
+    fixed: tuple[Brick, ...] = ()
+    """Boxes that never move: walls, tables, ceilings. They may touch each other and the ground; their mass and level
+    mean nothing. In contacts they are part of the ground."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,9 @@
     time = 0.0                         # when it is laid, s; bricks of one time come together
     yaw = 30.0                         # deg, optional; or quaternion = [w, x, y, z]
     removed = 8.0                      # when it is taken, s, optional
+    [[fixed]]                          # a box that never moves: a wall, a table, a ceiling; optional
+    size = [0.02, 0.1, 0.1]
+    position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
 
 Bricks must touch what carries them, to a fifth of a millimetre, and not overlap; what comes at one time is then lowered
 or raised as one, until it touches exactly. A level is told from what lies below: a brick on the ground is of
@@ -23,7 +26,7 @@ import hashlib
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
@@ -32,7 +35,7 @@ from pathlib import Path
 from typing import Any
 
 from scenarios.contact_patch import GROUND, contact_patches
-from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
+from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
 from scenarios.model import UPRIGHT, Action, Brick, Expectation, Place, Quaternion, Remove, Scene, World
 from scenarios.parameters import Value, defaults, real
 from scenarios.planks import MU
@@ -40,9 +43,12 @@ from scenarios.truth import UndecidedError, first_fall
 from stability_core.lookup import look_up
 
 EXAMPLES = Path(__file__).parent / "examples"
+MOST_FIXED = 200
+"""Boxes that never move."""
 MOST = 200
 """Bricks for which the truth is worked out whenever the scene is built: of the largest in about a minute."""
 FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
+FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
 _LARGEST = 1e3
 """Metres and seconds beyond which a number is a slip of the keyboard."""
 _HEAVIEST = 1e6
@@ -81,10 +87,11 @@ def _scene(file: str, text: str) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"not valid TOML: {error}") from error
     for field in content:
-        look_up("field", field, dict.fromkeys(("friction", "brick")))
-    told = content.get("brick", [])
-    if not isinstance(told, list) or not 1 <= len(told) <= MOST or not all(isinstance(one, dict) for one in told):
-        raise ValueError(f"there must be 1 to {MOST} tables [[brick]]")
+        look_up("field", field, dict.fromkeys(("friction", "brick", "fixed")))
+    told = _tables(content, "brick", least=1, most=MOST)
+    fixed = tuple(
+        _fixed(f"fixed[{n}]", one) for n, one in enumerate(_tables(content, "fixed", least=0, most=MOST_FIXED))
+    )
     friction = real("friction", content.get("friction", MU), least=0, most=10)
     laid = sorted(
         ((_number(f"brick[{n}].time", one.get("time"), 0, _LARGEST), n, one) for n, one in enumerate(told)),
@@ -92,7 +99,7 @@ def _scene(file: str, text: str) -> Scene:
     )
     bricks = [_brick(f"brick[{n}]", one) for _, n, one in laid]
     times, numbers = [time for time, _, _ in laid], [n for _, n, _ in laid]
-    bricks = _levelled(_settled(bricks, times), times, numbers)
+    bricks = _levelled(_settled(bricks, times, fixed), times, numbers, fixed)
     actions = _actions(bricks, laid)
     is_default = file == defaults(own_scene)["file"]
     name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
@@ -101,13 +108,21 @@ def _scene(file: str, text: str) -> Scene:
         scenario="own_scene",
         variant="own_scene" if is_default else f"own_scene-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}",
         parameters=parameters,
-        world=World(friction=friction),
+        world=World(friction=friction, fixed=fixed),
         actions=actions,
         expectation=Expectation("study", "not yet judged"),
         look_for="does it stand or fall as exact statics says, and when?",
-        planar=all(_is_planar(brick) for brick in bricks),
+        planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
     )
     return replace(scene, expectation=_judged(scene))
+
+
+def _tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
+    tables = content.get(name, [])
+    is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
+    if not is_list or not least <= len(tables) <= most:
+        raise ValueError(f"there must be {least} to {most} tables [[{name}]]")
+    return list(tables)
 
 
 def _number(name: str, value: object, least: float, most: float) -> float:
@@ -123,12 +138,21 @@ def _numbers(name: str, value: object, count: int, least: float) -> tuple[float,
 
 
 def _brick(name: str, told: Mapping[str, Any]) -> Brick:
+    box = _box(name, told, FIELDS)
+    return replace(box, mass=_number(f"{name}.mass", told.get("mass"), 1e-6, _HEAVIEST))
+
+
+def _fixed(name: str, told: Mapping[str, Any]) -> Brick:
+    return _box(name, told, FIXED_FIELDS)
+
+
+def _box(name: str, told: Mapping[str, Any], fields: Sequence[str]) -> Brick:
+    """Return the box of a table, of 1 kg."""
     for field in told:
-        look_up(f"field of {name}", field, dict.fromkeys(FIELDS))
+        look_up(f"field of {name}", field, dict.fromkeys(fields))
     length, width, height = _numbers(f"{name}.size", told.get("size"), 3, 1e-4)
     x, y, z = _numbers(f"{name}.position", told.get("position"), 3, -_LARGEST)
-    mass = _number(f"{name}.mass", told.get("mass"), 1e-6, _HEAVIEST)
-    return Brick((length, width, height), mass, (x, y, z), _turn(name, told))
+    return Brick((length, width, height), 1.0, (x, y, z), _turn(name, told))
 
 
 def _turn(name: str, told: Mapping[str, Any]) -> Quaternion:
@@ -143,28 +167,32 @@ def _turn(name: str, told: Mapping[str, Any]) -> Quaternion:
     return (math.cos(half), 0.0, 0.0, math.sin(half)) if half else UPRIGHT
 
 
-def _settled(bricks: list[Brick], times: list[float]) -> list[Brick]:
+def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) -> list[Brick]:
     """The bricks with heights at which each group touches what was there before, where a hair was missing."""
     settled: list[Brick] = []
     for _, group in groupby(range(len(bricks)), key=times.__getitem__):
         coming = [bricks[index] for index in group]
         boxes = Boxes.of(coming)
-        room = float(height_above_ground(boxes).min())
-        if settled:
-            room = min(room, float(vertical_clearance(boxes, Boxes.of(settled)).min()))
+        room = _room_below(boxes, settled, fixed)
         drop = room if abs(room) <= SNAP else 0.0
         settled += [replace(brick, position=(*brick.position[:2], brick.position[2] - drop)) for brick in coming]
     return settled
 
 
-def _levelled(bricks: list[Brick], times: list[float], numbers: list[int]) -> list[Brick]:
+def _room_below(boxes: Boxes, there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
+    """Return how far [m] boxes can sink together until one meets what is there, a fixed box or the ground."""
+    room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
+    return min(room, float(vertical_clearance(boxes, Boxes.of(there)).min(initial=math.inf)))
+
+
+def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed: Sequence[Brick]) -> list[Brick]:
     """The bricks, in the order in which they are laid, with their levels.
 
     Raises:
         ValueError: if two overlap, or one touches nothing that is there when it is laid.
     """
     try:
-        patches = contact_patches(bricks)
+        patches = contact_patches(bricks, fixed)
     except ValueError as error:
         raise ValueError(f"in the order of time, {error}") from error
     touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
@@ -178,21 +206,19 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int]) -> li
         while coming:  # lowest first: what another of the group carries comes after it
             carried = [index for index in coming if touched[index] & levels.keys()]
             if not carried:
-                raise ValueError(_floats(bricks, coming[0], [k for k in levels if k != GROUND], numbers))
+                there = [bricks[k] for k in levels if k != GROUND]
+                raise ValueError(_floats(numbers[coming[0]], bricks[coming[0]], there, fixed))
             found = {index: 1 + max(levels[k] for k in touched[index] & levels.keys()) for index in carried}
             levels |= found
             coming = [index for index in coming if index not in found]
     return [replace(brick, level=levels[index]) for index, brick in enumerate(bricks)]
 
 
-def _floats(bricks: list[Brick], index: int, there: list[int], numbers: list[int]) -> str:
-    box = Boxes.of([bricks[index]])
-    room = float(height_above_ground(box)[0])
-    if there:
-        room = min(room, float(vertical_clearance(box, Boxes.of([bricks[k] for k in there])).min()))
+def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[Brick]) -> str:
+    room = _room_below(Boxes.of([brick]), there, fixed)
     return (
-        f"brick[{numbers[index]}] touches nothing when it is laid: it floats {room * 1e3:.3f} mm above what lies "
-        f"below; set position z to {bricks[index].position[2] - room:g}, or lay its support before it"
+        f"brick[{number}] touches nothing when it is laid: it floats {room * 1e3:.3f} mm above what lies "
+        f"below; set position z to {brick.position[2] - room:g}, or lay its support before it"
     )
 
 

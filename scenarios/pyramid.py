@@ -1,7 +1,8 @@
 """A pyramid of planks in a plane: rows of n, n - 1, ... 1, each plank across the gap between two below.
 
 Theory: give every plank's load to its two supports in equal halves, through the middles of what they share. Loads and
-supports then lie mirror-like about the plank's middle, so nothing turns, and all forces press: it stands at any height.
+supports then lie mirror-like about the plank's middle, so nothing turns, and all forces press: it stands at any height,
+whatever the gap between neighbours.
 
 What to look for: gaps of half a plank, so each plank rests on its ends alone; an engine that shares a row's load
 unevenly lets the lowest row creep apart.
@@ -10,23 +11,23 @@ unevenly lets the lowest row creep apart.
 from __future__ import annotations
 
 from scenarios.model import Expectation, Scene, World
-from scenarios.parameters import Value, variant_of, whole
+from scenarios.parameters import Value, real, variant_of, whole
 from scenarios.planks import LENGTH, MU, lay, one_a_second
 
-PITCH = 1.5 * LENGTH
-"""From plank to plank [m]: each rests with a quarter of its length on either support."""
 
-
-def pyramid(*, rows: int = 4) -> Scene:
+def pyramid(*, rows: int = 4, gap: float = 58.5) -> Scene:
     """Rows of planks, each row one plank shorter and across the gaps of the one below.
 
     Args:
         rows: number of rows, as many planks in the lowest.
+        gap: between neighbours of a row [mm], by default half a plank; with 0 they touch.
     """
     rows = whole("rows", rows, least=1, most=30)
-    parameters: dict[str, Value] = {"rows": rows}
+    gap = real("gap", gap, least=0, most=90)
+    parameters: dict[str, Value] = {"rows": rows, "gap": gap}
+    pitch = LENGTH + gap * 1e-3
     planks = [
-        lay((index - (rows - level) / 2) * PITCH, level=level)
+        lay((index - (rows - level) / 2) * pitch, level=level)
         for level in range(1, rows + 1)
         for index in range(rows - level + 1)
     ]

@@ -10,25 +10,31 @@ from scenarios.branches import branches
 from scenarios.brick_wall import brick_wall
 from scenarios.cantilever import cantilever
 from scenarios.card_house import card_house
+from scenarios.ceiling import ceiling
+from scenarios.character import character
 from scenarios.corbelled_arch import corbelled_arch
 from scenarios.dropped_plank import dropped_plank
 from scenarios.four_stack import four_stack
+from scenarios.groove import groove
 from scenarios.harmonic_overhang import harmonic_overhang
 from scenarios.incline import incline
 from scenarios.jenga import jenga
 from scenarios.leaning_tower import leaning_tower
 from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
+from scenarios.neighbour_side import neighbour_side
 from scenarios.own_scene import own_scene
 from scenarios.parameters import Value, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
 from scenarios.poured_pile import poured_pile
+from scenarios.prop_between_walls import prop_between_walls
 from scenarios.pulled_plank import pulled_plank
 from scenarios.pushed_plank import pushed_plank
 from scenarios.pyramid import pyramid
 from scenarios.random_tower import random_tower
 from scenarios.robbed_stack import robbed_stack
+from scenarios.seesaw import seesaw
 from scenarios.table import table
 from scenarios.wall_plank import wall_plank
 from stability_core.lookup import look_up
@@ -72,6 +78,12 @@ SCENARIOS: Mapping[str, Scenario] = {
         branches,
         wall_plank,
         incline,
+        groove,
+        seesaw,
+        neighbour_side,
+        character,
+        prop_between_walls,
+        ceiling,
         pushed_plank,
         pulled_plank,
         dropped_plank,
@@ -95,3 +107,12 @@ def build(name: str, **parameters: Value) -> Scene:
         return scenario.builder(**parameters)
     except ValueError as error:
         raise ValueError(f"scenario {name}: {error}") from error
+
+
+def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
+    """Return recorded parameters with the defaults of those that the scenario did not have when they were recorded.
+
+    A default builds what was built before, so that old records still compare with new ones.
+    """
+    scenario = SCENARIOS.get(name)
+    return {**(scenario.parameters if scenario else {}), **parameters}

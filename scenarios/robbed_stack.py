@@ -3,6 +3,8 @@
 Theory: exact statics of what is left (``scenarios.truth``); no closed form is needed, for in each case a brick has lost
 the support under one side of its centre of mass, or the partner that it leaned against.
 
+One cube on another drops straight down when the lower one is taken, upright and in its place seen from above.
+
 Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is what is taken: without it
 a brick falls far enough to be seen, not by a thickness onto the next one.
 
@@ -14,58 +16,73 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 from scenarios.brick_wall import brick_wall
 from scenarios.card_house import card_house
 from scenarios.four_stack import four_stack
 from scenarios.log_cabin import log_cabin
-from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene
-from scenarios.parameters import Value, choice, variant_of
-from scenarios.planks import THICKNESS
+from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene, World
+from scenarios.parameters import Value, choice, defaults, real, variant_of
+from scenarios.planks import GAP, MU, THICKNESS, box, one_a_second
 from scenarios.pyramid import pyramid
 
 PAUSE_S = 2.0
 """From the last brick to the removal [s]: time to settle."""
 PEDESTAL = 6 * THICKNESS
 """Height of a pedestal [m]."""
+EDGE = 0.2
+"""Edge of a block [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Robbery:
     """What is built, and what may be taken."""
 
-    build: Callable[[], Scene]
+    build: Callable[..., Scene]
+    """Takes the ``gap`` between neighbours [mm], if they have one."""
     load: tuple[int, ...]
     """Bricks on top, which carry nothing, by their places in the order of placement."""
     support: int
     """A brick of the lowest level, by its place in the order of placement."""
     is_raised: bool = True
     """Whether it stands on pedestals; then the bricks above are counted from the first that is none."""
+    has_gap: bool = False
+    """Whether it has neighbours whose gap can be chosen."""
 
 
 STACKS: Mapping[str, _Robbery] = {
-    "four_stack": _Robbery(lambda: four_stack(levels=3), load=(11,), support=0),
-    "brick_wall": _Robbery(lambda: brick_wall(courses=4, width=2), load=(8,), support=0),
-    "pyramid": _Robbery(lambda: pyramid(rows=3), load=(5,), support=0),
-    "log_cabin": _Robbery(lambda: log_cabin(levels=4), load=(7,), support=0),
-    "card_house": _Robbery(lambda: card_house(storeys=2), load=(5, 6), support=0, is_raised=False),
+    "four_stack": _Robbery(partial(four_stack, levels=3), load=(11,), support=0, has_gap=True),
+    "brick_wall": _Robbery(partial(brick_wall, courses=4, width=2), load=(8,), support=0, has_gap=True),
+    "pyramid": _Robbery(partial(pyramid, rows=3), load=(5,), support=0),
+    "log_cabin": _Robbery(partial(log_cabin, levels=4), load=(7,), support=0),
+    "card_house": _Robbery(partial(card_house, storeys=2), load=(5, 6), support=0, is_raised=False),
+    "two_blocks": _Robbery(lambda: _two_blocks(), load=(1,), support=0, is_raised=False),
 }
 
 
-def robbed_stack(*, stack: str = "four_stack", taken: str = "load") -> Scene:
+def robbed_stack(*, stack: str = "four_stack", taken: str = "load", gap: float = 2.0, pause: float = PAUSE_S) -> Scene:
     """A stack that stands, from which the topmost load or a lowest support is taken.
 
     Args:
         stack: which, a name of ``STACKS``.
         taken: "load" or "support".
+        gap: between neighbours of a level [mm], of the stacks that have any; with 0 they touch.
+        pause: from the last brick to the removal [s]: after some seconds at rest an engine lets bricks sleep.
     """
     stack = choice("stack", stack, tuple(STACKS))
     taken = choice("taken", taken, ("load", "support"))
-    parameters: dict[str, Value] = {"stack": stack, "taken": taken}
+    gap = real("gap", gap, least=0, most=20)
+    pause = real("pause", pause, least=1, most=100)
+    parameters: dict[str, Value] = {"stack": stack, "taken": taken, "gap": gap, "pause": pause}
     robbery = STACKS[stack]
-    built = _raised(robbery.build()) if robbery.is_raised else robbery.build()
-    time = built.actions[-1].time + PAUSE_S
-    pedestals = len(built.bricks) - len(robbery.build().bricks)
+    if gap != defaults(robbed_stack)["gap"] and not robbery.has_gap:
+        with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
+        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours side by side")
+    plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
+    built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
+    time = built.actions[-1].time + pause
+    pedestals = len(built.bricks) - len(plain.bricks)
     bricks = [pedestals + brick for brick in robbery.load] if taken == "load" else [robbery.support]
     removals: tuple[Action, ...] = tuple(Remove(time, brick) for brick in bricks)
     if taken == "load":
@@ -84,9 +101,24 @@ def robbed_stack(*, stack: str = "four_stack", taken: str = "load") -> Scene:
     )
 
 
-def _raised(scene: Scene) -> Scene:
-    """The scene on pedestals, which come together, a second before its first brick."""
-    pedestals = tuple(_pedestal(brick) for brick in scene.bricks if brick.level == 1)
+def _two_blocks() -> Scene:
+    """One cube on another: without the lower one the upper one drops straight down."""
+    blocks = [box((EDGE, EDGE, EDGE), 0.0, level=level, bottom=(level - 1) * EDGE, mass=1.0) for level in (1, 2)]
+    return Scene(
+        scenario="two_blocks",
+        variant="two_blocks",
+        parameters={},
+        world=World(friction=MU),
+        actions=one_a_second([block] for block in blocks),
+        expectation=Expectation("stand", "the upper block's centre of mass is above the lower one's middle"),
+        look_for="",
+        planar=True,
+    )
+
+
+def _raised(scene: Scene, narrower: float) -> Scene:
+    """The scene on pedestals, which come together, a second before its first brick; see ``_pedestal``."""
+    pedestals = tuple(_pedestal(brick, narrower) for brick in scene.bricks if brick.level == 1)
     lifted: list[Action] = [
         Place(action.time + 1.0, tuple(_lifted(brick) for brick in action.bricks))
         for action in scene.actions
@@ -95,11 +127,15 @@ def _raised(scene: Scene) -> Scene:
     return replace(scene, actions=(Place(0.0, pedestals), *lifted))
 
 
-def _pedestal(brick: Brick) -> Brick:
-    """What stands below a brick of the lowest level, as long and as wide."""
+def _pedestal(brick: Brick, narrower: float) -> Brick:
+    """What stands below a brick of the lowest level, ``narrower`` [m] both ways.
+
+    Where bricks touch pedestals must not: a brick that has moved by a micrometre would rest on its neighbour's.
+    """
     (length, width, height), (x, y, _) = brick.size, brick.position
     mass = brick.mass * PEDESTAL / height
-    return replace(brick, size=(length, width, PEDESTAL), mass=mass, position=(x, y, PEDESTAL / 2))
+    size = (length - narrower, width - narrower, PEDESTAL)
+    return replace(brick, size=size, mass=mass, position=(x, y, PEDESTAL / 2))
 
 
 def _lifted(brick: Brick) -> Brick:

@@ -50,13 +50,14 @@ def equilibrium(
     Args:
         bricks: at least one; they must touch, not overlap (see ``contact_patch.TOUCH``).
         world: friction and gravity; a slope is gravity that is tilted.
-        walls: boxes that never move.
+        walls: boxes that never move, beside those of the world.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
         ValueError: if there is no brick or no gravity, an edge, a mass or friction is not what it must be, a number is
             not finite, or bricks overlap.
     """
+    walls = [*world.fixed, *walls]
     _check(bricks, walls, world)
     return _judge(bricks, contact_patches(bricks, walls, ridge=ridge), world)
 
@@ -71,8 +72,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
         ValueError: if the scene pushes or pulls bricks, for which statics has no answer, or lays one where another,
             since removed, was planned: they would overlap.
     """
-    _check(scene.bricks, (), scene.world)
-    patches = contact_patches(scene.bricks, ridge=ridge)
+    _check(scene.bricks, scene.world.fixed, scene.world)
+    patches = contact_patches(scene.bricks, scene.world.fixed, ridge=ridge)
     present: list[int] = []
     placed = level = 0
     for action, then in zip_longest(scene.actions, scene.actions[1:]):

@@ -18,35 +18,37 @@ import math
 from scenarios.margins import by_margin, signed_margin
 from scenarios.model import Brick, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
-from scenarios.planks import GAP, LENGTH, MASS, THICKNESS, box, lean, one_a_second
+from scenarios.planks import LENGTH, MASS, THICKNESS, box, lean, one_a_second
 
 WALL = (0.08, 0.08, 0.16)
-"""Edges of the wall [m]; each half has half its depth, less half the usual gap."""
+"""Edges of the wall [m]; each half has half its depth, less half the gap between them."""
 TILE = (0.06, 0.08, THICKNESS)
 """Edges of the ground's two tiles together [m]."""
 HEAVY = 100 * MASS
 """Mass [kg] of the wall, and of the tiles, so that they stay where they are."""
 
 
-def wall_plank(*, held_by: int = 2, theta: float = 65.0, margin: float = 0.15) -> Scene:
+def wall_plank(*, held_by: int = 2, theta: float = 65.0, margin: float = 0.15, gap: float = 2.0) -> Scene:
     """A plank that leans against a wall.
 
     Args:
         held_by: bodies that hold the plank: 2, ground and wall; 3, with the wall in halves; 4, the ground too.
         theta: angle [deg] between plank and ground.
         margin: share by which the friction exceeds its limit; with a negative one it falls short.
+        gap: between the halves of the wall, and of the ground [mm]; with 0 they touch.
     """
     held_by = whole("held_by", held_by, least=2, most=4)
     theta = real("theta", theta, least=50, most=80)
     margin = signed_margin(margin)
-    parameters: dict[str, Value] = {"held_by": held_by, "theta": theta, "margin": margin}
+    gap = real("gap", gap, least=0, most=20)
+    parameters: dict[str, Value] = {"held_by": held_by, "theta": theta, "margin": margin, "gap": gap}
     limit = least_friction(math.radians(theta))
     return Scene(
         scenario="wall_plank",
         variant=variant_of(wall_plank, parameters),
         parameters=parameters,
         world=World(friction=(1 + margin) * limit),
-        actions=one_a_second([_group(held_by, math.radians(theta))]),
+        actions=one_a_second([_group(held_by, math.radians(theta), gap * 1e-3)]),
         expectation=by_margin(margin, f"mu = {limit:.3f}, at which foot and top slip together", falls_at=1),
         look_for="the foot slips and the plank slides down the wall; staying below the limit is glue",
         pair=variant_of(wall_plank, parameters | {"margin": abs(margin)}),
@@ -61,17 +63,18 @@ def least_friction(theta: float) -> float:
     return (math.sqrt(y * y + 4 * center * (x - center)) - y) / (2 * (x - center))
 
 
-def _group(held_by: int, theta: float) -> list[Brick]:
+def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
     """The plank and all that holds it: they come together, for a hand's error would part plank and wall."""
     floor = TILE[2] if held_by == 4 else 0.0
     plank = lean(0.0, theta=theta, toward=1, level=1, bottom=floor)
-    wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, held_by >= 3)
-    return [*(_in_halves(TILE, 0.0, True) if held_by == 4 else []), *wall, plank]
+    wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, gap if held_by >= 3 else None)
+    return [*(_in_halves(TILE, 0.0, gap) if held_by == 4 else []), *wall, plank]
 
 
-def _in_halves(size: tuple[float, float, float], x: float, is_split: bool) -> list[Brick]:
-    if not is_split:
+def _in_halves(size: tuple[float, float, float], x: float, gap: float | None) -> list[Brick]:
+    """A heavy box, in two halves ``gap`` [m] apart along y; whole if that is None."""
+    if gap is None:
         return [box(size, x, level=1, mass=HEAVY)]
-    depth = (size[1] - GAP) / 2
+    depth = (size[1] - gap) / 2
     half = (size[0], depth, size[2])
-    return [box(half, x, side * (depth + GAP) / 2, level=1, mass=HEAVY / 2) for side in (-1, 1)]
+    return [box(half, x, side * (depth + gap) / 2, level=1, mass=HEAVY / 2) for side in (-1, 1)]

@@ -1,6 +1,10 @@
-"""Is what the port gave well formed? Bad input is refused before it can spoil the stack."""
+"""Validate what the port gives: bad input is refused before it changes any state."""
 
 from __future__ import annotations
+
+import operator
+from collections.abc import Iterable
+from dataclasses import fields
 
 import numpy as np
 
@@ -10,7 +14,7 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 MAX_BODY = 10_000_000
 """Greatest body id: tables have one row an id, so ids must be counted from 0, not be addresses."""
 
-FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE = range(6)
+FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLIPPED = range(8)
 
 
 @compiled
@@ -65,12 +69,67 @@ def first_bad_mass(body: IntArray, mass: FloatArray, center: FloatArray) -> int:
     return -1
 
 
+@compiled
+def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
+    """True if a contact with the ground below a body's centre pushes that body down, out of its own inside.
+
+    No convex body can be touched so: the normal is that from b to a.
+
+    Args:
+        center: centre of mass of the body [m], shape (3,).
+        point: the contact [m], shape (3,).
+        normal: unit normal from a to b, shape (3,).
+        sign: 1 if the body is b, -1 if it is a.
+    """
+    inward = 0.0
+    for k in range(3):
+        inward += sign * normal[k] * (center[k] - point[k])
+    return bool(sign * normal[2] < 0.0 and point[2] < center[2] and inward < 0.0)
+
+
+def check_ids(name: str, ids: object) -> None:
+    """Refuse an array of ids that are not integers: 0.5 would be taken for 0.
+
+    Raises:
+        ValueError: naming the array and what it must hold.
+    """
+    kind = getattr(getattr(ids, "dtype", None), "kind", None)
+    if kind is None:
+        raise ValueError(f"{name} must be a NumPy array of integers, got {type(ids).__name__}")
+    if kind not in "iu" and len(ids):  # type: ignore[arg-type]  # an empty list makes an array of floats
+        raise ValueError(f"{name} must hold integers, got an array of {ids.dtype}: convert it with .astype(np.int64)")  # type: ignore[attr-defined]
+
+
+def checked_removals(removed: Iterable[object]) -> list[int]:
+    """The ids of removed bodies as plain integers.
+
+    Raises:
+        ValueError: for an id that is not an integer from 0.
+    """
+    ids = []
+    for body in removed:
+        try:
+            ids.append(operator.index(body))  # type: ignore[arg-type]
+        except TypeError:
+            raise ValueError(f"masses.removed must hold integer ids, got {body!r}") from None
+        if ids[-1] < 0:
+            raise ValueError(f"masses.removed must hold ids from 0, got {body}: the ground cannot be removed")
+    return ids
+
+
 def check_shapes(contacts: Contacts, masses: Masses) -> None:
     """Refuse arrays that do not belong together.
 
     Raises:
         ValueError: naming the array and the shape it must have.
     """
+    arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
+    arrays |= {f"masses.{name}": getattr(masses, name) for name in ("body", "mass", "center_of_mass")}
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):
+            raise ValueError(f"{name} must be a NumPy array, got {type(array).__name__}")
+        if array.dtype.kind not in "iuf":
+            raise ValueError(f"{name} must hold numbers, got an array of {array.dtype}")
     n, m = len(contacts.body_a), len(masses.body)
     if not contacts.point.shape == contacts.normal.shape == contacts.relative_velocity.shape == (n, 3):
         raise ValueError(f"contacts.point, normal and relative_velocity must have shape ({n}, 3), as body_a has {n}")
@@ -87,9 +146,16 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
             f"masses row {row}: body {masses.body[row]} needs an id from 0 to {MAX_BODY}, a positive mass and a "
             f"finite centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
         )
+    if fault == LISTED_TWICE:
+        return ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
     pair = f"contact {row} joins bodies {contacts.body_a[row]} and {contacts.body_b[row]}"
     if fault == UNKNOWN_BODY:
         return ValueError(f"{pair}, one of which masses() has never listed, or which was removed")
+    if fault == FLIPPED:
+        return ValueError(
+            f"{pair}, and like every contact with the ground it pushes its body down from below: "
+            f"normals must point from body_a to body_b, flip their sign (got {contacts.normal[row]})"
+        )
     return ValueError(
         f"{pair}: it needs two different ids (-1 for the ground, or 0 to {MAX_BODY}), a finite point, a unit normal "
         f"and a friction >= 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, "

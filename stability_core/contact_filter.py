@@ -1,4 +1,4 @@
-"""Which contacts count: fast impacts and contacts across a gap do not.
+"""Which contacts count: fast impacts and contacts across a gap do not. And who stands on whom, by the normal.
 
 The paper also drops pairs of which neither touches the stack. Here only bodies that touch the stack are
 ever tested, so such a pair never decides anything; it still tells what lies on a live load.
@@ -22,7 +22,7 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
-        ("level", "?"),  # it can carry a vertical force
+        ("level", "?"),  # load-bearing: its cone contains the vertical, and it pushes a body up
     ],
     align=True,
 )
@@ -50,22 +50,29 @@ def is_level(upward: float, friction: float, level_tilt: float) -> bool:
 
 
 @compiled
-def is_above(bodies: Bodies, body: int, other: int) -> bool:
-    """True if ``body`` is the upper one of a level pair: the ground is below, else the higher centre is above."""
-    if other == GROUND or body == GROUND:
-        return bool(other == GROUND)
-    return bool(bodies[body].center[2] > bodies[other].center[2])
+def upper_of(body_a: int, body_b: int, upward: float) -> int:
+    """The body of a pair that its contact pushes up: it stands on the other.
+
+    Heights of centres do not tell: a tilted plank's centre lies above a block on its low end.
+
+    Args:
+        body_a: first body.
+        body_b: second body.
+        upward: vertical component of the unit normal from a to b.
+    """
+    return body_b if upward > 0.0 else body_a
 
 
 @compiled
-def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, level: bool) -> None:
-    """Note a contact with ``other`` on a live body; penetration [m] counts on its supports only."""
+def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stands: bool) -> None:
+    """Note a contact with ``other`` on a live body; penetration [m] counts where it ``stands`` on the other only."""
     if body == GROUND or bodies[body].state != LIVE:
         return
     row = bodies[body]
     row.slip = max(row.slip, slip)
     row.touches = row.touches or other == GROUND or bodies[other].state == FROZEN
-    if level and is_above(bodies, body, other):
+    row.neighbours |= bit_of(other)
+    if stands:
         row.supported_by |= bit_of(other)
         if depth > row.depth:  # false for an unknown (NaN) depth
             row.depth = depth
@@ -124,6 +131,7 @@ def keep_contacts(
         friction: Coulomb coefficients, shape (n,).
         limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
             drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
+            What is not load-bearing counts only if it touches, to ``touch_gap``: friction needs pressure.
         kept: the contacts that count are written here, at least n rows of ``CONTACT``.
         struck: the frozen bodies struck by an impact are written here, at least 2 n rows.
 
@@ -142,13 +150,16 @@ def keep_contacts(
                     struck[hits] = body
                     hits += 1
             continue
+        upper = upper_of(a, b, normal[i, 2])
+        level = is_level(normal[i, 2], friction[i], limits.level_tilt) and upper != GROUND  # a ceiling carries nothing
+        if not level and separation[i] > limits.touch_gap:
+            continue
         row = kept[size]
         row.body_a, row.body_b, row.friction = a, b, friction[i]
         for k in range(3):
             row.point[k], row.normal[k] = point[i, k], normal[i, k]
-        level = is_level(normal[i, 2], friction[i], limits.level_tilt)
         row.level = level
         size += 1
-        _note(bodies, a, b, -separation[i], slip, level)
-        _note(bodies, b, a, -separation[i], slip, level)
+        _note(bodies, a, b, -separation[i], slip, level and upper == a)
+        _note(bodies, b, a, -separation[i], slip, level and upper == b)
     return size, hits

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
 
-from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_shapes, fault_of
+from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, checked_removals, fault_of
 from stability_core.compiled import WrongTypeError
 from stability_core.frame import observe
 from stability_core.lookup import look_up
@@ -20,11 +21,13 @@ from stability_core.stack import (
     ABSENT,
     FROZEN,
     LIVE,
+    PROVEN,
     Graph,
     drop_loads,
     drop_supports,
     empty_graph,
     grown,
+    note_change,
     with_all_above,
 )
 from stability_core.watch import STRUCK, skip_frame, watch_for
@@ -80,6 +83,12 @@ class StabilityExtension:
         """Bodies woken by the host's words since the last update, with the reason."""
         self._is_pending = False
         """True if something changed since the last update that no contact tells of."""
+        self._leaving: list[int] = []
+        """Bodies that the host removed, until an update has taken note of them."""
+        self._left: frozenset[int] = frozenset()
+        """Bodies that the latest update forgot: an engine that lags a frame may still list them."""
+        self.dropped = 0
+        """Rows of contacts and masses dropped so far because they name a body removed in this frame or the last."""
 
     @property
     def frozen(self) -> IntArray:
@@ -111,7 +120,8 @@ class StabilityExtension:
         """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
 
         Costs what the live bodies and the changes cost, whatever the number of frozen bodies; next to nothing while
-        nothing is live.
+        nothing is live. Nothing changes if it raises, except that a port whose ``sleep`` or ``wake`` raised may have
+        carried out a part of the batch: the same is asked of it again in the next update.
 
         Raises:
             ValueError: if dt is not positive, or the port gives malformed contacts or masses.
@@ -119,15 +129,38 @@ class StabilityExtension:
         if not 0.0 < dt < math.inf:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         contacts, masses = self.port.contacts(), self.port.masses()
-        self._forget(masses.removed)
-        if len(masses.body) == 0 and len(contacts) == 0 and not self._is_pending:
+        if len(masses.removed):
+            self._leaving += checked_removals(masses.removed)
+        if self._leaving or self._left:
+            contacts, masses = self._without_removed(contacts, masses)
+        if len(masses.body) == 0 and len(contacts) == 0 and not (self._is_pending or self._leaving):
             skip_frame(self._watch)
             return UNCHANGED
         due, rows = self._observe(contacts, masses, dt)
+        if self._leaving:
+            self._forget(self._leaving)
+        self._left, self._leaving = frozenset(self._leaving), []
         if due == 0 and not self._is_pending:
             return UNCHANGED
         self._is_pending = False
         return self._settle(rows)
+
+    def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
+        """What the port gave, less the rows of bodies that were removed in this frame or the last; these are counted.
+
+        Raises:
+            ValueError: if arrays do not belong together.
+        """
+        check_shapes(contacts, masses)
+        gone = [*self._leaving, *self._left]
+        stays = ~(np.isin(contacts.body_a, gone) | np.isin(contacts.body_b, gone))
+        lives = ~np.isin(masses.body, gone)
+        dropped = int(np.count_nonzero(~stays) + np.count_nonzero(~lives))
+        if not dropped:
+            return contacts, masses
+        self.dropped += dropped
+        kept = {item.name: getattr(contacts, item.name)[stays] for item in fields(contacts)}
+        return Contacts(**kept), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int]:
         """``observe`` with room for every body and contact; returns how many bodies are due, and contacts kept.
@@ -135,6 +168,9 @@ class StabilityExtension:
         Raises:
             ValueError: for what the port gave, if it is malformed.
         """
+        for name, ids in (("masses.body", masses.body), ("contacts.body_a", contacts.body_a)):
+            check_ids(name, ids)
+        check_ids("contacts.body_b", contacts.body_b)
         room = max(2 * len(contacts), len(masses.body))
         if room >= self._watch.due.shape[1]:
             self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
@@ -167,7 +203,24 @@ class StabilityExtension:
             check_shapes(contacts, masses)
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
+        if row > 0:
+            self._follow_frozen(masses)
         return due, rows
+
+    def _follow_frozen(self, masses: Masses) -> None:
+        """Take over what the port tells of frozen bodies: another mass is judged anew, one that has moved is live."""
+        bodies = self._graph.bodies
+        rows = np.flatnonzero(bodies["state"][masses.body] == FROZEN)
+        for row in rows:
+            body = int(masses.body[row])
+            moved = float(np.linalg.norm(masses.center_of_mass[row] - bodies["center"][body]))
+            if moved > self.settings.steady_shift:
+                self._detach(body)
+                self._news[body] = "moved"
+            elif masses.mass[row] != bodies["mass"][body]:
+                bodies["mass"][body] = masses.mass[row]
+                note_change(self._graph, body)
+                self._is_pending = True
 
     def _settle(self, rows: int) -> Change:
         """Let the policy freeze what is stable, and wake what is not, with all that rests on it.
@@ -200,17 +253,36 @@ class StabilityExtension:
         if not frozen and not woken:
             return UNCHANGED
         asleep, awake = tuple(sorted(frozen)), tuple(sorted(woken))
-        if asleep:
-            self.port.sleep(asleep)
-        if awake:
-            self.port.wake(awake)
+        try:
+            if asleep:
+                self.port.sleep(asleep)
+        except BaseException:
+            self._take_back(asleep, woken)
+            raise
+        try:
+            if awake:
+                self.port.wake(awake)
+        except BaseException:
+            self._take_back((), woken)
+            raise
         return Change(asleep, awake, frozen | woken if awake else frozen)
+
+    def _take_back(self, asleep: Iterable[int], woken: Mapping[int, str]) -> None:
+        """Undo a batch that the port did not carry out: what should sleep is live, what should wake is asked again."""
+        for body in asleep:
+            self._wake(body)
+            self._graph.bodies["unsettled"][body] = False
+        for body, reason in woken.items():
+            self._graph.bodies["state"][body] = FROZEN
+            self._news[body] = reason
+            self._is_pending = True
 
     def _wake(self, body: int) -> None:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""
         row = self._graph.bodies[body]
-        row["state"], row["unsettled"], row["leans"] = LIVE, True, False
+        row["state"], row["unsettled"], row["leans"], row["doubt"] = LIVE, True, False, PROVEN
         row["rest_frames"] = row["lean_frames"] = 0
+        row["steady_s"] = 0.0
         row["load_frames"] = self.settings.load_frames
         row["is_load"], row["load_center"] = True, row["center"]
         row["load_supported_by"] = supports_as_bits(self._graph, body)

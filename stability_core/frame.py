@@ -1,4 +1,7 @@
-"""One look at the world: all that a quiet frame costs, in one compiled call."""
+"""The per-frame kernel: validate input, track live bodies, filter contacts, collect candidates.
+
+It is all that a quiet frame costs, in one compiled call.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,14 @@ from stability_core.checks import (
     BAD_MASS,
     BAD_SHAPE,
     FINE,
+    FLIPPED,
+    LISTED_TWICE,
     NO_ROOM,
     UNKNOWN_BODY,
     first_bad_contact,
     first_bad_mass,
     fit_together,
+    presses_down_from_below,
 )
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows, keep_contacts
@@ -31,11 +37,57 @@ def _greatest(ids: IntArray) -> int:
 
 
 @compiled
-def _first_unknown(bodies: Bodies, ids: IntArray) -> int:
+def _first_repeated(bodies: Bodies, ids: IntArray) -> int:
+    """First row of a body that is listed twice, -1 if none is; notes at which ``place`` each is listed."""
     for i in range(len(ids)):
-        if ids[i] != GROUND and bodies[ids[i]].state == ABSENT:
+        place = bodies[ids[i]].place  # perhaps left over from another list
+        if place < i and ids[place] == ids[i]:
+            return i
+        bodies[ids[i]].place = i
+    return -1
+
+
+@compiled
+def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
+    place = bodies[body].place
+    return bool(place < len(ids) and ids[place] == body)
+
+
+@compiled
+def _first_unknown(bodies: Bodies, ids: IntArray, named: IntArray) -> int:
+    """First of the ``named`` bodies that is neither in the table nor among the live ``ids``; -1 if all are known."""
+    for i in range(len(named)):
+        body = named[i]
+        if body != GROUND and bodies[body].state == ABSENT and not _is_listed(bodies, ids, body):
             return i
     return -1
+
+
+@compiled
+def _first_flipped(
+    bodies: Bodies,
+    ids: IntArray,
+    center: FloatArray,
+    body_a: IntArray,
+    body_b: IntArray,
+    point: FloatArray,
+    normal: FloatArray,
+) -> int:
+    """A contact with the ground if the normals of all such contacts are flipped, else -1."""
+    found = -1
+    for i in range(len(body_a)):
+        a, b = body_a[i], body_b[i]
+        if a != GROUND and b != GROUND:
+            continue
+        body, sign = (b, 1.0) if a == GROUND else (a, -1.0)
+        if _is_listed(bodies, ids, body):
+            is_flipped = presses_down_from_below(center[bodies[body].place], point[i], normal[i], sign)
+        else:
+            is_flipped = presses_down_from_below(bodies[body].center, point[i], normal[i], sign)
+        if not is_flipped:
+            return -1
+        found = i
+    return found
 
 
 @compiled
@@ -83,7 +135,8 @@ def observe(
         friction: Coulomb coefficients, shape (n,).
 
     Returns:
-        A fault (FINE if there is none); its row, or for NO_ROOM the greatest id; how many bodies are listed in ``due``;
+        A fault (FINE if there is none); its row, for NO_ROOM the greatest id, for FINE how many frozen bodies were
+        listed; how many bodies are listed in ``due``;
         how many contacts are kept of all frames.
     """
     if not fit_together(body, body_a, body_b, mass, center, point, normal, separation, relative_velocity, friction):
@@ -97,18 +150,24 @@ def observe(
     greatest = max(_greatest(body), _greatest(body_a), _greatest(body_b))
     if greatest >= len(bodies):
         return NO_ROOM, greatest, 0, 0
-    track(bodies, body, mass, center, dt)
-    row = max(_first_unknown(bodies, body_a), _first_unknown(bodies, body_b))
+    row = _first_repeated(bodies, body)
+    if row >= 0:
+        return LISTED_TWICE, row, 0, 0
+    row = max(_first_unknown(bodies, body, body_a), _first_unknown(bodies, body, body_b))
     if row >= 0:
         return UNKNOWN_BODY, row, 0, 0
+    row = _first_flipped(bodies, body, center, body_a, body_b, point, normal)
+    if row >= 0:
+        return FLIPPED, row, 0, 0
 
+    frozen = track(bodies, body, mass, center, dt)
     limit = limits[0]
     latest[0] = (latest[0] + 1) % len(sizes)
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
     sizes[latest[0]], due[STRUCK, 0] = keep_contacts(
         bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit, kept, due[STRUCK, 1:]
     )
-    count_frames(bodies, body, limit)
+    count_frames(bodies, body, limit, dt)
     due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, body, limit, due[AT_REST, 1:], due[LEANING, 1:])
     due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, body, limit, due[LYING, 1:], due[GONE, 1:])
-    return FINE, -1, due[:, 0].sum(), sizes.sum()
+    return FINE, frozen, due[:, 0].sum(), sizes.sum()

@@ -1,7 +1,8 @@
 """Contact manifolds: the points of a pair over the dwell frames, united into contact patches.
 
 One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points, then, tilted by
-micrometres, 1 or 2. The hull of the points seen over some frames is the true contact area.
+micrometres, 1 or 2. The hull of the points seen over some frames is the true contact area. A pair that touches in
+several faces (two walls of one ground, a bracket) has a patch for each: points belong together by their normals.
 """
 
 from __future__ import annotations
@@ -9,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.contact_filter import ContactRows, bit_of, is_above
-from stability_core.polygon import centroid, convex_hull
+from stability_core.contact_filter import ContactRows, bit_of, upper_of
+from stability_core.polygon import centroid, convex_hull, width
 from stability_core.port import GROUND, FloatArray, IntArray
-from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Bodies, Graph, drop_supports, link
+from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, axes_of, drop_supports, link
 from stability_core.watch import Watch, frame_before
 
 _LOAD, _FILED = -1, -2
@@ -37,8 +38,21 @@ def _thinned(hull: FloatArray) -> FloatArray:
 
 
 @compiled
+def _turn(points: FloatArray, axes: FloatArray) -> FloatArray:
+    """The points (k, 3) in the frame of three unit vectors, the rows of ``axes``."""
+    turned = np.empty_like(points)
+    for i in range(len(points)):
+        for k in range(3):
+            turned[i, k] = points[i, 0] * axes[k, 0] + points[i, 1] * axes[k, 1] + points[i, 2] * axes[k, 2]
+    return turned
+
+
+@compiled
 def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, other: int, kind: int) -> None:
-    """One patch of ``body`` on ``other`` from the contacts ``rows``."""
+    """One patch of ``body`` on ``other`` from the contacts ``rows``.
+
+    The hull of a load-bearing patch is taken in plan, that of a steep one in its own plane.
+    """
     points = np.empty((len(rows), 3))
     patch = link(graph, body, other, kind)
     x, y, z = 0.0, 0.0, 0.0
@@ -51,27 +65,50 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
         sign = 1.0 if contact.body_b == body else -1.0
         x, y, z = x + sign * normal[0], y + sign * normal[1], z + sign * normal[2]
         friction = min(friction, contact.friction)
-    hull, corners = _thinned(convex_hull(points)), patch.vertex
+    length = np.sqrt(x**2 + y**2 + z**2)
+    patch.normal[0], patch.normal[1], patch.normal[2] = x / length, y / length, z / length
+    patch.friction = friction
+    if kind == SUPPORT:
+        hull = _thinned(convex_hull(points))
+        patch.center[0], patch.center[1], patch.center[2] = centroid(hull)
+        patch.width = width(hull)
+    else:
+        axes = axes_of(patch.normal)
+        flat = _thinned(convex_hull(_turn(points, axes)))
+        hull = _turn(flat, axes.T)
+        patch.width = width(flat)
+        middle = np.empty((1, 3))
+        middle[0, 0], middle[0, 1], middle[0, 2] = centroid(flat)
+        middle = _turn(middle, axes.T)
+        for k in range(3):
+            patch.center[k] = middle[0, k]
+    corners = patch.vertex
     patch.vertices = len(hull)
     for i in range(len(hull)):
         for k in range(3):
             corners[i, k] = hull[i, k]
-    patch.center[0], patch.center[1], patch.center[2] = centroid(hull)
-    length = np.sqrt(x**2 + y**2 + z**2)
-    patch.normal[0], patch.normal[1], patch.normal[2] = x / length, y / length, z / length
-    patch.friction = friction
 
 
 @compiled
-def _kind_for(bodies: Bodies, contact: ContactRows, body: int, other: int) -> int:
-    """SUPPORT if ``body`` stands on ``other`` here, LEAN if it leans, _LOAD if ``other`` stands on ``body``."""
+def _kind_for(contact: ContactRows, body: int) -> int:
+    """SUPPORT if ``body`` stands on the other here, LEAN if it leans, _LOAD if the other stands on ``body``."""
     if not contact.level:
         return LEAN
-    return SUPPORT if is_above(bodies, body, other) else _LOAD
+    return SUPPORT if upper_of(contact.body_a, contact.body_b, contact.normal[2]) == body else _LOAD
 
 
 @compiled
-def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) -> None:
+def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) -> bool:
+    """True if two contacts of one pair have the same normal, to ``face_angle`` [rad]."""
+    sign = 1.0 if first.body_a == second.body_a else -1.0
+    cosine = 0.0
+    for k in range(3):
+        cosine += sign * first.normal[k] * second.normal[k]
+    return bool(cosine >= np.cos(face_angle))
+
+
+@compiled
+def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, face_angle: float) -> None:
     """Lay the patches of ``body`` anew: on all that it stands on or leans against in ``contacts``.
 
     A frozen body keeps its patches, so it gets them on the stack only (ground and frozen bodies); frozen
@@ -83,6 +120,7 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) 
         contacts: rows of ``CONTACT``.
         mine: which of them touch the body, shape (n,).
         body: a body id.
+        face_angle: by how much [rad] normals of one face may differ.
     """
     drop_supports(graph, body)
     bodies, row = graph.bodies, graph.bodies[body]
@@ -91,7 +129,7 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) 
     for i in range(n):
         contact = contacts[mine[i]]
         others[i] = contact.body_b if contact.body_a == body else contact.body_a
-        kinds[i] = _kind_for(bodies, contact, body, others[i])
+        kinds[i] = _kind_for(contact, body)
     is_kept = row.state == FROZEN
     row.provisional = False
     rows = np.empty(n, np.int64)
@@ -101,7 +139,8 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int) 
             continue
         size = 0
         for i in range(first, n):
-            if others[i] == other and kinds[i] == kind:
+            is_same = others[i] == other and kinds[i] == kind
+            if is_same and _share_a_face(contacts[mine[first]], contacts[mine[i]], face_angle):
                 kinds[i] = _FILED
                 rows[size] = mine[i]
                 size += 1
@@ -151,14 +190,14 @@ def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tupl
 
 
 @compiled
-def lay_all(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> None:
+def lay_all(graph: Graph, watch: Watch, ids: IntArray, frames: int, face_angle: float) -> None:
     """``lay_patches`` for each of ``ids`` from the last ``frames`` frames, and note for which pose they were laid."""
     if len(ids) == 0:
         return
     start, rows = _contacts_of(graph, watch, ids, frames)
     bodies, contacts = graph.bodies, watch.contacts
     for i in range(len(ids)):
-        lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i])
+        lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i], face_angle)
         row = bodies[ids[i]]
         row.is_load = True
         row.load_supported_by = row.supported_by

@@ -7,15 +7,19 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 from stability_core.settings import Limits
-from stability_core.stack import ABSENT, LIVE, Bodies
+from stability_core.stack import ABSENT, LIVE, PROVEN, Bodies
 
 
 @compiled
-def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, dt: float) -> None:
+def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, dt: float) -> int:
     """Take over mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
 
     A body seen for the first time has no speed yet: it counts as infinitely fast.
+
+    Returns:
+        How many frozen bodies are listed as well.
     """
+    frozen = 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
         if body.state == ABSENT:
@@ -23,31 +27,51 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.speed = np.inf
             body.unsettled = body.held = body.is_load = False
             body.rest_frames = body.lean_frames = body.load_frames = 0
+            body.steady_s, body.steady_neighbours = 0.0, 0
+            body.doubt = PROVEN
         elif body.state == LIVE:
             moved = 0.0
             for k in range(3):
                 moved += (center[i, k] - body.center[k]) ** 2
             body.speed = np.sqrt(moved) / dt
         else:
+            frozen += 1
             continue
         body.mass = mass[i]
         for k in range(3):
             body.center[k] = center[i, k]
         body.slip = body.depth = 0.0
         body.touches = False
-        body.supported_by = 0
+        body.supported_by = body.neighbours = 0
+    return frozen
 
 
 @compiled
-def count_frames(bodies: Bodies, ids: IntArray, limits: Limits) -> None:
+def _time_in_place(body: Bodies, steady_shift: float, dt: float) -> None:
+    """Measure for how long a live body has kept its place, to ``steady_shift`` [m], among the same neighbours."""
+    moved = 0.0
+    for k in range(3):
+        moved += (body.center[k] - body.steady_center[k]) ** 2
+    if moved <= steady_shift**2 and body.neighbours == body.steady_neighbours and not body.held:
+        body.steady_s += dt
+        return
+    body.steady_s, body.steady_neighbours = 0.0, body.neighbours
+    for k in range(3):
+        body.steady_center[k] = body.center[k]
+
+
+@compiled
+def count_frames(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
     """Count for how many frames in a row each live body has been at rest, by each of the three rules.
 
-    Strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support.
+    Strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support. And for how long it has
+    kept its place.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
         if body.state != LIVE:
             continue
+        _time_in_place(body, limits.steady_shift, dt)
         free = body.touches and not body.held
         at_rest = free and body.speed <= limits.rest_speed and body.slip <= limits.rest_slip
         at_rest = at_rest and body.depth <= limits.rest_penetration

@@ -54,6 +54,24 @@ class Settings:
     contact_gap: float = _setting(
         0.5e-3, "m", "engines report contacts before touch and through thin bricks; those carry nothing"
     )
+    touch_gap: float = _setting(
+        20e-6,
+        "m",
+        "friction needs pressure: what is not load-bearing counts only if it overlaps, or gapes by no more than the "
+        "noise of an engine's poses; 0.1 mm let a neighbour's side hold a brick across its gap",
+    )
+    face_angle: float = _setting(
+        math.radians(10),
+        "rad",
+        "contact points of a pair belong to one face if their normals differ by less: a box's faces lie 90 deg apart, "
+        "the noise of a normal stays below 1 deg",
+    )
+    point_radius: float = _setting(
+        5e-6,
+        "m",
+        "what touches in points and lines alone may lie off them by so much: in single precision a sphere's point lies "
+        "micrometres beside the vertical, where no force could balance it",
+    )
     level_tilt: float = _setting(
         math.radians(2), "rad", "a contact this level is a support even where friction is nil: its noise is no slope"
     )
@@ -63,6 +81,13 @@ class Settings:
     wake_margin: float = _setting(
         0.25e-3, "m", "hysteresis: freezing asks for a centre inside the area, waking for one this far outside"
     )
+    doubt_s: float = _setting(
+        1.0,
+        "s",
+        "what statics leaves in doubt is frozen only after the engine itself held it in place for so long; a fall "
+        "from rest that is this slow moves a brick by more than ``steady_shift``",
+    )
+    steady_shift: float = _setting(0.2e-3, "m", "a brick that keeps its place moves less than the wake margin")
     moving_speed: float = _setting(
         10e-3, "m/s", "a woken brick that was seen faster than this has really moved and may freeze as any other"
     )
@@ -73,6 +98,10 @@ class Settings:
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
+            if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):
+                raise ValueError(f"setting {item.name} must be a number, got {value!r}")
+            if item.type == "int" and not (isinstance(value, int | np.integer) and value >= 1):
+                raise ValueError(f"setting {item.name} must be a whole number of frames from 1, got {value}")
             if not (math.isfinite(value) and value >= 0):
                 raise ValueError(f"setting {item.name} must be finite and not negative, got {value}")
 

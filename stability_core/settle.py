@@ -43,7 +43,7 @@ def lay_due(graph: Graph, watch: Watch, limits: Limits) -> None:
     limit = limits[0]
     for rule, frames in ((LYING, limit.load_frames), (AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
         if watch.due[rule, 0] > 0:
-            lay_all(graph, watch, _with_rule(graph, watch, rule, LIVE), frames)
+            lay_all(graph, watch, _with_rule(graph, watch, rule, LIVE), frames, limit.face_angle)
 
 
 @compiled
@@ -55,7 +55,7 @@ def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
     limit = limits[0]
     for rule, frames in ((AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
         if watch.due[rule, 0] > 0:
-            _lay_on_stack(graph, watch, _with_rule(graph, watch, rule, FROZEN), frames)
+            _lay_on_stack(graph, watch, _with_rule(graph, watch, rule, FROZEN), frames, limit.face_angle)
     bodies = graph.bodies
     for body in listed(watch, LEANING):
         row = bodies[body]
@@ -64,7 +64,7 @@ def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
 
 
 @compiled
-def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int) -> None:
+def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int, face_angle: float) -> None:
     bodies = graph.bodies
     again = np.empty(len(frozen), np.int64)
     n = 0
@@ -74,7 +74,7 @@ def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int) -> 
             n += 1
         else:
             note_change_of_supports(graph, body)
-    lay_all(graph, watch, again[:n], frames)
+    lay_all(graph, watch, again[:n], frames, face_angle)
 
 
 @compiled

@@ -16,6 +16,8 @@ from stability_core.port import GROUND, FloatArray, IntArray
 
 ABSENT, LIVE, FROZEN = 0, 1, 2
 SUPPORT, LEAN = 0, 1
+PROVEN, IN_DOUBT, NOTED = 0, 1, 2
+"""A body's ``doubt``: NOTED as soon as what surrounds it is recorded, so that any change is seen."""
 NONE = -1
 """End of a linked list."""
 FEW = 16
@@ -40,11 +42,18 @@ BODY = np.dtype(
         ("depth", "f8"),  # deepest penetration into a support [m]
         ("touches", "?"),  # it touches the ground or a frozen body
         ("supported_by", "u8"),  # its supports as a set of 64 bits by id
+        ("neighbours", "u8"),  # all that it touches, likewise
         # for how many frames in a row
         ("rest_frames", "i4"),  # at rest by the strict rule
         ("lean_frames", "i4"),  # at rest by the rule for leaning
         ("load_frames", "i4"),  # slow enough to lie on its support
         ("unsettled", "?"),  # woken, and neither seen moving nor calm for long since then
+        # for how long it has kept its place among the same neighbours
+        ("steady_s", "f8"),  # [s]
+        ("steady_center", "f8", (3,)),  # centre of mass when that began [m]
+        ("steady_neighbours", "u8"),
+        # frozen though nothing proves that it stands: PROVEN, or IN_DOUBT and then NOTED
+        ("doubt", "i1"),
         # a live body that lies on the stack and whose patches stand in the graph
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
@@ -73,6 +82,7 @@ PATCH = np.dtype(
         ("vertices", "i8"),
         ("vertex", "f8", (MAX_VERTICES, 3)),  # hull of the contact points in plan [m], counter-clockwise
         ("center", "f8", (3,)),  # centroid of the hull [m]: C_contact of Eq. 4
+        ("width", "f8"),  # least width of the hull [m]; 0 for a point or a line
         ("normal", "f8", (3,)),  # unit, towards the upper body
         ("friction", "f8"),
         ("next_support", "i8"),  # next patch below the same upper body
@@ -122,7 +132,8 @@ def count_patches(graph: Graph, body: int) -> int:
 
 
 @compiled
-def _note_change(graph: Graph, body: int) -> None:
+def note_change(graph: Graph, body: int) -> None:
+    """List ``body`` as changed."""
     row = graph.bodies[body]
     if not row.changed:
         row.changed = True
@@ -167,11 +178,11 @@ def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
     patch.upper, patch.lower, patch.kind = upper, lower, kind
     patch.next_support, patch.next_load = bodies[upper].first_support, NONE
     bodies[upper].first_support = at
-    _note_change(graph, upper)
+    note_change(graph, upper)
     if lower != GROUND:
         patch.next_load = bodies[lower].first_load
         bodies[lower].first_load = at
-        _note_change(graph, lower)
+        note_change(graph, lower)
     return patch
 
 
@@ -187,7 +198,7 @@ def unlink(graph: Graph, at: int) -> None:
         while patches[i].next_support != at:
             i = patches[i].next_support
         patches[i].next_support = patches[at].next_support
-    _note_change(graph, upper)
+    note_change(graph, upper)
     if lower != GROUND:
         i = bodies[lower].first_load
         if i == at:
@@ -196,7 +207,7 @@ def unlink(graph: Graph, at: int) -> None:
             while patches[i].next_load != at:
                 i = patches[i].next_load
             patches[i].next_load = patches[at].next_load
-        _note_change(graph, lower)
+        note_change(graph, lower)
     spare[0] += 1
     spare[spare[0]] = at
 
@@ -205,11 +216,11 @@ def unlink(graph: Graph, at: int) -> None:
 def note_change_of_supports(graph: Graph, body: int) -> None:
     """List ``body`` and what it stands on or leans against as changed."""
     patches = graph.patches
-    _note_change(graph, body)
+    note_change(graph, body)
     at = graph.bodies[body].first_support
     while at != NONE:
         if patches[at].lower != GROUND:
-            _note_change(graph, patches[at].lower)
+            note_change(graph, patches[at].lower)
         at = patches[at].next_support
 
 
@@ -230,8 +241,36 @@ def drop_loads(graph: Graph, body: int) -> None:
 
 
 @compiled
+def axes_of(normal: FloatArray) -> FloatArray:
+    """Three unit vectors, the rows of a right-handed (3, 3), of which the last is the unit ``normal``."""
+    axes = np.zeros((3, 3))
+    least = 0
+    for k in range(1, 3):
+        if abs(normal[k]) < abs(normal[least]):
+            least = k
+    first, second, third = axes[0], axes[1], axes[2]
+    first[least] = 1.0
+    length = np.sqrt(1.0 - normal[least] ** 2)
+    for k in range(3):
+        third[k] = normal[k]
+        first[k] = (first[k] - normal[least] * normal[k]) / length
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        second[k] = third[i] * first[j] - third[j] * first[i]
+    return axes
+
+
+@compiled
+def _is_in_doubt(bodies: Bodies, body: int) -> bool:
+    return bool(bodies[body].state == FROZEN and bodies[body].doubt != PROVEN)
+
+
+@compiled
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
-    """``roots`` and every frozen body that rests on them, directly or through others."""
+    """``roots`` and every frozen body that rests on them, directly or through others.
+
+    A frozen body in doubt comes along if any of its neighbours does: nothing proves that it stands without.
+    """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)
     size = 0
@@ -250,6 +289,14 @@ def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
                 found[size] = upper
                 size += 1
             at = graph.patches[at].next_load
+        at = graph.bodies[found[done]].first_support
+        while at != NONE:
+            lower = graph.patches[at].lower
+            if lower != GROUND and not reached[lower] and _is_in_doubt(graph.bodies, lower):
+                reached[lower] = True
+                found[size] = lower
+                size += 1
+            at = graph.patches[at].next_support
         done += 1
     return found[:size]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from bench.compare.baseline import read_baseline
 from bench.plan import plan_trials
 from bench.studies import load_study
+from scenarios.registry import with_defaults
 
 ROOT = Path(__file__).parent.parent
 
@@ -17,7 +18,8 @@ def test_the_baseline_holds_every_trial_of_the_study_from_a_clean_commit():
     assert [record.trial for record in baseline.trials] == [trial.id for trial in planned]
     for record, trial in zip(baseline.trials, planned, strict=True):
         scene = trial.build_scene()  # another one under the same name would be "not decided" for ever
-        assert (record.parameters, record.expectation) == (scene.parameters, scene.expectation)
+        parameters = with_defaults(record.scenario, record.parameters)
+        assert (parameters, record.expectation) == (scene.parameters, scene.expectation)
     assert not any(baseline.is_limited(record) for record in baseline.trials)
     assert not any(machine.modified for machine in baseline.machines.values())
 

@@ -6,10 +6,20 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
+from bench.core_digest import core_of_commit, present_core
+from bench.page_marks import NOT_USED, UNKNOWN, core_of, is_of_core, marked, pages, warning
 from reports.records import TrialRecord
 
 ROOT = Path(__file__).parent.parent
 PAPER = ROOT / "docs" / "results" / "paper"
+
+
+PUBLISHED = ROOT / "docs" / "results"
+PAGES = {page.relative_to(PUBLISHED).as_posix(): page for page in pages(PUBLISHED)}
+STUDIES = [name for name, page in PAGES.items() if (page.parent / "environment.json").exists()]
+AGAIN = "make it again, or mark it as it is: uv run python -m bench.publish --mark"
 
 
 def quick_start() -> list[str]:
@@ -40,3 +50,41 @@ def test_published_results_come_from_a_clean_commit():
 def test_published_columns_are_those_of_the_records():
     header = (PAPER / "trials.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
     assert set(header) <= set(TrialRecord.model_fields)
+
+
+def test_every_kind_of_page_is_held_to_its_core():
+    assert {"paper/tables.md", "truth/tables.md", "truth/decisions.md", "speed/README.md"} <= set(PAGES)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_claims_nothing_for_a_core_that_did_not_make_it(name: str):
+    """The digest is that of the core as it is; a page of another one says so at its top."""
+    page, present = PAGES[name], present_core()
+    text = page.read_text(encoding="utf-8")
+    assert text == marked(text, core_of(page), present), f"{name} is of {core_of(page)}, the core is {present}: {AGAIN}"
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_core_of_a_study_is_that_of_its_run(name: str):
+    page = PAGES[name]
+    environment = json.loads((page.parent / "environment.json").read_text(encoding="utf-8"))
+    core = core_of(page)
+    if page.name != "tables.md":  # has a command of its own
+        assert core != NOT_USED
+    elif not is_of_core(page.parent):
+        assert core == NOT_USED
+    else:
+        ran_with = environment.get("core") or core_of_commit(environment["commit"])
+        if ran_with is None:
+            pytest.skip("no git here that holds its commit")
+        assert core in {ran_with, UNKNOWN}
+
+
+@pytest.mark.parametrize(("block", "page"), [("headline", "paper"), ("hands", "publish"), ("pairs", "truth")])
+def test_the_readme_says_below_a_table_that_it_is_of_an_earlier_core(block: str, page: str):
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.search(rf"<!-- begin {block}\b.*?<!-- end {block} -->", readme, re.DOTALL)
+    assert found is not None
+    told = warning(core_of(PAGES[f"{page}/tables.md"]), present_core())
+    assert ("Made with an earlier core" in found[0]) == bool(told), AGAIN
+    assert told in found[0]

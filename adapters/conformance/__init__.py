@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from adapters import registry
 from adapters.base import Capabilities
-from adapters.conformance import contacts, freezing, housekeeping, motion
+from adapters.conformance import contacts, fixed_boxes, freezing, housekeeping, motion
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.variations import base_name
 
@@ -88,4 +88,9 @@ CHECKS: tuple[Check, ...] = (
     Check(freezing.wakes_to_live_again),
     Check(freezing.moves_a_frozen_brick),
     Check(freezing.removes_a_frozen_brick),
+    Check(fixed_boxes.rests_on_a_fixed_box, as_shipped=False),
+    Check(fixed_boxes.slides_on_a_fixed_slope_above_the_friction_angle),
+    Check(fixed_boxes.leans_on_a_fixed_wall, as_shipped=False),
+    Check(fixed_boxes.stops_at_a_fixed_ceiling, as_shipped=False),
+    Check(fixed_boxes.freezes_on_a_fixed_box),
 )

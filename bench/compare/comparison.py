@@ -12,6 +12,7 @@ from bench.compare.times import PARTS, Part, judge_times
 from bench.compare.tolerance import Tolerance
 from bench.compare.trajectories import judge_poses, other_processor
 from reports.records import TrialRecord
+from scenarios.registry import with_defaults
 
 
 class NothingInCommonError(ValueError):
@@ -76,7 +77,7 @@ def _scene(record: TrialRecord) -> tuple[object, ...]:
     return (
         record.scenario,
         record.scene,
-        sorted(record.parameters.items()),
+        sorted(with_defaults(record.scenario, record.parameters).items()),
         record.levels_planned,
         expectation.outcome,
         expectation.level,

@@ -2,6 +2,7 @@
 (async () => {
   const COLUMNS = 10, [BODY, FRAME, X, Y, Z, QW, QX, QY, QZ, STATE] = Array(COLUMNS).keys();
   const LIVE = new THREE.Color("#e0a030"), FROZEN = new THREE.Color("#5b9fc9"), FALLEN = new THREE.Color("#a8425a");
+  const FIXED = "#969a9e";
 
   // Deflated differences, byte by byte, back to columns of numbers.
   const unpack = async (text, rows) => {
@@ -71,11 +72,22 @@
     bricks.castShadow = bricks.receiveShadow = true;
     bricks.frustumCulled = false;
     scene.add(ground, bricks);
+    for (const { size, position, quaternion: [w, x, y, z] } of trial.fixed) {
+      const still = new THREE.Mesh(box, new THREE.MeshStandardMaterial({ color: FIXED, roughness: .9 }));
+      still.position.set(...position);
+      still.quaternion.set(x, y, z, w);
+      still.scale.set(...size);
+      still.castShadow = still.receiveShadow = true;
+      scene.add(still);
+    }
     return { trial, renderer, scene, sun, bricks, cursors: trial.bodies.map(body => body.begin) };
   }).filter(view => view);
 
-  // What there is to see: every brick where it was laid.
+  // What there is to see: every brick where it was laid, and the fixed boxes.
   const span = new THREE.Box3();
+  for (const { fixed } of trials)
+    for (const { size, position } of fixed)
+      span.union(new THREE.Box3().setFromCenterAndSize(new THREE.Vector3(...position), new THREE.Vector3(...size)));
   for (const { columns, bodies, steps } of trials)
     for (const { begin, size } of bodies)
       span.union(new THREE.Box3().setFromCenterAndSize(

@@ -80,8 +80,31 @@ def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: 
 
 
 @compiled
+def _per_size_of_rolling(
+    graph: Graph, patches: IntArray, index: IntArray, size: FloatArray, radius: float
+) -> FloatArray:
+    """One over the size [m] of the bodies that touch in points and lines alone, zero for the others, shape (n,).
+
+    Args:
+        graph: the stack.
+        patches: rows of the patches between the bodies, shape (p,).
+        index: of each body, or negative.
+        size: of each body [m], shape (n,).
+        radius: width [m] up to which a patch is a point or a line.
+    """
+    found = 1.0 / np.maximum(size, radius)
+    for at in patches:
+        patch = graph.patches[at]
+        if patch.width > radius:
+            found[index[patch.upper]] = 0.0
+            if patch.lower != GROUND:
+                found[index[patch.lower]] = 0.0
+    return found
+
+
+@compiled
 def problem_of(
-    graph: Graph, ids: IntArray, gravity: float, margin: float, grip: float
+    graph: Graph, ids: IntArray, gravity: float, margin: float, grip: float, radius: float
 ) -> tuple[Problem, BoolArray, IntArray]:
     """The statics of the bodies ``ids`` alone: O(bodies + patches).
 
@@ -91,6 +114,7 @@ def problem_of(
         gravity: gravitational acceleration [m/s2], positive.
         margin: by how much [m] each vertex of a patch is moved outwards.
         grip: by what each friction coefficient is multiplied.
+        radius: by how much [m] a contact in a point or a line may be off: see ``Problem.slack``.
 
     Returns:
         The problem, with the bodies in the order of ``ids``; which contacts can carry a vertical force, (m,); and the
@@ -123,4 +147,5 @@ def problem_of(
             lever_a[c] /= size[body_a[c]]
     for i in range(n):
         load[i, 2] = graph.bodies[ids[i]].mass * gravity
-    return Problem(body_a, body_b, lever_a, lever_b, normal, friction, load), level, patches
+    slack = radius * load[:, 2] * _per_size_of_rolling(graph, patches, index, size, radius)
+    return Problem(body_a, body_b, lever_a, lever_b, normal, friction, load, slack), level, patches

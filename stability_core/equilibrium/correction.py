@@ -54,6 +54,7 @@ def correct(
         problem.normal,
         friction,
         problem.load,
+        problem.slack,
     )
     center, rest, unbalanced = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n, 6))
     force, forecast = np.zeros((m, 3)), np.zeros((m, 3))

@@ -124,11 +124,16 @@ def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int)
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"})  # reassociation lets the sums use SIMD lanes
-def _products(matrix: FloatArray, offset: IntArray, i: int, j: int, low: int, tile: FloatArray) -> None:
-    """tile[a, b] = row i + a times row j + b over the columns ``low`` to j: nine sums that share what they read."""
-    a0, b0 = matrix[offset[i] + low : offset[i] + j], matrix[offset[j] + low : offset[j] + j]
-    a1, b1 = matrix[offset[i + 1] + low : offset[i + 1] + j], matrix[offset[j + 1] + low : offset[j + 1] + j]
-    a2, b2 = matrix[offset[i + 2] + low : offset[i + 2] + j], matrix[offset[j + 2] + low : offset[j + 2] + j]
+def _products(
+    left: FloatArray, right: FloatArray, offset: IntArray, i: int, j: int, low: int, high: int, tile: FloatArray
+) -> None:
+    """tile[a, b] = row i + a of ``left`` times row j + b of ``right`` over the columns ``low`` to ``high``.
+
+    Nine sums that share what they read.
+    """
+    a0, b0 = left[offset[i] + low : offset[i] + high], right[offset[j] + low : offset[j] + high]
+    a1, b1 = left[offset[i + 1] + low : offset[i + 1] + high], right[offset[j + 1] + low : offset[j + 1] + high]
+    a2, b2 = left[offset[i + 2] + low : offset[i + 2] + high], right[offset[j + 2] + low : offset[j + 2] + high]
     s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
     for k in range(len(a0)):
         x0, x1, x2 = a0[k], a1[k], a2[k]
@@ -157,7 +162,7 @@ def factorize(matrix: FloatArray, envelope: Envelope) -> None:
     tile = np.empty((3, 3))
     for i in range(0, len(first), 3):
         for j in range(first[i], i + 1, 3):
-            _products(matrix, offset, i, j, max(first[i], first[j]), tile)
+            _products(matrix, matrix, offset, i, j, max(first[i], first[j]), j, tile)
             for a in range(3):
                 row = offset[i + a] + j
                 for b in range(a + 1 if i == j else 3):
@@ -192,3 +197,79 @@ def substitute(factor: FloatArray, envelope: Envelope, x: FloatArray) -> None:
         x[i] *= factor[offset[i] + i]
         for k in range(len(row)):
             above[k] -= row[k] * x[i]
+
+
+@compiled
+def _finish_lower(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, j: int, tile: FloatArray) -> None:
+    """L(i, j) of a tile left of the diagonal, from what is left of it: divided by U(j, j)."""
+    for a in range(3):
+        row = offset[i + a] + j
+        for b in range(3):
+            column = offset[j + b] + j
+            entry = lower[row + b] - tile[a, b]
+            for k in range(b):
+                entry -= lower[row + k] * upper[column + k]
+            lower[row + b] = entry * upper[column + b]
+
+
+@compiled
+def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int, i: int, tile: FloatArray) -> None:
+    """U(j, i) of a tile above the diagonal."""
+    for b in range(3):
+        column = offset[i + b] + j
+        for a in range(3):
+            row = offset[j + a] + j
+            entry = upper[column + a] - tile[a, b]
+            for k in range(a):
+                entry -= lower[row + k] * upper[column + k]
+            upper[column + a] = entry
+
+
+@compiled
+def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, tile: FloatArray) -> None:
+    """L(i, i) and U(i, i) of a tile on the diagonal; the latter with its diagonal inverted."""
+    for b in range(3):
+        for a in range(3):
+            row, column = offset[i + a] + i, offset[i + b] + i
+            entry = (upper[column + a] if a <= b else lower[row + b]) - tile[a, b]
+            for k in range(min(a, b)):
+                entry -= lower[row + k] * upper[column + k]
+            if a > b:
+                lower[row + b] = entry * upper[column + b]
+            else:
+                upper[column + a] = 1.0 / entry if a == b else entry
+
+
+@compiled
+def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) -> None:
+    """Replace a matrix with a symmetric pattern by its factors L U, in place; L has ones on its diagonal.
+
+    ``lower`` holds the lower triangle by rows, ``upper`` the upper one by columns, both with the diagonal, each in the
+    envelope; U is stored with its diagonal inverted. Nothing is pivoted: a pivot of zero spoils the answer, which the
+    caller sees by its residual. In tiles as ``factorize``.
+    """
+    first, offset = envelope.first, envelope.offset
+    tile = np.empty((3, 3))
+    for i in range(0, len(first), 3):
+        for j in range(first[i], i, 3):
+            low = max(first[i], first[j])
+            _products(lower, upper, offset, i, j, low, j, tile)
+            _finish_lower(lower, upper, offset, i, j, tile)
+            _products(lower, upper, offset, j, i, low, j, tile)
+            _finish_upper(lower, upper, offset, j, i, tile)
+        _products(lower, upper, offset, i, i, first[i], i, tile)
+        _finish_diagonal(lower, upper, offset, i, tile)
+
+
+@compiled
+def substitute_general(lower: FloatArray, upper: FloatArray, envelope: Envelope, x: FloatArray) -> None:
+    """Solve with the factors of ``factorize_general``, in place: ``x`` holds the right side, then the solution."""
+    first, offset = envelope.first, envelope.offset
+    n = len(first)
+    for i in range(n):
+        x[i] -= _dot(lower[offset[i] + first[i] : offset[i] + i], x[first[i] : i])
+    for i in range(n - 1, -1, -1):
+        column, above = upper[offset[i] + first[i] : offset[i] + i], x[first[i] : i]
+        x[i] *= upper[offset[i] + i]
+        for k in range(len(column)):
+            above[k] -= column[k] * x[i]

@@ -113,6 +113,7 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         problem.normal,
         problem.friction,
         np.zeros((n, 6)),
+        problem.slack,
     )
     before = np.inf
     for point in range(PROXIMAL_POINTS):

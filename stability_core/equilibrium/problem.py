@@ -38,6 +38,10 @@ class Problem(NamedTuple):
     """Coulomb coefficients, shape (m,)."""
     load: FloatArray
     """Force [N] and moment [N, over the body's size] that contacts must exert on each body, shape (n, 6)."""
+    slack: FloatArray
+    """Moment [N, over the body's size] that may stay unbalanced, shape (n,): that of the weight about a contact point
+    that is off by the noise of what is measured. Zero but for bodies that touch in points and lines alone: no rigid
+    sphere balances on a point that lies beside the vertical by a rounding."""
 
 
 @compiled
@@ -79,7 +83,7 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
 
 @compiled
 def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
-    """The largest imbalance of a body, over the largest force on it."""
+    """The largest imbalance of a body, over the largest force on it; infinite if anything is not finite."""
     largest = np.zeros(len(rest))
     for i in range(len(rest)):
         for k in range(6):
@@ -92,8 +96,11 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
     worst = 0.0
     for i in range(len(rest)):
         for k in range(6):
-            if rest[i, k] != 0.0:  # 0 / 0 for a body without load and force
-                worst = max(worst, abs(rest[i, k]) / largest[i])
+            missing = abs(rest[i, k]) - (problem.slack[i] if k > 2 else 0.0)
+            if not missing <= 0.0:  # 0 / 0 for a body without load and force
+                share = missing / largest[i]
+                if not share <= worst:  # true for NaN, which must never pass for balance
+                    worst = np.inf if np.isnan(share) else share
     return worst
 
 
@@ -101,7 +108,8 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
     """A force that every equilibrium must exceed somewhere, over all weight: infinite for an exact Farkas ray.
 
-    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|.
+    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. What may stay unbalanced of w
+    is taken off r . w.
     """
     along_contacts(problem, ray, work)
     project(work, problem.normal, problem.friction, force)
@@ -112,17 +120,19 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
     for i in range(len(ray)):
         for k in range(6):
             gained += ray[i, k] * problem.load[i, k]
+            if k > 2:
+                gained -= problem.slack[i] * abs(ray[i, k])
             weight += abs(problem.load[i, k])
     return gained / (resisted * weight) if gained > 0.0 else 0.0
 
 
 @compiled
-def joined(problem: Problem, seeds: BoolArray, through: BoolArray) -> BoolArray:
-    """Which bodies contacts join to the ``seeds`` (n,), by way of bodies in ``through`` (n,) alone, these included.
+def islands(problem: Problem) -> IntArray:
+    """Number of the island of each body, shape (n,): contacts join bodies to islands, the ground does not.
 
-    O(m) a sweep over the contacts, back and forth until nothing is added.
+    O(m) a sweep over the contacts, back and forth until nothing changes.
     """
-    reached = seeds & through
+    label = np.arange(len(problem.load))
     grows = True
     while grows:
         grows = False
@@ -130,9 +140,10 @@ def joined(problem: Problem, seeds: BoolArray, through: BoolArray) -> BoolArray:
             for i in range(len(problem.body_a)):
                 c = i if sweep == 0 else len(problem.body_a) - 1 - i
                 a, b = problem.body_a[c], problem.body_b[c]
-                if a >= 0 and b >= 0 and through[a] and through[b] and reached[a] != reached[b]:
-                    reached[a] = reached[b] = grows = True
-    return reached
+                if a >= 0 and b >= 0 and label[a] != label[b]:
+                    label[a] = label[b] = min(label[a], label[b])
+                    grows = True
+    return label
 
 
 def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
@@ -160,6 +171,7 @@ def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolA
         problem.normal[theirs],
         problem.friction[theirs],
         problem.load[moves],
+        problem.slack[moves],
     ), theirs
 
 
@@ -182,4 +194,5 @@ def relieved_of(problem: Problem, gone: BoolArray, force: FloatArray) -> tuple[P
         problem.normal[kept],
         problem.friction[kept],
         rest[~gone],
+        problem.slack[~gone],
     ), kept

@@ -16,18 +16,36 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.polygon import convex_hull, inside_distance, is_inside, nearest_point
 from stability_core.port import GROUND, FloatArray
-from stability_core.stack import FROZEN, LEAN, MAX_VERTICES, NONE, SUPPORT, Graph, count_patches, hull_of, is_stack
+from stability_core.stack import (
+    FROZEN,
+    IN_DOUBT,
+    LEAN,
+    MAX_VERTICES,
+    NONE,
+    NOTED,
+    PROVEN,
+    SUPPORT,
+    Graph,
+    Patches,
+    count_patches,
+    hull_of,
+    is_stack,
+)
 from stability_core.stack_mass import support_polygon
 
 ON_BORDER = 1e-9
 """Distance [m] at which a point counts as lying on a border: rounding moves it by less."""
+SAME_NORMAL = 1e-6
+"""Change of a normal's component that counts as none: a patch that is laid again from the same points has the same."""
+SAME_MASS = 1e-9
+"""Change of a mass [kg] that counts as none."""
 
 
 REGION = np.dtype(
     [
         ("vertices", "i8"),  # 0 where no region is known
         ("vertex", "f8", (MAX_VERTICES, 3)),  # a convex polygon in plan, counter-clockwise [m]
-        ("links", "i8"),  # fingerprint of the frozen neighbours and the ground, with which the body was proven to stand
+        ("links", "i8"),  # what surrounded the body when it was proven to stand, or frozen in doubt
     ],
     align=True,
 )
@@ -104,29 +122,66 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 
 
 @compiled
+def _trait(patch: Patches, other: int, factor: int) -> int:
+    """A number for one neighbour and how it is touched: its id, the kind of contact and the normal."""
+    total = (other + 2) * factor + patch.kind
+    for k in range(3):
+        total = total * 31 + int(np.rint(patch.normal[k] / SAME_NORMAL))
+    return int(total)
+
+
+@compiled
 def fingerprint(graph: Graph, body: int) -> int:
-    """A number that changes with the frozen bodies (or ground) that ``body`` touches, whatever their order."""
-    total = 1
+    """A number that changes with the mass of ``body`` and with what it touches, whatever the order.
+
+    Of what it touches count the ground and frozen bodies, with the normals of their contacts; for a body in doubt the
+    live ones that lie on it as well: no change at all leaves it frozen.
+    """
     bodies, patches = graph.bodies, graph.patches
-    at = bodies[body].first_support
+    row = bodies[body]
+    is_in_doubt = row.doubt != PROVEN
+    total: int = int(row.mass / SAME_MASS)
+    at = row.first_support
     while at != NONE:
         patch = patches[at]
-        if is_stack(bodies, patch.lower):
-            total += (patch.lower + 2) * 0x9E3779B97F4A7C1 + patch.kind
+        if is_in_doubt or is_stack(bodies, patch.lower):
+            total += _trait(patch, patch.lower, 0x9E3779B97F4A7C1)
         at = patch.next_support
-    at = bodies[body].first_load
+    at = row.first_load
     while at != NONE:
         patch = patches[at]
-        if bodies[patch.upper].state == FROZEN:
-            total += (patch.upper + 2) * 0x5851F42D4C957F3 + patch.kind
+        if is_in_doubt or bodies[patch.upper].state == FROZEN:
+            total += _trait(patch, patch.upper, 0x5851F42D4C957F3)
         at = patch.next_load
     return total
 
 
 @compiled
-def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if ``body`` touches the same frozen bodies as when it was proven to stand."""
+def is_unchanged(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if ``body`` is surrounded as it was when it was proven to stand, or frozen in doubt."""
     return bool(fingerprint(graph, body) == regions[body].links)
+
+
+@compiled
+def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if ``body`` is as heavy, and touches the same frozen bodies in the same way, as when it was proven to stand.
+
+    Never true of a body that was frozen in doubt.
+    """
+    return bool(graph.bodies[body].doubt == PROVEN and is_unchanged(graph, regions, body))
+
+
+@compiled
+def note_doubts(graph: Graph, regions: Regions) -> None:
+    """Record what surrounds the bodies that have just been frozen in doubt: any later change wakes them.
+
+    O(bodies that changed in this frame). They have no region: nothing may be laid on them without a solve.
+    """
+    for body in graph.changed[1 : 1 + graph.changed[0]]:
+        row = graph.bodies[body]
+        if row.state == FROZEN and row.doubt == IN_DOUBT:
+            row.doubt = NOTED
+            regions[body].vertices, regions[body].links = 0, fingerprint(graph, body)
 
 
 @compiled
@@ -171,6 +226,7 @@ def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -
 @compiled
 def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) -> None:
     """Note that ``body``, now frozen, stands, and that it may be loaded in its ``region`` (k, 3)."""
+    graph.bodies[body].doubt = PROVEN
     row = regions[body]
     corners, size = row.vertex, min(len(region), MAX_VERTICES)  # fewer vertices make a smaller region, which is as safe
     for vertex in range(size):
@@ -186,7 +242,7 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
     at = bodies[body].first_support
     while at != NONE:
         lower = patches[at].lower
-        if lower != GROUND and bodies[lower].state == FROZEN:
+        if lower != GROUND and bodies[lower].state == FROZEN and bodies[lower].doubt == PROVEN:
             regions[lower].links = fingerprint(graph, lower)
         at = patches[at].next_support
 

@@ -10,14 +10,18 @@ import numpy as np
 from stability_core.checks import (
     BAD_CONTACT,
     BAD_MASS,
+    FLIPPED,
+    LISTED_TWICE,
     UNKNOWN_BODY,
+    check_ids,
     check_shapes,
     fault_of,
     first_bad_contact,
     first_bad_mass,
 )
+from stability_core.equilibrium.faces import NOISE, rolling_bodies
 from stability_core.equilibrium.problem import BoolArray, Problem
-from stability_core.equilibrium.verdict import Verdict, decide
+from stability_core.equilibrium.verdict import Verdict, decide, takes_part
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 ROUNDING = 1e-12
@@ -29,7 +33,7 @@ class Equilibrium:
     """What statics says of one snapshot."""
 
     verdict: Verdict
-    """Proven by ``forces``; proven by ``mechanism``; neither, or held by forces that may never arise."""
+    """Held by ``forces`` that arise from zero; falls by ``mechanism``; or neither is proven."""
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
     forces: FloatArray | None
@@ -37,6 +41,8 @@ class Equilibrium:
     mechanism: FloatArray | None
     """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses,
     scaled so that the fastest body has 1 m/s. None unless unstable."""
+    in_doubt: BoolArray
+    """The bodies that no force would come to hold, or of which nothing was proven, shape (m,); none unless in doubt."""
 
     @property
     def stable(self) -> bool:
@@ -45,18 +51,21 @@ class Equilibrium:
 
 
 def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Equilibrium:
-    """Decide whether contact forces in their Coulomb cones can hold all bodies at rest.
+    """Decide whether all bodies stay at rest.
 
     Every row of ``contacts`` counts as a touch, whatever its separation and velocity: leave out what does not touch.
-    The ground alone is fixed. The verdict does not depend on units: not on the scale of length, mass or gravity.
+    The ground alone is fixed. The verdict does not depend on units: not on the scale of length, mass or gravity. A body
+    that touches in points and lines alone may lie off them by a millionth of its size (see ``faces``).
 
-    - "stable": there are such forces (``forces``), and the bodies need no self-stress to stand.
-    - "unstable": there are none; ``mechanism`` is the motion that proves it (see ``newton``). Equilibria that need a
-      force of more than a million times all weight count as none.
-    - "doubt": the forces exist thanks to friction alone, between bodies that do not lean. Nothing makes such forces
-      arise: two walls could hold a brick between them, if something pressed it in. Or no proof was found.
+    - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and such forces arise by themselves:
+      vertical ones on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths of
+      the friction as well (see ``loading``).
+    - "unstable": there are no such forces; ``mechanism`` is the motion that proves it (see ``newton``). Equilibria that
+      need a force of more than a million times all weight count as none.
+    - "doubt": the forces exist, but nothing makes them arise: two walls could hold a brick between them, if something
+      pressed it in. Or friction is within a tenth of what is needed. Or no proof was found.
 
-    O(n) to O(n w^2) a step for n bodies in layers of w, 5 to 20 steps.
+    O(n) to O(n w^2) a step for n bodies in layers of w, 5 to 20 steps; with friction 10 to 60.
 
     Args:
         contacts: the touching points; ``body_a`` and ``body_b`` are ``GROUND`` or listed in ``masses``.
@@ -64,13 +73,15 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
         gravity: [m/s2], in any direction.
 
     Raises:
-        ValueError: naming the field and the row of malformed contacts or masses, or bad gravity.
+        ValueError: naming the field and the row of malformed contacts or masses, normals that all point from b to a,
+            or bad gravity.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
     strength = float(np.linalg.norm(down)) if down.shape == (3,) else np.nan
     if not (np.isfinite(strength) and strength > 0.0):
         raise ValueError(f"gravity must be three finite numbers, not all nought, got {gravity}")
+    _refuse_flipped(contacts, masses, index_a, index_b, -down / strength)
     upright = _turned_upright(-down / strength)
     snapshot, size = _problem(contacts, masses, index_a, index_b, upright, strength)
 
@@ -79,12 +90,16 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     if verdict == "unstable":
         forces = None  # they hold nothing
         motion = np.hstack([-rest[:, :3] @ upright, -rest[:, 3:] / size[:, None] @ upright]) / np.abs(rest).max()
-    return Equilibrium(verdict, residual, None if forces is None else forces @ upright, motion)
+    in_doubt = takes_part(rest) if verdict == "doubt" else np.zeros(len(masses.body), np.bool_)
+    return Equilibrium(verdict, residual, None if forces is None else forces @ upright, motion, in_doubt)
 
 
 def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     """Index of both bodies of each contact in ``masses``, -1 for the ground; refuses what is malformed."""
     check_shapes(contacts, masses)
+    check_ids("contacts.body_a", contacts.body_a)
+    check_ids("contacts.body_b", contacts.body_b)
+    check_ids("masses.body", masses.body)
     row = first_bad_contact(contacts.body_a, contacts.body_b, contacts.point, contacts.normal, contacts.friction)
     if row >= 0:
         raise fault_of(BAD_CONTACT, row, contacts, masses)
@@ -95,8 +110,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     listed = masses.body[order]
     twice = np.flatnonzero(listed[1:] == listed[:-1])
     if len(twice):
-        row = int(order[twice[0] + 1])
-        raise ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
+        raise fault_of(LISTED_TWICE, int(order[twice[0] + 1]), contacts, masses)
     order, listed = np.append(order, -1), np.append(listed, GROUND)  # the ground's index, and a row where all may end
     indices = []
     for bodies in (contacts.body_a, contacts.body_b):
@@ -116,6 +130,33 @@ def _turned_upright(up: FloatArray) -> FloatArray:
     return np.array([x, np.cross(up, x), up])
 
 
+def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
+    """Refuse normals that point from b to a: every contact with the ground would push its body down from below.
+
+    Raises:
+        ValueError: naming the first such contact.
+    """
+    rows = np.flatnonzero((index_a < 0) | (index_b < 0))
+    sign = np.where(index_a[rows] < 0, 1.0, -1.0)
+    inward = sign[:, None] * contacts.normal[rows]
+    to_center = masses.center_of_mass[np.maximum(index_a[rows], index_b[rows])] - contacts.point[rows]
+    is_flipped = (inward @ up < 0.0) & (to_center @ up > 0.0) & ((inward * to_center).sum(axis=1) < 0.0)
+    if len(rows) and is_flipped.all():
+        raise fault_of(FLIPPED, int(rows[0]), contacts, masses)
+
+
+def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray) -> FloatArray:
+    """The size of each body [m], shape (n + 1,): its longest lever. The last is the ground's, which is infinite."""
+    size = np.zeros(len(masses.body) + 1)
+    for index in (index_a, index_b):
+        moves = index >= 0
+        lever = contacts.point[moves] - masses.center_of_mass[index[moves]]
+        np.maximum.at(size, index[moves], np.linalg.norm(lever, axis=1))
+    size[size == 0.0] = 1.0
+    size[-1] = np.inf
+    return size
+
+
 def _problem(
     contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, upright: FloatArray, gravity: float
 ) -> tuple[Problem, FloatArray]:
@@ -124,25 +165,23 @@ def _problem(
     A body's size is its longest lever, so that force and moment are measured alike, whatever the unit of length.
     """
     n = len(masses.body)
-    size = np.zeros(n)
+    size = _sizes(contacts, masses, index_a, index_b)
     levers: list[FloatArray] = []
     for index in (index_a, index_b):
         lever = np.zeros((len(contacts), 3))
         moves = index >= 0
-        lever[moves] = (contacts.point[moves] - masses.center_of_mass[index[moves]]) @ upright.T
-        np.maximum.at(size, index[moves], np.linalg.norm(lever[moves], axis=1))
+        lever[moves] = (
+            (contacts.point[moves] - masses.center_of_mass[index[moves]]) @ upright.T / size[index[moves], None]
+        )
         levers.append(lever)
-    size[size == 0.0] = 1.0
-    for index, lever in zip((index_a, index_b), levers, strict=True):
-        moves = index >= 0
-        lever[moves] /= size[index[moves], None]
     normal = contacts.normal @ upright.T
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     load = np.zeros((n, 6))
     load[:, 2] = masses.mass * gravity
     lever_a, lever_b = levers
     friction = np.asarray(contacts.friction, np.float64)
-    return Problem(index_a, index_b, lever_a, lever_b, normal, friction, load), size
+    slack = NOISE * load[:, 2] * rolling_bodies(index_a, index_b, contacts.point, normal, size)
+    return Problem(index_a, index_b, lever_a, lever_b, normal, friction, load, slack), size[:-1]
 
 
 def _is_level(problem: Problem) -> BoolArray:

@@ -1,4 +1,10 @@
-"""Stable, unstable or doubt: which of the two proofs there is, and whether the forces would really arise."""
+"""Stable, unstable or doubt: which of the two proofs there is, and whether the forces would really arise.
+
+- unstable: no contact forces in the Coulomb cones hold the bodies; a mechanism proves it.
+- stable: there are such forces, and either vertical ones on load-bearing contacts suffice, or loading from zero
+  prestress comes to rest (see ``loading``).
+- doubt: there are such forces, but they would not arise by themselves; or nothing was proven.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +13,16 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from stability_core.equilibrium.correction import correct
-from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, solve
+from stability_core.equilibrium.loading import STIFFNESSES, needs_prestress
+from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, UNDECIDED, solve
 from stability_core.equilibrium.problem import (
+    BALANCED,
     BoolArray,
     Problem,
+    greatest_imbalance,
     held_by_the_rest,
-    joined,
+    imbalance,
+    islands,
     weakest_equilibrium,
     with_neighbours,
 )
@@ -25,9 +35,16 @@ ALL_ROWS = np.arange(6)
 VERTICAL_ROWS = np.array([2, 3, 4])
 """A vertical force has no part in the others: F_z, M_x, M_y."""
 OTHER_ROWS = np.array([0, 1, 5])
+MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
+"""One for the moments, as a factor."""
+SLACK_STEPS = 8
+"""Solves for bodies that roll; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
 """Steps of the correction, before and after a look at the neighbours of what changed. A plank more on a card house of
 100 takes 1 to 5 steps, a load of 20 planks' weight off its centre 12."""
+LESS_FRICTION = 0.9
+"""Share of the friction with which forces must arise as well, where they exist: of tight courses that stood when loaded
+with mu = 0.8 two kinds fell in two engines of three."""
 FEW = 0.25
 """Share of the bodies up to which neighbours are looked at: more would cost as much as the steps do."""
 MOVES = 1e-2
@@ -42,7 +59,11 @@ def takes_part(rest: FloatArray) -> BoolArray:
 
 
 def decide(
-    problem: Problem, level: BoolArray, start: FloatArray | None = None, changed: BoolArray | None = None
+    problem: Problem,
+    level: BoolArray,
+    start: FloatArray | None = None,
+    changed: BoolArray | None = None,
+    displacement: FloatArray | None = None,
 ) -> Answer:
     """Whether what changed falls by itself; if not, correct the forces of before; only then start from scratch.
 
@@ -54,18 +75,21 @@ def decide(
         problem: n bodies and m contacts, z up.
         level: contacts whose cone contains the vertical, shape (m,).
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
-        changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand without
-            self-stress, shape (n,); None for all.
+        changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand, shape (n,); None
+            for all.
+        displacement: where loading looks first, shape (3, n, 6), overwritten; None for nowhere (see ``loading``).
 
     Returns:
-        The verdict; forces (m, 3) that hold the bodies, or nearly if they are "unstable", or None; what vertical
-        forces, or for "unstable" any forces, leave unbalanced, (n, 6): not nought for the bodies that fall, or that
-        would without friction; the greatest imbalance of a body relative to the largest force on it.
+        The verdict; forces (m, 3) that hold the bodies, or nearly if they are "unstable", or None; a motion (n, 6) that
+        is not zero for the bodies that fall, or that loading does not hold (see ``takes_part``); the greatest imbalance
+        of a body relative to the largest force on it.
     """
     if start is None:
         start = np.zeros_like(problem.normal)
     if changed is None:
         changed = np.ones(len(problem.load), np.bool_)
+    if displacement is None:
+        displacement = np.zeros((len(STIFFNESSES), *problem.load.shape))
     falls = _falls_by_itself(problem, changed)
     if falls is not None:
         return falls
@@ -79,13 +103,14 @@ def decide(
             return falls
         held, force, rest, residual = correct(aim, rows, start, y, MORE_STEPS)
     if held:
-        if are_vertical or _stands_without_self_stress(problem, level, changed):
+        if are_vertical:
             return "stable", force, rest, residual
-    else:
-        falls = _falls_by_itself(problem, takes_part(rest))
-        if falls is not None:
-            return falls
-    return _decide_from_scratch(problem, level, changed)
+        is_upright = _held_by_verticals(problem, level)[0]
+        return _arising(problem, force, residual, displacement) if not is_upright else ("stable", force, rest, residual)
+    falls = _falls_by_itself(problem, takes_part(rest))
+    if falls is not None:
+        return falls
+    return _decide_from_scratch(problem, level, displacement)
 
 
 def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | None:
@@ -123,20 +148,94 @@ def _is_vertical(load: FloatArray) -> bool:
     return not load[:, OTHER_ROWS].any()
 
 
-def _decide_from_scratch(problem: Problem, level: BoolArray, changed: BoolArray) -> Answer:
+def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray) -> Answer:
     """Try vertical forces on level contacts first, at an eighth of the cost, then all that the cones allow."""
-    verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, STRONGEST)
-    if verdict == HELD and _is_vertical(problem.load):
-        forces = np.zeros((len(level), 3))
-        forces[level] = force
-        return "stable", forces, rest, residual
+    held, force, rest, residual = _held_by_verticals(problem, level)
+    if held:
+        return "stable", force, rest, residual
     verdict, force, ray, residual = solve(problem, ALL_ROWS, STRONGEST)
+    if verdict == UNDECIDED and problem.slack.any():
+        verdict, force, residual = _held_within_slack(problem, force, ray, residual)
     if verdict == FALLING:
         return "unstable", force, ray, residual
     if verdict == HELD:
-        natural = _stands_without_self_stress(problem, level, changed)
-        return "stable" if natural else "doubt", force, rest, residual
+        return _arising(problem, force, residual, displacement)
     return "doubt", None, rest, residual
+
+
+def _held_within_slack(
+    problem: Problem, force: FloatArray, rest: FloatArray, residual: float
+) -> tuple[int, FloatArray, float]:
+    """Take off the moments of bodies that roll what stays unbalanced, as far as their slack allows.
+
+    What is left is the shortest vector to what the contacts can do: it is taken off along its moments alone.
+
+    Args:
+        problem: bodies of which some roll.
+        force: forces (m, 3) that nearly hold them.
+        rest: what those leave unbalanced, shape (n, 6).
+        residual: the greatest imbalance.
+
+    Returns:
+        HELD or UNDECIDED; the forces; the greatest imbalance beyond the slack.
+    """
+    borne = np.zeros_like(problem.load)
+    for _ in range(SLACK_STEPS):
+        moment = np.where(problem.slack[:, None] > 0.0, rest, 0.0) * MOMENT_ROWS
+        if not moment.any():
+            break
+        borne += moment * ((rest**2).sum() / (moment**2).sum())
+        borne = np.clip(borne, -problem.slack[:, None], problem.slack[:, None])
+        eased = problem._replace(load=problem.load - borne, slack=np.zeros_like(problem.slack))
+        verdict, force, rest, residual = solve(eased, ALL_ROWS, STRONGEST)
+        if verdict == HELD:
+            left = np.empty_like(rest)
+            imbalance(problem, force, left)
+            residual = greatest_imbalance(problem, force, left)
+            return HELD if residual <= BALANCED else UNDECIDED, force, residual
+    return UNDECIDED, force, residual
+
+
+def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatArray, FloatArray, float]:
+    """Whether vertical forces on level contacts hold the bodies; the forces (m, 3); what they leave unbalanced.
+
+    Such forces arise by themselves: each body presses on what it stands on.
+    """
+    verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, STRONGEST)
+    forces = np.zeros((len(level), 3))
+    forces[level] = force
+    return verdict == HELD and _is_vertical(problem.load), forces, rest, residual
+
+
+def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
+    """Stable if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else doubt.
+
+    Island by island: a doubt in one is none in the others.
+    """
+    loose = np.zeros(len(problem.load), np.bool_)
+    island_of = islands(problem)
+    for island in np.unique(island_of):
+        members = island_of == island
+        found = np.ascontiguousarray(displacement[:, members])
+        loose[members] = _loose(held_by_the_rest(problem, members)[0], found)
+        displacement[:, members] = found
+    verdict: Verdict = "doubt" if loose.any() else "stable"
+    return verdict, force, np.zeros_like(problem.load) + loose[:, None], residual
+
+
+def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
+    """Which bodies loading does not hold, shape (n,): with all of the friction, and with less if that can hold them.
+
+    Where there is no equilibrium with less, friction itself is at its limit, as in an inverted V: all of it decides.
+    """
+    loose = needs_prestress(island, displacement)
+    if loose.any():
+        return loose
+    less = island._replace(friction=LESS_FRICTION * island.friction)
+    loose = needs_prestress(less, displacement.copy())
+    if loose.any() and solve(less, ALL_ROWS, STRONGEST)[0] == FALLING:
+        loose[:] = False
+    return loose
 
 
 def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
@@ -149,6 +248,7 @@ def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
         direction[kept],
         np.zeros(np.count_nonzero(kept)),
         problem.load,
+        problem.slack,
     )
 
 
@@ -157,24 +257,3 @@ def _verticals(problem: Problem) -> FloatArray:
     vertical = np.zeros_like(problem.normal)
     vertical[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
     return vertical
-
-
-def _stands_without_self_stress(problem: Problem, level: BoolArray, changed: BoolArray) -> bool:
-    """True if what does not lean would stand on forces along the normals or the vertical alone.
-
-    A body leans if it stands on a level contact and touches something that is not level: as it begins to fall it
-    presses on both, so that the forces that hold it do arise. Leaning bodies count as held here. They divide the
-    others into parts, of which only those with a ``changed`` body (n,) are solved. What pushes sideways (bodies that
-    fall from what stands here, no weight) is left to friction.
-    """
-    n = len(problem.load)
-    stands, touches = np.zeros(n + 1, np.bool_), np.zeros(n + 1, np.bool_)  # the last row is the ground's
-    for index, upward in ((problem.body_a, -problem.normal[:, 2]), (problem.body_b, problem.normal[:, 2])):
-        stands[index[level & (upward > 0.0)]] = True
-        touches[index[~level]] = True
-    upright = ~(stands & touches)[:n]
-    direction = np.where(level[:, None], _verticals(problem), problem.normal)
-    part, theirs = held_by_the_rest(problem, joined(problem, changed, upright))
-    along = _along(part, np.ones(len(part.normal), np.bool_), direction[theirs])
-    along.load[:, OTHER_ROWS] = 0.0
-    return solve(along, VERTICAL_ROWS if level[theirs].all() else ALL_ROWS, STRONGEST)[0] == HELD

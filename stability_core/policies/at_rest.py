@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from stability_core.compiled import compiled
 from stability_core.policies.base import Decision, Policy
 from stability_core.port import IntArray
@@ -10,15 +12,33 @@ from stability_core.settle import lay_due, lay_frozen
 from stability_core.stack import FROZEN, NONE, Graph, take_changed
 from stability_core.watch import AT_REST, Watch, listed
 
+CEILING = -0.5
+"""Upward component of a normal below which what it belongs to lies above the body."""
+
+
+@compiled
+def _is_held(graph: Graph, body: int) -> bool:
+    """True if ``body`` touches anything below or beside it: a ceiling carries nothing."""
+    at = graph.bodies[body].first_support
+    while at != NONE:
+        if graph.patches[at].normal[2] > CEILING:
+            return True
+        at = graph.patches[at].next_support
+    return False
+
 
 @compiled
 def _settle(graph: Graph, watch: Watch, limits: Limits) -> IntArray:
-    """Freeze all that is at rest; returns the changed bodies."""
+    """Freeze all that is at rest; returns the frozen bodies that lost everything they stood on or leaned against."""
     lay_due(graph, watch, limits)
     for body in listed(watch, AT_REST):
         graph.bodies[body].state = FROZEN
     lay_frozen(graph, watch, limits)
-    return take_changed(graph)
+    changed = take_changed(graph)
+    floating = np.zeros(len(changed), np.bool_)
+    for i in range(len(changed)):
+        floating[i] = graph.bodies[changed[i]].state == FROZEN and not _is_held(graph, changed[i])
+    return changed[floating]
 
 
 class AtRest(Policy):
@@ -31,7 +51,5 @@ class AtRest(Policy):
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """Accept every body at rest; only what has lost everything it stood on is unbalanced. O(changes)."""
-        changed = _settle(graph, watch, self.limits)
-        rows = graph.bodies[changed]
-        floating = changed[(rows["state"] == FROZEN) & (rows["first_support"] == NONE)]
+        floating = _settle(graph, watch, self.limits)
         return Decision(dict.fromkeys(listed(watch, AT_REST).tolist(), "at rest"), floating)

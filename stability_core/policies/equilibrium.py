@@ -4,8 +4,12 @@ Cheap proofs first. What topples alone is refused, and what lies in the safe reg
 O(1) whatever the height. Only what is left costs a solve of the component: leaning bodies, counterweights, lost
 supports. What falls then is what moves in the mechanism.
 
-Always kept: the frozen bodies stand by themselves, without any live one. So a live load that goes never matters, and
-one that comes is borne if it lies in a safe region.
+A proof holds for frozen bodies alone: no certificate is kept of what stands with a live load, nor after a change of
+mass, normal or neighbour. So a live load that goes never matters where there is a proof, and one that comes is borne if
+it lies in a safe region.
+
+What statics leaves in doubt (see ``verdict``) is never proven. It is frozen only after the engine itself has held it in
+place for ``doubt_s`` under the present contacts, and wakes at any change of contact, load or neighbour.
 """
 
 from __future__ import annotations
@@ -15,15 +19,17 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.component import component, problem_of
+from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import relieved_of
 from stability_core.equilibrium.region import (
     REGION,
     Regions,
-    is_proven,
     is_safe,
+    is_unchanged,
     keep_proof,
     keep_proof_of_neighbours,
+    note_doubts,
     region_of,
     regions_for,
     topples_alone,
@@ -35,7 +41,7 @@ from stability_core.polygon import width
 from stability_core.port import IntArray
 from stability_core.settings import Limits, Settings
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
-from stability_core.stack import FROZEN, LIVE, NONE, Bodies, Graph, Patches, take_changed
+from stability_core.stack import FROZEN, IN_DOUBT, LIVE, NONE, PROVEN, Bodies, Graph, Patches, take_changed
 from stability_core.stack_mass import support_polygon
 from stability_core.watch import AT_REST, LEANING, Watch, listed
 
@@ -109,7 +115,7 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
     for body in bodies:
         row = table[body]
         is_load = row.state == LIVE and row.first_support != NONE
-        if (row.state == FROZEN and not is_proven(graph, regions, body)) or (
+        if (row.state == FROZEN and not is_unchanged(graph, regions, body)) or (
             is_load and not _is_borne(graph, regions, body)
         ):
             found[n] = body
@@ -125,6 +131,7 @@ def _finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits, unsolv
         How many bodies are written into ``unsolved``: their part of the stack must be solved again.
     """
     lay_frozen(graph, watch, limits)
+    note_doubts(graph, regions)
     return write_down(unsolved, _unproven(graph, regions, take_changed(graph)))
 
 
@@ -162,6 +169,12 @@ def _settle_safely(
     return safe, 0, _finish(graph, regions, watch, limits, found[UNSOLVED])
 
 
+def _together(first: IntArray, second: IntArray) -> IntArray:
+    """Return all of two lists of bodies, each once, by rising id, shape (k,)."""
+    both: IntArray = np.union1d(first, second)
+    return both
+
+
 class Equilibrium(Policy):
     """Freezes what provably stands, and wakes what takes part in a collapse."""
 
@@ -173,6 +186,8 @@ class Equilibrium(Policy):
         self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
+        self._sag = np.zeros((len(STIFFNESSES), 0, 6))
+        """Displacements to which loading last came, by body: where it looks first for the next."""
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
@@ -183,62 +198,103 @@ class Equilibrium(Policy):
         if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
             self._found = np.empty((3, len(graph.bodies)), np.int64)
+            more = len(graph.bodies) - self._sag.shape[1]
+            self._sag = np.concatenate([self._sag, np.zeros((len(STIFFNESSES), more, 6))], axis=1)
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
         safe, left, unsolved = _settle_safely(*graph, self._regions, *watch, self.limits, self._found)
         reasons = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region")
         if left:
             together, patches = self._freeze_together(graph, self._found[LEFT, :left].copy())
-            reasons.update(dict.fromkeys(together.tolist(), "equilibrium"))
+            reasons.update(together)
             unsolved = _finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
-            hand_on(graph, self._memory, patches, together)
+            hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
         return Decision(reasons, self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY)
 
-    def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[IntArray, IntArray]:
-        """Freeze all of ``group``, less what would fall, until the rest stands.
+    def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray]:
+        """Freeze of the candidates ``group`` what stands, each part of the stack by itself.
 
-        Returns what was frozen, and the rows of the patches that were solved. O(component) a step of the solve, for
-        layers of bounded width: one to four steps if it stands; a few of the group alone if that falls.
+        Returns what was frozen, with the reasons, and the rows of the patches that were solved.
         """
+        reasons: dict[int, str] = {}
+        solved = [group[:0]]
         while len(group):
-            ids = component(graph, group, group, False)
-            problem, level, patches = problem_of(graph, ids, self.gravity, 0.0, 1.0)
+            ids = component(graph, group[:1], group, False)
+            part = group[np.isin(group, ids)]
+            group = group[~np.isin(group, ids)]
+            frozen, reason, patches = self._freeze_part(graph, part)
+            reasons.update(dict.fromkeys(frozen.tolist(), reason))
+            solved.append(patches)
+        return reasons, np.concatenate(solved)
+
+    def _freeze_part(self, graph: Graph, part: IntArray) -> tuple[IntArray, str, IntArray]:
+        """Freeze all of ``part``, less what would fall, until the rest stands.
+
+        What statics leaves in doubt is frozen too, without a proof, once the engine has held all of it for long enough.
+        Returns what was frozen, the reason, and the rows of the patches that were solved. O(component) a step of the
+        solve, for layers of bounded width: one to four steps if it stands; a few of the part alone if that falls.
+        """
+        bodies = graph.bodies
+        while len(part):
+            ids = component(graph, part, part, False)
+            problem, level, patches = problem_of(graph, ids, self.gravity, 0.0, 1.0, self.settings.point_radius)
             start = recall(graph, self._memory, patches, len(level))
-            verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, group))
+            sag = np.ascontiguousarray(self._sag[:, ids])  # as the kernels are compiled for it
+            verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, part), sag)
+            self._sag[:, ids] = sag
             if verdict == "stable" and forces is not None:
                 remember(graph, self._memory, patches, forces)
-                graph.bodies["state"][group] = FROZEN
-                graph.bodies["leans"][group] = False
+                bodies["state"][part] = FROZEN
+                bodies["leans"][part] = False
                 self._prove(graph, ids)
-                return group, patches
-            falls = np.isin(group, ids[takes_part(rest)])
+                return part, "equilibrium", patches
+            if verdict == "doubt" and (bodies["steady_s"][part] >= self.settings.doubt_s).all():
+                bodies["state"][part] = FROZEN
+                bodies["leans"][part] = False
+                bodies["doubt"][part] = IN_DOUBT
+                return part, "held by the engine", patches[:0]
+            falls = np.isin(part, ids[takes_part(rest)])
             if not falls.any():
                 break
-            group = group[~falls]
-        return group[:0], group[:0]
+            part = part[~falls]
+        return part[:0], "", part[:0]
 
     def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
         """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
 
-        Live bodies may fall from what stands: they are taken away, and the rest must bear what they press on it.
+        Live bodies may fall from what stands, or be in doubt, as may be those that the engine held before they were
+        frozen: they are taken away, and the rest must bear what they press on it. What stands with a live load is not
+        proven to stand without it. A body that was frozen in doubt goes at any change around it.
         """
+        in_doubt = graph.bodies["doubt"][unproven] != PROVEN
+        doubtful: IntArray = unproven[in_doubt]
+        unproven = unproven[~in_doubt]
+        if len(unproven) == 0:
+            return doubtful
         ids = component(graph, unproven, unproven[:0], True)
-        problem, level, patches = problem_of(graph, ids, self.gravity, self.settings.wake_margin, WAKE_GRIP)
+        margin, radius = self.settings.wake_margin, self.settings.point_radius
+        problem, level, patches = problem_of(graph, ids, self.gravity, margin, WAKE_GRIP, radius)
         force = recall(graph, self._memory, patches, len(level))
         is_frozen = graph.bodies["state"][ids] == FROZEN
+        is_loaded = not is_frozen.all()
         changed, rows = np.isin(ids, unproven), np.arange(len(level))
         while True:
-            verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed)
+            sag = np.ascontiguousarray(self._sag[:, ids])
+            verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed, sag)
+            self._sag[:, ids] = sag
             if forces is not None:
                 force[rows] = forces
             if verdict == "stable":
                 remember(graph, self._memory, patches, force)
-                self._prove(graph, ids[is_frozen])
-                return ids[:0]
+                if not is_loaded:
+                    self._prove(graph, ids[is_frozen])
+                return doubtful
             falls = takes_part(rest)
-            if verdict == "doubt" or is_frozen[falls].any():
-                woken: IntArray = ids[falls & is_frozen]
-                return woken
+            goes = falls & is_frozen & (graph.bodies["doubt"][ids] == PROVEN)
+            if forces is None:  # no equilibrium was found, nor a proof that there is none
+                goes |= changed & is_frozen
+            if goes.any() or forces is None:
+                return _together(doubtful, ids[goes])
             pressed = force[rows] * (STRAIGHT_DOWN if level[rows].all() else 1.0)
             problem, kept = relieved_of(problem, falls, pressed)
             ids, is_frozen, changed, rows = ids[~falls], is_frozen[~falls], changed[~falls], rows[kept]

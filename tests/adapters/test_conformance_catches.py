@@ -14,7 +14,7 @@ from adapters.base import Knob, Profile, Sleeping
 from adapters.conformance import CHECKS, ConformanceError, Rig
 from adapters.motions import Motions
 from scenarios.model import Brick, World
-from stability_core.port import Contacts, FloatArray, IntArray, Masses
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 CHECK = {check.name: check for check in CHECKS}
 
@@ -240,6 +240,39 @@ class RemovalToldTwice(BulletSimulation):
         return masses
 
 
+class WithoutFixedBoxes(BulletSimulation):
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, replace(world, fixed=()), sleeping, expected)
+
+
+class FlippedNormalsOfFixedBoxes(BulletSimulation):
+    """The ground's own are right."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        of_fixed = np.minimum(contacts.body_a, contacts.body_b) < GROUND
+        return replace(contacts, normal=np.where(of_fixed[:, None], -contacts.normal, contacts.normal))
+
+
+class FixedBoxesTooSmooth(BulletSimulation):
+    """Their material has the pair's coefficient; Bullet multiplies it by the brick's."""
+
+    def _create(self, half_extents: Any, mass: float, *args: Any) -> int:
+        handle = super()._create(half_extents, mass, *args)
+        if mass == 0 and half_extents != self.ground_half_edges:
+            friction = self.world.friction
+            pybullet.changeDynamics(handle, -1, lateralFriction=friction, physicsClientId=self._client)
+        return handle
+
+
+class FixedBoxesAside(BulletSimulation):
+    """Off by a tenth of a brick's length, as if a corner were meant for the centre."""
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        moved = [replace(box, position=tuple(np.add(box.position, (0.0117, 0.0, 0.0)))) for box in world.fixed]
+        super().__init__(profile, replace(world, fixed=tuple(moved)), sleeping, expected)
+
+
 class Shaken(BulletSimulation):
     """Every world differs from the one before by a hair."""
 
@@ -293,6 +326,22 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     (QuaternionsAsInBullet, ["keeps_poses_and_ids"]),
     (RemovalToldTwice, ["reports_masses"]),
     (Shaken, ["repeats_bit_for_bit"]),
+    (
+        WithoutFixedBoxes,
+        [
+            "rests_on_a_fixed_box",
+            "slides_on_a_fixed_slope_above_the_friction_angle",
+            "leans_on_a_fixed_wall",
+            "stops_at_a_fixed_ceiling",
+            "freezes_on_a_fixed_box",
+        ],
+    ),
+    (
+        FlippedNormalsOfFixedBoxes,
+        ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "stops_at_a_fixed_ceiling"],
+    ),
+    (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
+    (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall"]),
 ]
 
 

@@ -1,7 +1,9 @@
 """What is special to DART: wrappers that go by address, velocities kept by the adapter, rotation vectors."""
 
 import math
+from collections import Counter
 
+import dartpy
 import numpy as np
 import pytest
 
@@ -44,6 +46,78 @@ def test_contacts_of_the_latest_step_outlive_the_removal_of_another_brick() -> N
     contacts = port.contacts()
     assert set(contacts.body_a.tolist()) | set(contacts.body_b.tolist()) == {-1, stays}
     simulation.close()
+
+
+COURSES, WIDTH = 19, 10
+EDGE = 0.2
+
+
+def wall(courses: int = COURSES) -> list[Brick]:
+    """Courses of ten cubes in running bond, 1 cm apart, each 0.1 mm deep in the course below: 190 cubes in all."""
+    pitch, height = EDGE + 0.01, EDGE - 1e-4
+    places = [(x + 0.5 * (z % 2), z) for z in range(courses) for x in range(WIDTH)]
+    return [Brick((EDGE,) * 3, 1.0, (x * pitch, 0.0, EDGE / 2 + z * height - 1e-4), level=z + 1) for x, z in places]
+
+
+def listed(profile: str, bricks: list[Brick], expected: list[Brick]) -> Counter[tuple[int, int]]:
+    """How many points DART lists of each pair, by its own limit: without a step, for the dense solver takes minutes."""
+    simulation = open_engine("dart", profile, expected=expected)
+    assert isinstance(simulation, DartSimulation)
+    for brick in bricks:
+        simulation.spawn(brick)
+    found = dartpy.collision.CollisionResult()
+    simulation._world.checkCollision(simulation._world.getConstraintSolver().getCollisionOption(), found)
+    pairs = [(one.collisionObject2, one.collisionObject1) for one in found.getContacts()]
+    counts = Counter((simulation._body_of(a), simulation._body_of(b)) for a, b in pairs)
+    simulation.close()
+    return counts
+
+
+@pytest.mark.parametrize("profile", ["default", "game", "tuned"])
+@pytest.mark.parametrize("is_expected", [True, False], ids=["expected", "unexpected"])
+def test_190_cubes_in_contact_have_all_their_contacts(profile: str, is_expected: bool) -> None:
+    """DART ships a limit of 1000 contacts. The lowest two courses alone stay below it: each course lists as many."""
+    two = listed(profile, wall(2), [])
+    whole = listed(profile, wall(), wall() if is_expected else [])
+    on_ground = sum(points for pair, points in two.items() if -1 in pair)
+    assert on_ground >= 4 * WIDTH
+    assert whole.total() == on_ground + (COURSES - 1) * (two.total() - on_ground) > 1000
+
+
+def test_a_frame_of_190_cubes_reports_all_their_contacts() -> None:
+    """Four points of each pair in a step of the solver, too, to the core as to DART."""
+    simulation = open_engine("dart", "game", expected=wall())
+    assert isinstance(simulation, DartSimulation)
+    for brick in wall():
+        simulation.spawn(brick)
+    port = simulation.port
+    simulation.step(FRAME)
+    raw, contacts = simulation._contacts(), port.contacts()
+    pairs = Counter(zip(raw.body_a.tolist(), raw.body_b.tolist(), strict=True))
+    assert set(pairs.values()) == {4}
+    assert len(pairs) == WIDTH + (COURSES - 1) * (2 * WIDTH - 1)
+    assert len(contacts) >= len(raw) == 4 * len(pairs)
+    simulation.close()
+
+
+def test_the_recorded_limit_is_the_one_that_dart_has() -> None:
+    """So many contacts for each pair of bricks, and of a brick and the ground; never fewer than as shipped."""
+    for expected, spawned, bricks in ((0, 1, 1), (190, 0, 190), (100, 101, 200)):
+        simulation = open_engine("dart", "game", expected=wall()[:expected])
+        assert isinstance(simulation, DartSimulation)
+        for _ in range(spawned):
+            simulation.spawn(plank(0.0, 1))
+        recorded = simulation.info.profile.knobs["max_contacts"].value
+        per_pair = int(str(recorded).removesuffix(" for each pair of bodies"))
+        limit = simulation._world.getConstraintSolver().getCollisionOption().maxNumContacts
+        assert limit == max(1000, per_pair * bricks * (bricks + 1) // 2)
+        simulation.close()
+
+
+def test_a_limit_that_cannot_be_raised_is_told(monkeypatch) -> None:
+    monkeypatch.setattr("adapters._dart_limits._GETTER", "no such method")
+    with pytest.raises(NotImplementedError, match=r"limit of 1000 contacts, and this scene may need 145160: install"):
+        open_engine("dart", "game", expected=wall())
 
 
 @pytest.mark.parametrize("sleeping", ["native", "raised"])

@@ -128,7 +128,7 @@ def test_swapped_pairs_are_turned_round_and_pairs_without_a_normal_left_out() ->
     state, before = np.zeros((3, 6)), np.zeros((1, 3, 3))
     before[0, 1] = (0.0, -3.0, 0.0)
     pairs, points, normals, separations, velocities = lift_contacts(
-        engine_ids, ids, arbiters, numbers, np.array([True, False, False]), state, before, np.full(3, 0.02), 1000.0
+        engine_ids, ids, arbiters, numbers, np.array([True, False, False]), 1, state, before, np.full(3, 0.02), 1000.0
     )
     np.testing.assert_array_equal(pairs, [(0, 1)] * 2)
     np.testing.assert_allclose(points, [(0, -0.01, 0.0045), (0, 0.01, 0.0045)])

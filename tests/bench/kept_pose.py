@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 
 from adapters import open_engine
+from bench.core_digest import present_core
+from bench.page_marks import write_page
 from bench.play import Play
 from scenarios.geometry import Boxes, rotation
 from scenarios.planks import LENGTH, THICKNESS
@@ -136,8 +138,8 @@ def picture(fall: Fall) -> str:
 
 
 if __name__ == "__main__":
-    FOLDER.mkdir(parents=True, exist_ok=True)
+    core = present_core()
     falls = {(engine, policy): watch_fall(engine, policy) for engine in ENGINES for policy in POLICIES}
-    (FOLDER / "kept_pose.md").write_text(table(falls), encoding="utf-8")
+    write_page(FOLDER / "kept_pose.md", table(falls), core)
     for (engine, policy), fall in falls.items():
         (FOLDER / f"kept_pose_{engine}_{policy}.svg").write_text(picture(fall), encoding="utf-8")

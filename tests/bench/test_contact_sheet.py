@@ -25,6 +25,14 @@ def test_a_box_shows_three_faces_each_of_its_own_shade():
     assert np.ptp(polygons[..., 1]) > THICKNESS
 
 
+def test_fixed_boxes_are_grey():
+    plank, table = lay(0.0, level=2), lay(0.0, level=1)
+    _, colors = faces([plank], "#d9a760", [table])
+    assert len(colors) == 6
+    grey = np.ptp(colors, axis=1) < 0.05
+    assert grey.tolist() == [True] * 3 + [False] * 3, "the table is painted first"
+
+
 def test_a_sheet_is_written_in_the_format_of_its_name(tmp_path):
     file = tmp_path / "scenes.svg"
     draw_contact_sheet(file, [build("card_house", storeys=2), build("jenga")])

@@ -1,7 +1,8 @@
 """Deterministic engines still compute what they did, to the last bit: the hashes of their poses are pinned.
 
 Of the engine alone, on a tower of three planks: what the core decides may change, what an engine computes may not,
-unless its version does. To pin those of a new version or another kind of machine, run this file as a program.
+unless its version does. To pin those of a new version or another kind of machine, run this file as a program. The maker
+of the processor counts: PhysX takes the processor's own approximate reciprocal roots, which differ between makers.
 
 In a fresh process, as every trial of a study: Bullet's results depend on the worlds that a process had before.
 """
@@ -25,8 +26,17 @@ PINNED = Path(__file__).parent / "pinned_poses.json"
 DETERMINISTIC = [name for name in ENGINES if capabilities(name).deterministic == "across processes"]
 
 
+def processor_maker() -> str:
+    """As Linux names it; elsewhere what Python knows of the processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("vendor_id")), "unknown maker")
+
+
 def key(engine: str) -> str:
-    return f"{engine} {engine_version(engine)} {platform.system()} {platform.machine()}"
+    return f"{engine} {engine_version(engine)} {platform.system()} {platform.machine()} {processor_maker()}"
 
 
 def pose_hash(engine: str, repeat: int = 0) -> str | None:

@@ -9,13 +9,14 @@ from bench.builder import Builder
 from bench.play import Play
 from bench.sleepers import Sleepers
 from bench.timed_port import TimedPort
-from scenarios.model import CLEARANCE, Expectation, Place, Pull, Push, Remove, Scene, World
-from scenarios.planks import THICKNESS, lay
+from scenarios.model import CLEARANCE, Brick, Expectation, Place, Pull, Push, Remove, Scene, World
+from scenarios.planks import LENGTH, THICKNESS, box, lay
 from scenarios.registry import build
 
 
-def scene_of(*actions: Place | Remove | Push | Pull) -> Scene:
-    return Scene("test", "test", {}, World(), actions, Expectation("stand", ""), "", watch_s=2.0)
+def scene_of(*actions: Place | Remove | Push | Pull, fixed: tuple[Brick, ...] = ()) -> Scene:
+    world = World(fixed=fixed)
+    return Scene("test", "test", {}, world, actions, Expectation("stand", ""), "", watch_s=2.0)
 
 
 def play(scene: Scene, simulation, wall_limit_s: float = math.inf) -> Play:
@@ -37,6 +38,27 @@ def test_a_neighbour_of_the_same_level_is_no_support(fake_engine) -> None:
     simulation = fake_engine()
     builder = Builder(scene_of(Place(0, (lay(0, level=1),)), Place(1, (lay(0.116, level=1),))), simulation)
     builder.act(0.0)
+    builder.act(1.0)
+    assert simulation.pose[1][0][2] == pytest.approx(THICKNESS / 2 + CLEARANCE)
+
+
+def test_a_brick_is_let_go_above_a_fixed_box_beside_a_wall_and_under_a_ceiling(fake_engine) -> None:
+    table = box((0.3, 0.1, 0.05), 0.0, level=1)
+    wall = box((0.02, 0.1, 0.2), LENGTH / 2 + 0.01, level=1)
+    ceiling = box((0.1, 0.1, 0.02), -0.02, level=1, bottom=0.05 + THICKNESS)
+    simulation = fake_engine()
+    scene = scene_of(Place(0, (lay(0.0, level=1, bottom=0.05),)), fixed=(table, wall, ceiling))
+    Builder(scene, simulation).act(0.0)
+    assert simulation.pose[0][0][2] == pytest.approx(0.05 + THICKNESS / 2 + CLEARANCE)
+
+
+def test_a_neighbour_of_a_lower_level_is_no_support(fake_engine) -> None:
+    """A block that is planned flush with a plank's end, and that has moved into its place by 20 um."""
+    block = box((0.05, 0.05, 0.1), LENGTH / 2 + 0.025, level=1)
+    simulation = fake_engine()
+    builder = Builder(scene_of(Place(0, (block,)), Place(1, (lay(0.0, level=2),))), simulation)
+    builder.act(0.0)
+    simulation.move(0, (LENGTH / 2 + 0.025 - 2e-5, 0, 0.05), (1, 0, 0, 0))
     builder.act(1.0)
     assert simulation.pose[1][0][2] == pytest.approx(THICKNESS / 2 + CLEARANCE)
 
@@ -102,6 +124,20 @@ def test_poses_that_are_not_finite_are_an_outcome(fake_engine) -> None:
 
 def test_the_wall_limit_stops_a_trial(fake_engine) -> None:
     assert play(build("plank_tower"), fake_engine(), wall_limit_s=0.0).run() == "timeout"
+
+
+@pytest.mark.parametrize("frame", [30, 180])
+def test_one_long_step_that_ends_after_the_limit_is_a_timeout(monkeypatch, fake_engine, frame: int) -> None:
+    """Also where it is the last one: 1 s of building and 2 s of watching make 180 frames."""
+    clock = [0.0]
+    monkeypatch.setattr("bench.play.perf_counter", lambda: clock[0])
+
+    def take_long(simulation, step: int) -> None:
+        clock[0] += 61.0 if step == frame else 0.0
+
+    run = play(scene_of(Place(0, (lay(0, level=1),)), Place(1, (lay(0, level=2),))), fake_engine(take_long), 60.0)
+    assert run.run() == "timeout"
+    assert len(run.rows) == frame
 
 
 def test_the_engine_alone_is_never_asked_for_its_port(fake_engine) -> None:

@@ -5,10 +5,13 @@ import re
 from pathlib import Path
 
 import pytest
+import typer
+from typer.testing import CliRunner
 
+from bench.core_digest import present_core
 from bench.plan import plan_trials
 from bench.publications import PUBLICATIONS, Publication
-from bench.publish import PublishError, publish
+from bench.publish import PublishError, main, publish
 from bench.results import to_toml
 from bench.selection import Selection
 from bench.studies import load_study
@@ -43,12 +46,14 @@ def run(tmp_path, monkeypatch) -> Path:
     writer.close()
     for name in ("tables.md", "trials.csv", "tables.tex", "index.html", "figures/speed.svg", "figures/speed.pdf"):
         (folder / "report" / name).write_text(name)
+    (folder / "report" / "trials.csv").write_text("trial,policy\na,none\nb,paper\n")
     write_environment(folder, modified=False)
     return folder
 
 
 def write_environment(folder: Path, **changed) -> None:
-    (folder / "environment.json").write_text(json.dumps({"commit": "c0ffee", "modified": False, **changed}))
+    environment = {"commit": "c0ffee", "modified": False, "core": present_core(), **changed}
+    (folder / "environment.json").write_text(json.dumps(environment))
 
 
 def test_tables_trials_figures_and_where_they_come_from_are_copied(run, tmp_path) -> None:
@@ -57,7 +62,24 @@ def test_tables_trials_figures_and_where_they_come_from_are_copied(run, tmp_path
     assert found == {
         "tables.md", "trials.csv", "tables.tex", "figures/speed.svg", "study.toml", "environment.json"
     }  # fmt: skip
-    assert (target / "tables.md").read_text() == "tables.md"
+    assert (target / "tables.md").read_text() == f"tables.md\n\ncore: {present_core()}\n"
+
+
+def test_results_of_an_earlier_core_are_marked_as_such(run, tmp_path) -> None:
+    """It ran before the core changed: a folder that is published late."""
+    write_environment(run, core="0123456789ab")
+    told = (publish("made-up", run, tmp_path / "docs") / "tables.md").read_text()
+    assert told.startswith("> **Made with an earlier core (digest `0123456789ab`); not yet made again")
+    assert told.endswith("\n\ntables.md\n\ncore: 0123456789ab\n")
+
+
+@pytest.mark.parametrize("arguments", [[], ["paper", "--mark"]])
+def test_either_a_name_or_a_mark_is_asked_for(arguments: list[str]) -> None:
+    app = typer.Typer()
+    app.command()(main)
+    told = CliRunner().invoke(app, arguments)
+    assert told.exit_code == 2
+    assert "give the name of a publication, or --mark alone" in " ".join(told.output.split())
 
 
 def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_path) -> None:

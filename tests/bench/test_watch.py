@@ -1,5 +1,7 @@
 """The watch over a stack, fed with poses that are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,18 @@ def test_a_sink_that_turns_into_a_topple_within_the_aftermath_is_a_topple() -> N
     assert not watch.is_over
     watch.see(3.0, plan, sunk, tipped, {1: 0.0, 2: 1.0})
     assert watch.is_over
+
+
+def test_a_drop_is_no_sink_however_its_aftermath_goes_on() -> None:
+    """A brick that lost its support is first seen dropping; on the ground, where it ends, it may count as sunk."""
+    watch = StackWatch(watch_from_s=99)
+    whole = Plan.of(TOWER[1:2])
+    plan = replace(whole, drop_below=whole.position[:, 2] - THICKNESS / 2)
+    for time, fall in ((2.0, 0.6), (2.1, 1.0)):
+        watch.see(time, plan, plan.position - [0, 0, fall * THICKNESS], plan.quaternion, {1: 0.0, 2: 1.0})
+    watch.see(2.2, whole, whole.position - [0, 0, THICKNESS], whole.quaternion, {1: 0.0, 2: 1.0})
+    assert watch.collapse is not None
+    assert (watch.collapse.time, watch.collapse.kind) == (2.0, "drop")
 
 
 def test_large_bricks_are_given_time_to_fall() -> None:

@@ -19,6 +19,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from bench.calibration import calibrate
+from bench.core_digest import present_core
+from bench.page_marks import write_page
 from stability_core import Settings, StabilityExtension, solve_equilibrium
 from tests.benchmarks.leaning_worlds import MASS, house_of, overload, pile_up, refuse_smooth_v
 from tests.benchmarks.peers import PEERS, four_stack, pyramid
@@ -252,8 +254,6 @@ def peers_table() -> list[str]:
 
 
 if __name__ == "__main__":
+    core = present_core()
     gc.disable()
-    PAGE.parent.mkdir(parents=True, exist_ok=True)
-    PAGE.write_text(
-        "\n".join([HEAD, *growth_table(), *live_table(), *solved_table(), *peers_table()]), encoding="utf-8"
-    )
+    write_page(PAGE, "\n".join([HEAD, *growth_table(), *live_table(), *solved_table(), *peers_table()]), core)

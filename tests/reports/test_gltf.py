@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -82,3 +83,14 @@ def test_faces_look_outward(recording) -> None:
     )
     a, b, c = (corners[indices[corner::3, 0]] for corner in range(3))
     np.testing.assert_allclose(np.cross(b - a, c - a), normals[indices[::3, 0]])  # unit faces, counter-clockwise
+
+
+def test_a_fixed_box_is_a_grey_node_that_stays(recording) -> None:
+    table = Brick((0.4, 0.2, 0.1), 1.0, (0.0, 0.0, 0.05), (0.8, 0.0, 0.6, 0.0))
+    content, _ = parsed(to_glb(replace(recording, fixed=(table,))))
+    (index,) = (index for index, node in enumerate(content["nodes"]) if node["name"] == "fixed")
+    node = content["nodes"][index]
+    assert index in content["nodes"][0]["children"]
+    assert (node["translation"], node["rotation"], node["scale"]) == ([0, 0, 0.05], [0, 0.6, 0, 0.8], [0.4, 0.2, 0.1])
+    assert content["materials"][node["mesh"]]["name"] == "fixed"
+    assert index not in [one["target"]["node"] for one in content["animations"][0]["channels"]]

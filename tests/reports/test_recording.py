@@ -116,3 +116,11 @@ def test_a_missing_or_torn_recording_is_named(tmp_path, content) -> None:
         (tmp_path / "a.parquet").write_bytes(content)
     with pytest.raises(RecordingError, match=r"a\.parquet"):
         read_recording(tmp_path / "a.parquet")
+
+
+def test_fixed_boxes_are_kept(tmp_path) -> None:
+    table = Brick((0.4, 0.2, 0.1), 1.0, (0.0, 0.0, 0.05), (0.8, 0.0, 0.6, 0.0))
+    recorder = Recorder(1 / 60, (table,))
+    see(recorder, {0: (0, 0, 0.1039)})
+    write_recording(tmp_path / "one.parquet", recorder.finish())
+    assert read_recording(tmp_path / "one.parquet").fixed == (table,)

@@ -11,9 +11,12 @@ from tests.reports.studies import fallen, record
 FRAMES = 120
 
 
-def recording(falls: bool):
+TABLE = Brick((0.2, 0.1, 0.05), 1.0, (0.0, 0.2, 0.025))
+
+
+def recording(falls: bool, fixed: tuple[Brick, ...] = ()):
     """Two bricks on each other; the upper one is frozen, or slides off and comes to lie beside."""
-    recorder = Recorder(1 / 60)
+    recorder = Recorder(1 / 60, fixed)
     bricks = dict.fromkeys((0, 1), Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0)))
     for frame in range(FRAMES):
         slid = 0.1 * frame / FRAMES if falls else 0.0
@@ -47,6 +50,7 @@ def colours(opened, number: int) -> set[str]:
                     if (b > r + 30) found.add("frozen");
                     else if (r > 1.2 * g && g > b + 20) found.add("live");
                     else if (r > 1.5 * g && b > .9 * g) found.add("fallen");
+                    else if (Math.max(r, g, b) - Math.min(r, g, b) < 12) found.add("fixed");
                 }
                 return [...found];
             }""",
@@ -72,6 +76,14 @@ def test_it_plays_and_tells_live_frozen_and_fallen_apart(page, open_page) -> Non
     opened.click("#play")
     opened.wait_for_function(f"document.body.dataset.time >= {FRAMES / 60}")
     assert opened.locator("#play").inner_text() == "Play", "it stops at its end"
+
+
+def test_fixed_boxes_are_grey(tmp_path, open_page) -> None:
+    trials = [Replayed(record(policy=f"p{n}"), recording(False, fixed)) for n, fixed in enumerate(((), (TABLE,)))]
+    opened = open_page(write_replay(tmp_path / "replays", "two", trials))
+    opened.wait_for_function("document.body.dataset.time !== undefined")
+    assert colours(opened, 0) == {"frozen"}
+    assert colours(opened, 1) == {"frozen", "fixed"}
 
 
 def test_it_is_small_and_its_script_lies_beside_it_once(page) -> None:

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -139,3 +140,15 @@ def test_a_page_shows_each_end_beside_the_others_and_leads_to_the_replay(tmp_pat
     Image.new("RGBA", (4, 4)).save(still_of(stills, records[0]))
     titles = [panel.get_title() for panel in gallery_figure(stills, cells, "bullet", "game", ["four_stack"]).axes]
     assert titles == ["none: falls at 9 ✗", "paper: 30/30 ✓"]
+
+
+def test_fixed_boxes_are_drawn_grey(tmp_path) -> None:
+    table = Brick((0.1, 0.1, 0.1), 1.0, (0.15, 0.0, 0.05))
+    shares = []
+    for name, fixed in (("without", ()), ("with", (table,))):
+        draw(tmp_path / name, replace(recording(), fixed=fixed))
+        pixels = np.asarray(Image.open(still_of(tmp_path / name, record(policy="p0")))).reshape(-1, 4)
+        shown = pixels[pixels[:, 3] == 255][:, :3].astype(int)
+        shares.append(float((np.ptp(shown, axis=1) < 20).mean()))
+    assert shares[0] < 0.3
+    assert shares[1] > 0.6

@@ -82,18 +82,19 @@ def test_leaning_towers_on_either_side_of_the_limit(ratio, levels, expected):
 # -- four planks a level ---------------------------------------------------------------------------------------------
 
 
-def test_each_side_of_the_four_stack_stands_alone():
+@pytest.mark.parametrize(("gap", "shift", "joint"), [(2.0, 12.7e-3, 45.8e-3), (0.0, 11.7e-3, 46.8e-3)])
+def test_each_side_of_the_four_stack_stands_alone(gap, shift, joint):
     """A side's planks shift by 12.7 mm left and right in turn: what lies above stays deep inside every joint."""
-    scene = build("four_stack")
+    scene = build("four_stack", gap=gap)
     for side in range(4):
         tower = scene.bricks[side::4]
         along, across = (1, 0) if side % 2 else (0, 1)
         assert {brick.level for brick in tower} == set(range(1, 31))
         assert np.ptp([brick.position[across] for brick in tower]) < 1e-15
         half_joint = (LENGTH - abs(tower[0].position[along] - tower[1].position[along])) / 2
-        assert half_joint == pytest.approx(45.8e-3)
+        assert half_joint == pytest.approx(joint)
         for index in range(1, len(tower)):
-            assert abs(centre(tower[index:], along)) < 12.71e-3
+            assert abs(centre(tower[index:], along)) < shift + 1e-5
     assert scene.expectation.outcome == "stand"
 
 
@@ -111,10 +112,12 @@ def test_every_plank_of_the_four_stack_bridges_a_joint():
 # -- wall ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("courses", "width"), [(8, 3), (30, 3), (9, 6), (4, 2)])
-def test_pressure_through_the_joints_middles_balances_the_wall(courses, width):
+@pytest.mark.parametrize(
+    ("courses", "width", "gap"), [(8, 3, 2), (30, 3, 2), (9, 6, 2), (4, 2, 2), (5, 2, 0), (8, 3, 0)]
+)
+def test_pressure_through_the_joints_middles_balances_the_wall(courses, width, gap):
     """Builds the forces from the top course down: two unknowns a whole plank, one a half, and none of them pulls."""
-    scene = build("brick_wall", courses=courses, width=width)
+    scene = build("brick_wall", courses=courses, width=width, gap=gap)
     rows = [[b for b in scene.bricks if b.level == level] for level in range(1, courses + 1)]
     loads = {}  # by plank and joint's middle, as mass [kg]
     for lower, upper in reversed(list(pairwise(rows))):

@@ -8,9 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from scenarios.geometry import Boxes, height_above_ground, overlap_in_plan, resting_shift, vertical_clearance
+from scenarios.geometry import (
+    Boxes,
+    height_above_ground,
+    overlap_in_plan,
+    resting_shift,
+    room_above_fixed,
+    side_by_side,
+    vertical_clearance,
+)
 from scenarios.model import CLEARANCE
-from scenarios.planks import LENGTH, THICKNESS, lay, lean
+from scenarios.planks import LENGTH, THICKNESS, WIDTH, box, lay, lean
 
 EXACT = 1e-9  # m; rounding over slopes as steep as the strategies draw them
 EDGES = np.array([(a, b) for a, b in combinations(range(8), 2) if (a ^ b).bit_count() == 1])  # corners of each edge
@@ -158,3 +166,65 @@ def test_a_group_planned_inside_its_support_is_raised_out_of_it():
     below = Boxes.of([lay(0.0, level=3)])
     sunk = Boxes.of([lay(0.0, level=3)])
     assert resting_shift(sunk, below) == pytest.approx(THICKNESS + CLEARANCE, abs=1e-15)
+
+
+# -- neighbours and fixed boxes ----------------------------------------------------------------------------------------
+
+PLANK = Boxes.of([lay(0.0, level=2)])  # its lower face is one thickness above the ground
+
+
+@pytest.mark.parametrize(
+    ("other", "expected"),
+    [
+        (lay(LENGTH, level=2), True),
+        (lay(LENGTH + 2e-3, level=2), True),
+        (box((0.05, 0.05, 0.1), LENGTH / 2 + 0.025, level=1), True),
+        (lay(LENGTH, level=1), False),
+        (lay(LENGTH, level=3), False),
+        (lay(0.0, level=1), False),
+        (lay(LENGTH - 1e-4, level=2), False),
+    ],
+    ids=["flush", "2 mm apart", "a tall block", "a level below", "a level above", "below it", "overlapping"],
+)
+def test_neighbours_are_apart_in_plan_and_share_some_height(other, expected):
+    assert side_by_side(PLANK, Boxes.of([other]))[0, 0] == expected
+
+
+def test_a_planned_neighbour_carries_nothing_though_it_has_moved_into_the_plank():
+    """A tall block, planned flush with the plank's end, has moved by 20 um: it would lift the plank onto itself."""
+    block = box((0.05, 0.05, 0.1), LENGTH / 2 + 0.025, level=1)
+    planned, moved = Boxes.of([block]), Boxes.of([box((0.05, 0.05, 0.1), LENGTH / 2 + 0.025 - 2e-5, level=1)])
+    lifted = resting_shift(PLANK, moved)
+    assert lifted == pytest.approx(0.1 - THICKNESS + CLEARANCE)
+    neighbours = side_by_side(PLANK, planned)
+    assert resting_shift(PLANK, moved, neighbours=neighbours) == pytest.approx(CLEARANCE - THICKNESS)
+
+
+TABLE_TOP = THICKNESS / 2
+
+
+@pytest.mark.parametrize(
+    ("fixed", "room"),
+    [
+        (box((0.2, 0.2, TABLE_TOP), 0.0, level=1), THICKNESS - TABLE_TOP),
+        (box((0.2, 0.2, THICKNESS + 1e-3), 0.0, level=1), -1e-3),
+        (box((0.02, 0.2, 0.1), LENGTH / 2 + 0.01, level=1), np.inf),
+        (box((0.2, 0.2, 0.05), 0.0, level=1, bottom=2 * THICKNESS), np.inf),
+        (box((0.2, 0.2, 0.05), 0.0, level=1, bottom=0.1), np.inf),
+    ],
+    ids=["table", "table that it overlaps by placement noise", "wall", "ceiling that it touches", "high ceiling"],
+)
+def test_only_a_fixed_box_below_carries(fixed, room):
+    assert room_above_fixed(PLANK, Boxes.of([fixed])) == pytest.approx(room, abs=1e-12)
+    shift = resting_shift(PLANK, Boxes.of([]), fixed=Boxes.of([fixed]))
+    assert shift == pytest.approx(CLEARANCE - min(room, THICKNESS), abs=1e-12)
+
+
+def test_a_group_between_walls_is_lowered_onto_the_ledge_of_one_of_them():
+    ledge = box((0.01, WIDTH, 0.004), LENGTH / 2, level=1)
+    walls = [box((0.02, WIDTH, 0.1), side * (LENGTH / 2 + 0.01), level=1) for side in (-1, 1)]
+    assert room_above_fixed(PLANK, Boxes.of([*walls, ledge])) == pytest.approx(THICKNESS - 0.004, abs=1e-12)
+
+
+def test_without_fixed_boxes_nothing_limits_the_room():
+    assert room_above_fixed(PLANK, Boxes.of([])) == np.inf

@@ -14,14 +14,18 @@ def plank(**changed):
     return {name: value for name, value in {**PLANK, **changed}.items() if value is not None}
 
 
+def table(name: str, fields: dict) -> str:
+    return "\n".join([f"[[{name}]]", *(f"{field} = {value}" for field, value in fields.items())])
+
+
 @pytest.fixture
 def write(tmp_path):
     """Writes bricks into a file, one table each; returns its name."""
 
-    def to_file(*bricks, head: str = "", name: str = "mine.toml") -> str:
-        tables = ["\n".join(f"{field} = {value}" for field, value in brick.items()) for brick in bricks]
+    def to_file(*bricks, head: str = "", name: str = "mine.toml", fixed=()) -> str:
+        tables = [table("brick", fields) for fields in bricks] + [table("fixed", fields) for fields in fixed]
         path = tmp_path / name
-        path.write_text("\n".join([head, *(f"[[brick]]\n{table}\n" for table in tables)]), encoding="utf-8")
+        path.write_text("\n".join([head, *tables]), encoding="utf-8")
         return str(path)
 
     return to_file
@@ -72,6 +76,50 @@ def test_a_changed_file_is_another_scene(write):
     other = build("own_scene", file=write(plank(mass=0.02))).variant
     assert first == again != other
     assert first.startswith("own_scene-mine-")
+
+
+TABLE = {"size": [0.1, 0.1, 0.1], "position": [0.0, 0.0, 0.05]}
+
+
+def test_a_fixed_box_carries_and_is_no_brick(write):
+    """A plank whose centre is 6 mm beyond the table's edge falls, one 6 mm inside stands."""
+    outside, inside = (
+        build("own_scene", file=write(plank(position=[x, 0.0, 0.105]), fixed=[TABLE], name=name))
+        for x, name in ((0.056, "out.toml"), (0.044, "in.toml"))
+    )
+    assert (outside.expectation.outcome, inside.expectation.outcome) == ("fall", "stand")
+    assert [brick.level for brick in inside.bricks] == [1]
+    assert [box.position for box in inside.world.fixed] == [(0.0, 0.0, 0.05)]
+
+
+def test_a_brick_between_fixed_walls_is_put_on_its_prop(write):
+    """Walls that it touches carry nothing: 0.1 mm above its prop it is lowered by that."""
+    walls = [{"size": [0.1, 0.1, 0.1], "position": [side * 0.11, 0.0, 0.05]} for side in (-1, 1)]
+    scene = build("own_scene", file=write(plank(), plank(position=[0, 0, 0.0151], time=1.0), fixed=walls))
+    assert scene.bricks[1].position[2] == pytest.approx(0.015, abs=1e-12)
+
+
+def test_a_scene_with_a_turned_fixed_box_is_not_planar(write):
+    file = write(plank(position=[0.0, 0.0, 0.105]), fixed=[{**TABLE, "yaw": 30.0}])
+    assert not build("own_scene", file=file).planar
+
+
+@pytest.mark.parametrize(
+    ("brick", "fixed", "message"),
+    [
+        (plank(), {**TABLE, "mass": 1.0}, r"unknown field of fixed\[0\] 'mass'"),
+        (plank(), {"size": [0.1, 0.1, 0.1]}, r"fixed\[0\].position must be a list of 3 numbers"),
+        (
+            plank(position=[0, 0, 0.125]),
+            TABLE,
+            r"brick\[0\] touches nothing.*floats 20.000 mm.*set position z to 0.105",
+        ),
+        (plank(position=[0, 0, 0.095]), TABLE, "brick 0 and wall 0 overlap"),
+    ],
+)
+def test_a_fixed_box_that_makes_no_scene_is_told_with_the_fix(write, brick, fixed, message):
+    with pytest.raises(ValueError, match=message):
+        build("own_scene", file=write(brick, fixed=[fixed]))
 
 
 @pytest.mark.parametrize(

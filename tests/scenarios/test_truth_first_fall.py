@@ -144,3 +144,14 @@ def test_a_brick_on_the_ground_rests_on_normal_forces_alone():
 def test_bad_input_is_named(bricks, world, message):
     with pytest.raises(ValueError, match=message):
         equilibrium(bricks, world)
+
+
+def test_fixed_boxes_of_the_world_are_part_of_the_ground():
+    """A plank on a fixed table stands while its centre is above it, in a pile and in a scene."""
+    table = Brick((0.1, 0.1, 0.05), 1.0, (0.0, 0.0, 0.025))
+    for x, level in ((0.045, None), (0.055, 1)):
+        plank = Brick((0.12, 0.02, 0.01), 0.01, (x, 0.0, 0.055))
+        world = World(fixed=(table,))
+        assert equilibrium([plank], world).stable == (level is None)
+        scene = Scene("test", "test", {}, world, (Place(0.0, (plank,)),), Expectation("study", ""), "")
+        assert first_fall(scene) == level

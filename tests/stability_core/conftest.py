@@ -35,6 +35,8 @@ class FakePort:
     frozen: set[int] = field(default_factory=set)
     batches: list[tuple[str, list[int]]] = field(default_factory=list)
     removed: list[int] = field(default_factory=list)
+    show_frozen: bool = False
+    """Whether masses() lists frozen bodies too, as a port may."""
 
     def add(self, body: int, center: Sequence[float], mass: float = 1.0) -> None:
         self.mass[body], self.center[body] = mass, center
@@ -72,7 +74,7 @@ class FakePort:
         )
 
     def masses(self) -> Masses:
-        live = sorted(self.mass.keys() - self.frozen)
+        live = sorted(self.mass.keys() - (set() if self.show_frozen else self.frozen))
         removed, self.removed = self.removed, []
         return Masses(
             np.array(live, np.int64),

@@ -25,6 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bench.core_digest import present_core
+from bench.page_marks import write_page
 from scenarios.contact_patch import Patch
 from scenarios.force_balance import solve_balance
 from stability_core import Contacts, Masses, Settings, StabilityExtension, solve_equilibrium
@@ -233,5 +235,5 @@ def _share(part: int, whole: int) -> str:
 
 
 if __name__ == "__main__":
-    TABLE.parent.mkdir(parents=True, exist_ok=True)
-    TABLE.write_text(table(decide_all(PILES)))
+    core = present_core()
+    write_page(TABLE, table(decide_all(PILES)), core)

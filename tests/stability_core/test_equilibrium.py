@@ -215,7 +215,8 @@ def test_bodies_that_are_taken_away_leave_behind_what_they_pressed():
     body_a = (body_b + random.integers(1, n, m)) % n
     body_a[::5] = -1
     lever_a, lever_b, normal, force = random.normal(size=(4, m, 3))
-    problem = Problem(body_a, body_b, lever_a, lever_b, normal, random.random(m), random.normal(size=(n, 6)))
+    friction, load = random.random(m), random.normal(size=(n, 6))
+    problem = Problem(body_a, body_b, lever_a, lever_b, normal, friction, load, np.zeros(n))
     gone = np.array([False, True, False, False, True])
     fewer, kept = relieved_of(problem, gone, force)
     before, after = np.empty((n, 6)), np.empty((3, 6))

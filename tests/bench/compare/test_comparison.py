@@ -60,6 +60,12 @@ def test_another_scene_under_the_same_name_is_told(make, change) -> None:
     assert only(make.side(), make.side(make.record(**FELL | change))).told == "another scene under the same name"
 
 
+def test_a_parameter_that_did_not_exist_had_its_default(make) -> None:
+    """Records of before the 4-stack had a gap to choose."""
+    head = make.side(make.record(**FELL, parameters={"levels": 3, "gap": 2.0}))
+    assert only(make.side(), head).judgement == "worse"
+
+
 def test_what_the_clock_ended_is_not_judged(make) -> None:
     """Nor is a stack that was still falling when its time was up."""
     late = make.record(**FELL, wall_s=60.0)

@@ -6,6 +6,7 @@ Frames are long, so that a trial is over in some milliseconds.
 import ctypes
 import faulthandler
 import os
+import signal
 import time
 from typing import ClassVar
 
@@ -21,6 +22,14 @@ FIRST_MISDEED = 5
 def _hang(_):
     while True:
         ctypes.PyDLL(None).sleep(3600)  # holds the interpreter's lock, as an engine in an endless loop does
+
+
+def _stall(_):
+    ctypes.PyDLL(None).sleep(4)  # as _hang, but it ends
+
+
+def _alarm(_):
+    os.kill(os.getpid(), signal.SIGALRM)
 
 
 def _leak(simulation):
@@ -45,13 +54,21 @@ def _exit(_):
     os._exit(3)
 
 
+def _red_exit(_):
+    os.write(1, b"\x1b[1;31mout of contacts\x1b[0m\n\x1b[0m\n")
+    os._exit(3)
+
+
 MISDEEDS = {
     "game": lambda _: None,
     "slow": lambda _: time.sleep(0.05),
     "segfault": lambda _: faulthandler._sigsegv(),
     "abort": lambda _: os.abort(),
     "exit": _exit,
+    "red_exit": _red_exit,
     "hang": _hang,
+    "stall": _stall,
+    "alarm": _alarm,
     "leak": _leak,
     "raise": _raise,
     "nan": _diverge,

@@ -1,0 +1,66 @@
+"""DART's limit on contacts, which its Python interface shows but does not let us set.
+
+``getCollisionOption`` returns a copy in dartpy 6.20, so that an assignment to its fields changes nothing. The C++
+method of that name is exported; it returns the solver's own option, whose field is then written in place. Both the old
+and the new value are compared with what dartpy shows: another memory layout is an error and not a wrong setting.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import dartpy
+
+SHIPPED = 1000
+"""DART's limit on all contacts of a world, as shipped."""
+PER_PAIR = 8
+"""Contacts for each pair of bodies: as many points as two faces have corners."""
+_GETTER = "_ZN4dart10constraint16ConstraintSolver18getCollisionOptionEv"
+"""``dart::constraint::ConstraintSolver::getCollisionOption()``."""
+
+
+class _CollisionOption(ctypes.Structure):
+    """The first fields of ``dart::collision::CollisionOption``."""
+
+    _fields_ = (("enable_contact", ctypes.c_bool), ("max_num_contacts", ctypes.c_size_t))
+
+
+def contacts_for(bricks: int) -> int:
+    """Return a limit that no scene of so many bricks reaches; the ground is one body more."""
+    return max(SHIPPED, PER_PAIR * bricks * (bricks + 1) // 2)
+
+
+def raise_limit(solver: Any, contacts: int) -> None:
+    """Raise the limit of a world's constraint solver to a number of contacts; a higher one stays.
+
+    Raises:
+        NotImplementedError: if this build of dartpy offers no way to do so.
+    """
+    before = solver.getCollisionOption().maxNumContacts
+    if before >= contacts:
+        return
+    option = _option_of(solver)
+    if option is None or option.max_num_contacts != before:
+        raise NotImplementedError(_refusal(before, contacts))
+    option.max_num_contacts = contacts
+    if solver.getCollisionOption().maxNumContacts != contacts:
+        option.max_num_contacts = before
+        raise NotImplementedError(_refusal(before, contacts))
+
+
+def _option_of(solver: Any) -> _CollisionOption | None:
+    """The solver's own option, in DART's memory; None if the C++ method is not exported."""
+    getter = getattr(ctypes.CDLL(dartpy.__file__), _GETTER, None)
+    if getter is None:
+        return None
+    getter.restype, getter.argtypes = ctypes.c_void_p, [ctypes.c_void_p]
+    held = ctypes.c_void_p.from_address(id(solver) + object.__basicsize__)  # pybind11 keeps the C++ pointer first
+    return _CollisionOption.from_address(getter(held))
+
+
+def _refusal(before: int, contacts: int) -> str:
+    return (
+        f"dartpy {dartpy.__version__} keeps DART's limit of {before} contacts, and this scene may need {contacts}: "
+        "install the version of uv.lock (uv sync)"
+    )

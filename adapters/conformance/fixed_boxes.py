@@ -1,0 +1,158 @@
+"""Checks of the fixed boxes of a world: they carry, hold and stop bricks as the ground does, and are reported as it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.conformance.rig import (
+    GRAVITY,
+    LENGTH,
+    MASS,
+    THICKNESS,
+    WEIGHTLESS,
+    WIDTH,
+    Rig,
+    advance,
+    frames,
+    pairs,
+    plank,
+    pose,
+    require,
+    require_between,
+    require_friction_angle,
+    touching,
+    velocity,
+)
+from scenarios.model import CLEARANCE, Brick, Vector
+from stability_core.port import GROUND, FloatArray
+
+TABLE = 0.1
+"""Height [m] of the fixed table."""
+DEPTH = 2 * WIDTH
+"""Depth along y [m] of the fixed boxes."""
+
+
+def _fixed(size: Vector, position: Vector, lean: float = 0.0) -> Brick:
+    """Return a box whose long edge rises by ``lean`` [rad] from +x towards +z."""
+    return Brick(size, 1.0, position, (math.cos(lean / 2), 0.0, -math.sin(lean / 2), 0.0))
+
+
+def _table(length: float) -> Brick:
+    return _fixed((length, DEPTH, TABLE), (0.0, 0.0, TABLE / 2))
+
+
+def _normals_from_ground(simulation: Simulation, body: int) -> FloatArray:
+    """Return the normals (n, 3) of all contacts of a body, from the ground to it.
+
+    Raises:
+        ConformanceError: if it touches nothing, or anything but the ground.
+    """
+    contacts = touching(simulation.port.contacts(), body)
+    require(pairs(contacts) == {(GROUND, body)}, f"pairs {pairs(contacts)}, must be {(GROUND, body)} alone")
+    normals: FloatArray = np.where((contacts.body_b == body)[:, None], contacts.normal, -contacts.normal)
+    return normals
+
+
+def rests_on_a_fixed_box(rig: Rig) -> None:
+    """A brick comes to rest on a fixed box, not in it, and its contact area ends where the box ends.
+
+    The brick reaches beyond the box on both sides. The contacts name the ground, and their normals point up.
+    """
+    length = 0.6 * LENGTH
+    simulation = rig.open(fixed=(_table(length),))
+    body = simulation.spawn(plank(z=TABLE + THICKNESS / 2 + CLEARANCE))
+    advance(simulation, 1.0)
+    sunk = TABLE + THICKNESS / 2 - pose(simulation, body)[2]
+    require_between(-0.1e-3, sunk, 0.5e-3, "depth [m] to which a brick sank into a fixed box")
+    points = []
+    for _ in range(6):
+        simulation.step(simulation.info.frame_s)
+        upward = _normals_from_ground(simulation, body)[:, 2]
+        require_between(
+            0.99, upward.min(), 1.0 + 1e-6, "upward part of the normals from a fixed box to the brick on it"
+        )
+        points.append(touching(simulation.port.contacts(), body).point)
+    x = np.concatenate(points)[:, 0]
+    for name, reach in (("least", -x.min()), ("greatest", x.max())):
+        require_between(0.45 * length, reach, 0.5 * length + 0.2e-3, f"{name} |x| [m] of the points on a fixed box")
+
+
+def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
+    """A brick on a fixed slope slides above atan(mu) and holds below, exactly as on the ground."""
+
+    def slide(degrees: float) -> float:
+        angle, thick, half = math.radians(degrees), 0.05, 1.0
+        along = np.array((math.cos(angle), 0.0, math.sin(angle)))
+        across = np.array((-math.sin(angle), 0.0, math.cos(angle)))
+        middle = (half + 0.1) * along - thick / 2 * across + (0.0, 0.0, thick)
+        x, _, z = (middle + (thick + THICKNESS) / 2 * across).tolist()
+        slope = _fixed((2 * half, DEPTH, thick), (float(middle[0]), 0.0, float(middle[2])), angle)
+        simulation = rig.open(fixed=(slope,))
+        body = simulation.spawn(plank(x, z, angle))
+        advance(simulation, 0.3)
+        start = pose(simulation, body)[:3]
+        advance(simulation, 0.5)
+        return float(np.linalg.norm(pose(simulation, body)[:3] - start))
+
+    require_friction_angle(slide)
+
+
+def leans_on_a_fixed_wall(rig: Rig) -> None:
+    """A brick that is pulled against a fixed wall, which it touches, stays; the port reports wall and ground.
+
+    Gravity leans by 40 degrees, more than friction holds. Both contacts name the ground, and their normals point from
+    it to the brick: away from the wall, and up.
+    """
+    lean, wall = math.radians(40), _fixed((0.05, DEPTH, 0.1), (LENGTH / 2 + 0.025, 0.0, 0.05))
+    gravity = (GRAVITY * math.sin(lean), 0.0, -GRAVITY * math.cos(lean))
+    simulation = rig.open(gravity=gravity, fixed=(wall,))
+    body = simulation.spawn(plank())
+    advance(simulation, 1.0)
+    # Soft contacts, as shipped, let it sink into the wall by some tenths of a millimetre.
+    require_between(-0.1e-3, pose(simulation, body)[0], 1e-3, "distance [m] that a brick moves against a fixed wall")
+    expected = {(-1, 0, 0), (0, 0, 1)}
+    normals = {tuple(row) for row in np.rint(_normals_from_ground(simulation, body)).astype(int).tolist()}
+    require(normals == expected, f"normals from the ground at a fixed wall are {normals}, must be {expected}")
+
+
+def stops_at_a_fixed_ceiling(rig: Rig) -> None:
+    """A brick that flies up against a fixed ceiling is stopped; the normal points from the ceiling down to it."""
+    bottom = 0.1
+    ceiling = _fixed((2 * LENGTH, DEPTH, 0.05), (0.0, 0.0, bottom + 0.025))
+    simulation = rig.open(gravity=WEIGHTLESS, fixed=(ceiling,))
+    body = simulation.spawn(plank(z=bottom - 0.02 - THICKNESS / 2))
+    simulation.push(body, (0.0, 0.0, 0.3 * MASS))
+    down = 0
+    for _ in range(frames(simulation, 0.5)):
+        simulation.step(simulation.info.frame_s)
+        contacts = touching(simulation.port.contacts(), body)
+        if len(contacts):
+            down += 1
+            facing = _normals_from_ground(simulation, body)[:, 2].max()
+            require_between(-1.0 - 1e-6, facing, -0.99, "upward part of the normals from a fixed ceiling")
+    require(down > 0, "a brick that flew against a fixed ceiling was never reported to touch it")
+    top = pose(simulation, body)[2] + THICKNESS / 2
+    # It may be as deep as it flew in a step, and nothing but the engine's recovery brings it back.
+    deepest = bottom + 0.3 * simulation.info.frame_s
+    require_between(0.0, top, deepest, "height [m] of a brick that flew against a fixed ceiling")
+    # Without gravity soft contacts of a larger world give back a fifth of the speed.
+    back = -velocity(simulation, body)[2]
+    require_between(-1e-3, back, 0.1, "speed [m/s] at which a brick leaves a fixed ceiling that it struck at 0.3 m/s")
+
+
+def freezes_on_a_fixed_box(rig: Rig) -> None:
+    """A brick that is frozen on a fixed box does not move by a bit, is reported no more, and carries another."""
+    simulation = rig.open(fixed=(_table(2 * LENGTH),))
+    lower = simulation.spawn(plank(z=TABLE + THICKNESS / 2 + CLEARANCE))
+    advance(simulation, 0.5)
+    simulation.port.sleep([lower])
+    before = pose(simulation, lower)
+    upper = simulation.spawn(plank(z=TABLE + 1.5 * THICKNESS + CLEARANCE))
+    advance(simulation, 0.5)
+    drift = np.abs(pose(simulation, lower) - before).max()
+    require(drift == 0.0, f"a brick frozen on a fixed box moved by {drift:.3g}, must be 0")
+    found = pairs(simulation.port.contacts())
+    require(found == {(lower, upper)}, f"pairs {found} of a live brick on a frozen one, must be {(lower, upper)} alone")

@@ -1,0 +1,26 @@
+"""Text of engines without what only a terminal understands: colours, cursor moves, titles, control characters."""
+
+from __future__ import annotations
+
+import re
+
+_ESCAPE = re.compile(
+    r"""
+      (?: \x1b\[ | \x9b ) [0-?]* [ -/]* (?: [@-~] | $ )                                  # CSI: colours, cursor
+    | (?: \x1b[\]PX^_] | [\x90\x98\x9d-\x9f] ) [^\x07\x1b\x9c\n]* (?: \x07 | \x1b\\ | \x9c )?  # strings: titles, links
+    | \x1b [ -/]* (?: [0-~] | $ )                                                       # other sequences
+    """,
+    re.VERBOSE | re.MULTILINE,
+)
+"""ECMA-48 control sequences, also those that a line's end or the end of the text cuts off."""
+
+
+def plain_text(text: str) -> str:
+    """Remove terminal escapes wholly; replace every other character that cannot be printed.
+
+    Tabs stay, and line breaks do as line feeds.
+    """
+    lines = _ESCAPE.sub("", text).replace("\r\n", "\n").replace("\r", "\n")
+    return "".join(
+        letter if letter.isprintable() or letter in "\n\t" else "\N{REPLACEMENT CHARACTER}" for letter in lines
+    )

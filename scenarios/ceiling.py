@@ -1,0 +1,54 @@
+"""A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
+
+Theory: the ceiling touches the topmost brick and can only push it down. Without the bricks below it the topmost one
+falls freely. Without the topmost one the others stand as before, under less load.
+
+The topmost brick is put exactly on the column, not dropped: there is no room above it.
+
+What to look for: a contact above a brick is no support. A brick that stays under the ceiling hangs from it.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Action, Expectation, Place, Remove, Scene, Vector, World
+from scenarios.parameters import Value, choice, variant_of, whole
+from scenarios.planks import MU, box
+
+BRICK: Vector = (0.06, 0.06, 0.04)
+"""Edges of a brick [m]."""
+CEILING: Vector = (0.16, 0.16, 0.03)
+"""Edges of the ceiling [m]."""
+PAUSE_S = 2.0
+"""From the last brick to the removal [s]: time to settle."""
+
+
+def ceiling(*, bricks: int = 3, taken: str = "upper") -> Scene:
+    """A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
+
+    Args:
+        bricks: of the column.
+        taken: "upper", the brick that touches the ceiling, or "lower", all others.
+    """
+    bricks = whole("bricks", bricks, least=2, most=20)
+    taken = choice("taken", taken, ("upper", "lower"))
+    parameters: dict[str, Value] = {"bricks": bricks, "taken": taken}
+    column = [box(BRICK, 0.0, level=level, bottom=(level - 1) * BRICK[2]) for level in range(1, bricks + 1)]
+    time = bricks - 1 + PAUSE_S
+    actions: list[Action] = [Place(float(second), (brick,)) for second, brick in enumerate(column[:-1])]
+    actions.append(Place(bricks - 1.0, (column[-1],), height=0.0))
+    actions += [Remove(time, index) for index in ([bricks - 1] if taken == "upper" else range(bricks - 1))]
+    if taken == "upper":
+        expectation = Expectation("stand", "what is left stood before, under more load")
+    else:
+        expectation = Expectation("fall", "a ceiling can only push down", bricks, time)
+    return Scene(
+        scenario="ceiling",
+        variant=variant_of(ceiling, parameters),
+        parameters=parameters,
+        world=World(friction=MU, fixed=(box(CEILING, 0.0, level=1, bottom=bricks * BRICK[2]),)),
+        actions=tuple(actions),
+        expectation=expectation,
+        look_for="a contact above a brick is no support: what stays under the ceiling hangs from it",
+        pair=variant_of(ceiling, parameters | {"taken": "upper"}),
+        planar=True,
+    )

@@ -1,0 +1,74 @@
+"""A plank on a pedestal and a prop, on whose inner end somebody moves about; then the prop goes, then the character.
+
+Theory: moments about the pedestal's edge. Without the prop the plank stands thanks to the character, whose weight acts
+on the inner end. Without the character it stands if its own centre of mass is above the pedestal, and tips if it is
+beyond. The margin is the distance of that centre from the edge, inward, over half the plank's length.
+
+The character is struck eight times a second, to the left and to the right in turn, at 0.05 m/s: friction stops it after
+v^2 / (2 mu g) = 0.28 mm. So it is never at rest for long, as a player's figure in a game.
+
+What to look for: whatever was found to stand with the character's help must be looked at again when it has left.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Action, Place, Push, Remove, Scene, World
+from scenarios.parameters import Value, real, variant_of
+from scenarios.planks import MU, box, plank_of
+
+PEDESTAL = 6.0
+"""Height of pedestal and prop in thicknesses of a plank: room to tip."""
+PROP = 0.1
+"""Length of the prop, in lengths of the plank."""
+CHARACTER, FIGURE = 2.0, 0.15
+"""Mass of the character over that of the plank (0.19 kg at twice the standard size), and its edges over the plank's
+length."""
+STEP_S, SPEED = 0.125, 0.05
+"""From one movement of the character to the next [s], and how fast each begins [m/s]."""
+ALONE_S, WITHOUT_PROP_S = 3.0, 3.0
+"""How long the character moves about before the prop is taken, and from then until it leaves itself [s]."""
+
+
+def character(*, margin: float = 0.3, scale: float = 2.0) -> Scene:
+    """A plank on a pedestal and a prop, on which a character moves about; then the prop goes, then the character.
+
+    Args:
+        margin: by how much the plank's middle is inside the pedestal's edge, over half its length; negative: outside.
+        scale: size of everything over that of the standard plank.
+    """
+    margin = signed_margin(margin)
+    scale = real("scale", scale, least=0.1, most=100)
+    parameters: dict[str, Value] = {"margin": margin, "scale": scale}
+    length, width, thickness, mass = plank_of(scale)
+    top, x, edge = PEDESTAL * thickness, -margin * length / 2, FIGURE * length
+    pedestal = box((1.2 * length, width, top), -0.6 * length, level=1)
+    prop = box((PROP * length, width, top), x + (1 - PROP) * length / 2, level=1)
+    plank = box((length, width, thickness), x, level=2, bottom=top)
+    figure = box((edge, edge, edge), x - (length - edge) / 2, level=3, bottom=top + thickness, mass=CHARACTER * mass)
+    prop_goes = 2.0 + ALONE_S
+    leaves = prop_goes + WITHOUT_PROP_S
+    actions: list[Action] = [Place(0.0, (pedestal, prop)), Place(1.0, (plank,)), Place(2.0, (figure,))]
+    actions += [Remove(prop_goes, 1), Remove(leaves, 3)]
+    actions += _movements(3, CHARACTER * mass * SPEED, 3.0, leaves)
+    return Scene(
+        scenario="character",
+        variant=variant_of(character, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=tuple(sorted(actions, key=lambda action: action.time)),
+        expectation=by_margin(
+            margin, "the pedestal's edge, in half lengths of the plank", falls_at=3, not_before_s=leaves
+        ),
+        look_for="what stood with the character's help must be looked at again when it leaves",
+        pair=variant_of(character, parameters | {"margin": abs(margin)}),
+        planar=True,
+    )
+
+
+def _movements(brick: int, impulse: float, start: float, end: float) -> list[Push]:
+    """Pushes of a brick along x, by ``impulse`` [N s] either way in turn, from ``start`` to before ``end`` [s]."""
+    count = round((end - start) / STEP_S) // 2 * 2  # as many to the left as to the right
+    return [
+        Push(start + number * STEP_S, brick, (impulse if number % 2 else -impulse, 0.0, 0.0)) for number in range(count)
+    ]

@@ -1,0 +1,102 @@
+"""A bar of square section in a tilted V-groove, whose two sides never move.
+
+Theory, for a bar of weight W in a groove that is tilted by t along its length and whose sides rise by a from the level
+on either hand (a = 45 deg, for the bar's section is square):
+
+- Across the groove the two normal forces N balance what presses on it, 2 N cos(a) = W cos(t).
+- Along it friction must balance 2 mu N >= W sin(t).
+- So the bar stands if mu >= k = tan(t) cos(a): the groove makes friction 1 / cos(a) = 1.41 times as strong.
+- A bar that was pressed into the groove may stay wedged there by friction across it, which adds to N. At best that
+  lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below it no forces hold the bar.
+
+An engine whose friction is a box, with an axis along neither side's slope, holds up to sqrt(2) times as much: DART
+always, Bullet and PhysX a bar at rest. So the default margin is 0.35; within 29 % beyond the limit the outcome tells an
+engine's law of friction.
+
+What to look for: two contacts with what never moves, whose normals differ by a right angle. A rule that takes them as
+one, with a normal between them, sees a bar on a level floor, and lets it slide, or stand, at the wrong tilt.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from scenarios.geometry import FloatArray, rotation
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Brick, Quaternion, Scene, Vector, World
+from scenarios.parameters import Value, real, variant_of
+from scenarios.planks import DENSITY, one_a_second
+
+RISE = math.radians(45)
+"""Angle [rad] by which a side of the groove rises from the level, across it."""
+BAR: Vector = (0.10, 0.025, 0.025)
+"""Edges of the bar [m]."""
+SIDE: Vector = (0.60, 0.04, 0.02)
+"""Edges of a side of the groove [m]; the second is across it."""
+RELIEF = 0.005
+"""How far from the groove's deepest line its sides begin [m]: the bar's lower edge is free."""
+ABOVE = 0.05
+"""Height of the lower end of the deepest line [m]."""
+LIES_AT = 0.40
+"""Where the bar's middle lies, from the groove's lower end [m]."""
+
+
+def groove(*, tilt: float = 20.0, margin: float = 0.35) -> Scene:
+    """A bar of square section in a tilted V-groove.
+
+    Args:
+        tilt: angle [deg] of the groove's length to the ground.
+        margin: share by which the friction exceeds its limit; with a negative one it falls short of a wedged bar's.
+    """
+    tilt = real("tilt", tilt, least=5, most=40)
+    margin = signed_margin(margin)
+    parameters: dict[str, Value] = {"tilt": tilt, "margin": margin}
+    angle = math.radians(tilt)
+    limit = math.tan(angle) * math.cos(RISE)
+    if margin < 0:
+        limit /= math.hypot(1.0, limit * math.tan(RISE))
+    sides = tuple(_along_groove(angle, SIDE, SIDE[0] / 2, hand, _beside(hand)) for hand in (-1, 1))
+    bar = _along_groove(angle, BAR, LIES_AT, 1, np.array([0.0, 0.0, BAR[1] * math.sqrt(0.5)]))
+    return Scene(
+        scenario="groove",
+        variant=variant_of(groove, parameters),
+        parameters=parameters,
+        world=World(friction=(1 + margin) * limit, fixed=sides),
+        actions=one_a_second([[bar]]),
+        expectation=by_margin(margin, f"mu = {limit:.3f}, by the forces on both sides", falls_at=1),
+        look_for="a bar that slides where the groove's wedge must hold it, or sticks where it must slide",
+        pair=variant_of(groove, parameters | {"margin": abs(margin)}),
+    )
+
+
+def _beside(hand: int) -> FloatArray:
+    """Return the middle of a side of the level groove [m], seen from its deepest line; ``hand`` is that of +y or -y."""
+    across = np.array([0.0, hand * math.cos(RISE), math.sin(RISE)])
+    inward = np.array([0.0, -hand * math.sin(RISE), math.cos(RISE)])
+    middle: FloatArray = (RELIEF + SIDE[1] / 2) * across - SIDE[2] / 2 * inward
+    return middle
+
+
+def _along_groove(tilt: float, size: Vector, along: float, hand: int, off_line: FloatArray) -> Brick:
+    """Return a box that is turned about the groove's length by ``RISE`` either way, and with the groove by ``tilt``.
+
+    Args:
+        tilt: of the groove [rad]; it rises toward +x.
+        size: edges [m]; the first lies along the groove.
+        along: where its middle lies along the groove, from the lower end [m].
+        hand: 1 or -1: which way it is turned.
+        off_line: its middle from the deepest line, as if the groove were level [m], shape (3,).
+    """
+    lift: Quaternion = (math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0)
+    roll = hand * RISE / 2
+    turn: Quaternion = (
+        lift[0] * math.cos(roll),
+        lift[0] * math.sin(roll),
+        lift[2] * math.cos(roll),
+        -lift[2] * math.sin(roll),
+    )
+    level = off_line + np.array([along, 0.0, 0.0])
+    x, y, z = (rotation(np.array([lift]))[0] @ level + (0.0, 0.0, ABOVE)).tolist()
+    return Brick(size, math.prod(size) * DENSITY, (x, y, z), turn)

@@ -1,0 +1,75 @@
+"""A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken away.
+
+Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if it is
+beyond. The neighbour touches its inner end, but cannot hold it. When the brick begins to turn about the edge, at angle
+w and with the edge as origin, a point (-a, z) of its inner end moves by (w z, w a): up, and away from the neighbour. So
+the neighbour never presses on it, and without pressure there is no friction. The margin is the distance of the centre
+of mass from the edge, inward, over half a brick's length.
+
+Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour and balance an
+overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need stress from the start, and nothing
+brings it in.
+
+What to look for: a brick that stays in the air when its counterweight has gone is held by friction that nothing loads.
+"""
+
+from __future__ import annotations
+
+from scenarios.margins import by_margin, signed_margin
+from scenarios.model import Action, Place, Remove, Scene, World
+from scenarios.parameters import Value, real, variant_of
+from scenarios.planks import MU, box, plank_of
+
+PEDESTAL = 6.0
+"""Height of the pedestal in thicknesses of a plank: room to tip."""
+NEIGHBOUR, COUNTERWEIGHT = 10.0, 2.0
+"""Masses of the neighbour and of the counterweight over that of the brick."""
+PIECE, INWARD = 0.3, 0.3
+"""Length of the counterweight, and how far inward of the brick's middle it lies, in lengths of a plank."""
+PAUSE_S = 2.0
+"""From the last brick to the removal [s]: time to settle."""
+
+
+def neighbour_side(*, margin: float = 0.15, gap: float = 0.0, scale: float = 2.0) -> Scene:
+    """A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken.
+
+    Args:
+        margin: by how much the brick's middle is inside the pedestal's edge, over half its length; negative: outside.
+        gap: between the brick and its neighbour [mm]; with 0 they touch.
+        scale: size of everything over that of the standard plank.
+    """
+    margin = real("margin", signed_margin(margin), least=-0.25, most=0.25)
+    gap = real("gap", gap, least=0, most=20)
+    scale = real("scale", scale, least=0.1, most=100)
+    parameters: dict[str, Value] = {"margin": margin, "gap": gap, "scale": scale}
+    length, width, thickness, mass = plank_of(scale)
+    top, x = PEDESTAL * thickness, -margin * length / 2
+    pedestal = box((2.2 * length, width, top), -1.1 * length, level=1)
+    neighbour = box((length, width, thickness), x - length - gap * 1e-3, level=2, bottom=top, mass=NEIGHBOUR * mass)
+    brick = box((length, width, thickness), x, level=2, bottom=top)
+    counterweight = box(
+        (PIECE * length, width, thickness),
+        x - INWARD * length,
+        level=3,
+        bottom=top + thickness,
+        mass=COUNTERWEIGHT * mass,
+    )
+    time = 2.0 + PAUSE_S
+    actions: tuple[Action, ...] = (
+        Place(0.0, (pedestal,)),
+        Place(1.0, (neighbour,)),
+        Place(2.0, (brick, counterweight)),
+        Remove(time, 3),
+    )
+    limit = "the pedestal's edge, in half lengths of the brick; the neighbour does not help"
+    return Scene(
+        scenario="neighbour_side",
+        variant=variant_of(neighbour_side, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=actions,
+        expectation=by_margin(margin, limit, falls_at=3, not_before_s=time),
+        look_for="a brick that stays in the air is held by friction at a side that nothing presses on",
+        pair=variant_of(neighbour_side, parameters | {"margin": abs(margin)}),
+        planar=True,
+    )

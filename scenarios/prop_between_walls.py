@@ -1,0 +1,66 @@
+"""A block on a prop between two fixed walls that it touches; then the prop is taken away.
+
+Theory: the walls touch the block and press on it with nothing, so their friction holds nothing: without its prop the
+block falls freely, whatever the friction. Its mirror image has a ledge at each wall, below the block's ends, and stands
+on them.
+
+Forces that would hold the block do exist: rigid walls may squeeze it as hard as one likes. Nothing makes them do so.
+
+What to look for: a block that hangs between the walls is wedged in theory only.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Action, Expectation, Place, Remove, Scene, Vector, World
+from scenarios.parameters import Value, choice, real, variant_of
+from scenarios.planks import box
+
+BLOCK: Vector = (0.12, 0.05, 0.04)
+"""Edges of the block [m]."""
+PROP: Vector = (0.08, 0.05, 0.12)
+"""Edges of the prop [m]: wide enough to carry the block by itself, and room to fall by three heights of the block."""
+WALL: Vector = (0.04, 0.10, 0.20)
+"""Edges of a wall [m]."""
+LEDGE = 0.015
+"""Length of a ledge [m]: it ends 5 mm beside the prop."""
+PAUSE_S = 2.0
+"""From the block to the removal [s]: time to settle."""
+
+
+def prop_between_walls(*, carried: str = "ledges", friction: float = 0.2, gap: float = 0.0) -> Scene:
+    """A block on a prop between two fixed walls that it touches; then the prop is taken away.
+
+    Args:
+        carried: by "nothing" or "ledges" once the prop has gone.
+        friction: Coulomb coefficient of every pair.
+        gap: between the block and either wall [mm]; with 0 they touch.
+    """
+    carried = choice("carried", carried, ("ledges", "nothing"))
+    friction = real("friction", friction, least=0, most=2)
+    gap = real("gap", gap, least=0, most=20)
+    parameters: dict[str, Value] = {"carried": carried, "friction": friction, "gap": gap}
+    inner = BLOCK[0] / 2 + gap * 1e-3
+    fixed = [box(WALL, side * (inner + WALL[0] / 2), level=1) for side in (-1, 1)]
+    if carried == "ledges":
+        fixed += [box((LEDGE, BLOCK[1], PROP[2]), side * (inner - LEDGE / 2), level=1) for side in (-1, 1)]
+    time = 1.0 + PAUSE_S
+    actions: tuple[Action, ...] = (
+        Place(0.0, (box(PROP, 0.0, level=1),)),
+        Place(1.0, (box(BLOCK, 0.0, level=2, bottom=PROP[2]),)),
+        Remove(time, 0),
+    )
+    if carried == "ledges":
+        expectation = Expectation("stand", "both ends of the block lie on a ledge")
+    else:
+        expectation = Expectation("fall", "walls that nothing presses on the block hold nothing", 2, time)
+    return Scene(
+        scenario="prop_between_walls",
+        variant=variant_of(prop_between_walls, parameters),
+        parameters=parameters,
+        world=World(friction=friction, fixed=tuple(fixed)),
+        actions=actions,
+        expectation=expectation,
+        look_for="a block that hangs between the walls is wedged in theory only",
+        pair=variant_of(prop_between_walls, parameters | {"carried": "ledges"}),
+        planar=True,
+    )

@@ -1,0 +1,84 @@
+"""A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
+
+Theory: moments about the lower edge, in horizontal distances. A block of mass M that lies b beyond the edge tips the
+plank, of mass m and with its middle p before the edge, once M b > m p. Here M b = 4 m p: it tips. Between the edges the
+block presses on both, and all stands, as tan(15 deg) = 0.27 is less than the friction of 0.45.
+
+What to look for: the block lies lower than the plank's middle, though it lies on the plank. Whoever takes the higher of
+two bodies for the one that is carried finds that the block carries the plank.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.model import Brick, Expectation, Place, Scene, Vector, World
+from scenarios.parameters import Value, choice, variant_of
+from scenarios.planks import DENSITY, MU, box
+
+TILT = math.radians(15)
+"""Slope [rad] of the plank, which rises toward +x."""
+PLANK: Vector = (0.30, 0.05, 0.02)
+"""Edges of the plank [m]."""
+BLOCK: Vector = (0.05, 0.05, 0.03)
+"""Edges of the block [m]."""
+MASS = 0.5
+"""Mass [kg] of the block: three times the plank's."""
+LOWER, UPPER = 0.09, 0.24
+"""Where the two edges meet the plank, from its lower end [m]."""
+LIES_AT = {"between": 0.15, "beyond": 0.03}
+"""Where the block's middle lies, along the plank from its lower end [m]."""
+HEIGHT = 0.12
+"""Of the lower edge [m]: room to tip."""
+SUPPORT: tuple[float, float] = (0.02, 0.08)
+"""Edges of a support in x and y [m]."""
+
+
+def seesaw(*, block: str = "between") -> Scene:
+    """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
+
+    Args:
+        block: where it lies, "between" the two edges or "beyond" the lower one.
+    """
+    block = choice("block", block, tuple(LIES_AT))
+    parameters: dict[str, Value] = {"block": block}
+    plank = _on_slope(PLANK, math.prod(PLANK) * DENSITY, PLANK[0] / 2, 0.0, level=1)
+    load = _on_slope(BLOCK, MASS, LIES_AT[block], PLANK[2], level=2)
+    if block == "between":
+        expectation = Expectation("stand", "block and plank press on both edges")
+    else:
+        ratio = MASS * -load.position[0] / (plank.mass * plank.position[0])
+        expectation = Expectation("fall", f"the block's moment about the edge is {ratio:.1f} times the plank's", 2)
+    return Scene(
+        scenario="seesaw",
+        variant=variant_of(seesaw, parameters),
+        parameters=parameters,
+        world=World(friction=MU, fixed=(_support(LOWER), _support(UPPER))),
+        actions=(Place(0.0, (plank,)), Place(1.0, (load,))),
+        expectation=expectation,
+        look_for="the block lies lower than the plank's middle, and on it all the same",
+        pair=variant_of(seesaw, parameters | {"block": "between"}),
+        planar=True,
+    )
+
+
+def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: int) -> Brick:
+    """Return a box parallel to the plank; x = 0 is the lower edge.
+
+    Args:
+        size: edges [m].
+        mass: [kg].
+        along: its middle, along the plank from its lower end [m].
+        above: its lower face above the plank's lower face [m].
+        level: the level it belongs to.
+    """
+    along, across = along - LOWER, above + size[2] / 2
+    x = along * math.cos(TILT) - across * math.sin(TILT)
+    z = HEIGHT + along * math.sin(TILT) + across * math.cos(TILT)
+    return Brick(size, mass, (x, 0.0, z), (math.cos(TILT / 2), 0.0, -math.sin(TILT / 2), 0.0), level)
+
+
+def _support(along: float) -> Brick:
+    """Return a fixed box whose upper left edge meets the plank's lower face, ``along`` [m] from the plank's end."""
+    x, height = (along - LOWER) * math.cos(TILT), HEIGHT + (along - LOWER) * math.sin(TILT)
+    return box((*SUPPORT, height), x + SUPPORT[0] / 2, level=1)

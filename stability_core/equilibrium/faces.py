@@ -1,0 +1,100 @@
+"""Which bodies of a snapshot roll: those that touch in points and lines alone.
+
+A rigid sphere on a floor is held in one point. If that lies a billionth of its radius off the vertical, as it does in
+single precision, no force there balances the sphere. So the moment of a rolling body's weight about a point that is off
+by ``NOISE`` times its size may stay unbalanced (``Problem.slack``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.equilibrium.problem import BoolArray
+from stability_core.port import FloatArray, IntArray
+
+NOISE = 1e-6
+"""Error of a point over the size of a body: a few roundings of single precision."""
+FACE_COSINE = 0.985
+"""Cosine of the angle (10 deg) up to which the normals of one face may differ."""
+
+
+@compiled
+def _has_area(point: FloatArray, rows: IntArray, tolerance: float) -> bool:
+    """True if the points of ``rows`` span more than a point or a line, to a ``tolerance`` [m]."""
+    first, longest = point[rows[0]], 0.0
+    along = np.zeros(3)
+    for row in rows:
+        length = np.sqrt(((point[row] - first) ** 2).sum())
+        if length > longest:
+            longest = length
+            along = (point[row] - first) / length
+    for row in rows:
+        away = point[row] - first
+        across = away - (away * along).sum() * along
+        if np.sqrt((across**2).sum()) > tolerance:
+            return True
+    return False
+
+
+@compiled
+def _mark_faces(
+    order: IntArray,
+    body_a: IntArray,
+    body_b: IntArray,
+    point: FloatArray,
+    normal: FloatArray,
+    tolerance: FloatArray,
+    is_area: BoolArray,
+) -> None:
+    """Mark the contacts that belong to a face with an area in ``is_area``, shape (m,).
+
+    Args:
+        order: the contacts, those of a pair one after the other, shape (m,).
+        body_a: first bodies, shape (m,).
+        body_b: second bodies, shape (m,).
+        point: contact points [m], shape (m, 3).
+        normal: unit normals, shape (m, 3).
+        tolerance: noise of each point [m], shape (m,).
+        is_area: written.
+    """
+    m = len(order)
+    is_done = np.zeros(m, np.bool_)
+    rows = np.empty(m, np.int64)
+    for i in range(m):
+        if is_done[i]:
+            continue
+        first, count = order[i], 0
+        j = i
+        while j < m and body_a[order[j]] == body_a[first] and body_b[order[j]] == body_b[first]:
+            if not is_done[j] and (normal[order[j]] * normal[first]).sum() >= FACE_COSINE:
+                is_done[j] = True
+                rows[count] = order[j]
+                count += 1
+            j += 1
+        has_area = _has_area(point, rows[:count], tolerance[first])
+        for row in rows[:count]:
+            is_area[row] = has_area
+
+
+def rolling_bodies(
+    index_a: IntArray, index_b: IntArray, point: FloatArray, normal: FloatArray, size: FloatArray
+) -> BoolArray:
+    """Find the bodies that touch in points and lines alone, shape (n,).
+
+    O(m log m) in the contacts, and O(k^2) in the points of a pair.
+
+    Args:
+        index_a: first bodies by their index, -1 for the ground, shape (m,).
+        index_b: second bodies, shape (m,).
+        point: contact points [m], shape (m, 3).
+        normal: unit normals from a to b, shape (m, 3).
+        size: of each body [m], and of the ground, which is infinite, shape (n + 1,).
+    """
+    is_area = np.empty(len(index_a), np.bool_)
+    tolerance = NOISE * np.minimum(size[index_a], size[index_b])
+    point, normal = np.ascontiguousarray(point, np.float64), np.ascontiguousarray(normal, np.float64)
+    _mark_faces(np.lexsort((index_b, index_a)), index_a, index_b, point, normal, tolerance, is_area)
+    rolls = np.ones(len(size), np.bool_)
+    rolls[index_a[is_area]] = rolls[index_b[is_area]] = False
+    return rolls[:-1]
