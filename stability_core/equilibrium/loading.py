@@ -56,8 +56,8 @@ WARM_STEPS, NEWTON_STEPS = 8, 40
 """Steps from a displacement of before, and from nothing. What stands takes 3 to 20, an arch of 200 takes 30."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
 """Ways to ``KAPPA``: on the first, or straight to its end, Newton's method rarely fails, on the second hardly ever."""
-STALLS = 2
-"""Steps in a row that gain nothing at their shortest, after which the search is given up."""
+STALLS = 20
+"""Steps in a row that gain little at their shortest, after which the search ends: an arch of 200 goes on after ten."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
 """Share of its length by which a step must reduce the imbalance."""

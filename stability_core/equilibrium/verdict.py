@@ -228,14 +228,11 @@ def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
 
     Where there is no equilibrium with less, friction itself is at its limit, as in an inverted V: all of it decides.
     """
-    loose = needs_prestress(island, displacement)
-    if loose.any():
-        return loose
     less = island._replace(friction=LESS_FRICTION * island.friction)
-    loose = needs_prestress(less, displacement.copy())
-    if loose.any() and solve(less, ALL_ROWS, STRONGEST)[0] == FALLING:
-        loose[:] = False
-    return loose
+    loose = needs_prestress(less, displacement)
+    if loose.any() and solve(less, ALL_ROWS, STRONGEST)[0] != FALLING:
+        return loose
+    return needs_prestress(island, displacement)  # it looks first where less friction came to
 
 
 def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
