@@ -29,6 +29,8 @@ CONTACT = np.dtype(
 """A contact that counts, as ``Contacts`` has it."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
+_NEAR = 0.1
+"""Gap over the distance from a body's centre up to which a contact point lies on the body's surface."""
 
 
 @compiled
@@ -105,6 +107,35 @@ def _reach(body_a: IntArray, body_b: IntArray, separation: FloatArray, row: int)
 
 
 @compiled
+def note_sizes(bodies: Bodies, body_a: IntArray, body_b: IntArray, point: FloatArray, separation: FloatArray) -> None:
+    """Note how far from its centre each body is touched: the size that all lengths are measured by.
+
+    A point across a gap of more than ``_NEAR`` of that distance tells nothing.
+    """
+    for i in range(len(body_a)):
+        for body in (body_a[i], body_b[i]):
+            if body == GROUND:
+                continue
+            row = bodies[body]
+            distance = 0.0
+            for k in range(3):
+                distance += (point[i, k] - row.center[k]) ** 2
+            distance = np.sqrt(distance)
+            if distance > row.size and not separation[i] > _NEAR * distance:  # true for an unknown (NaN) separation
+                row.size = distance
+
+
+@compiled
+def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
+    """The size [m] of the smaller body of a pair; the ground has none."""
+    if body_a == GROUND:
+        return float(bodies[body_b].size)
+    if body_b == GROUND:
+        return float(bodies[body_a].size)
+    return float(min(bodies[body_a].size, bodies[body_b].size))
+
+
+@compiled
 def keep_contacts(
     bodies: Bodies,
     body_a: IntArray,
@@ -115,6 +146,7 @@ def keep_contacts(
     relative_velocity: FloatArray,
     friction: FloatArray,
     limits: Limits,
+    dt: float,
     kept: ContactRows,
     struck: IntArray,
 ) -> tuple[int, int]:
@@ -132,6 +164,7 @@ def keep_contacts(
         limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
             drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
             What is not load-bearing counts only if it touches, to ``touch_gap``: friction needs pressure.
+        dt: time since the last frame [s].
         kept: the contacts that count are written here, at least n rows of ``CONTACT``.
         struck: the frozen bodies struck by an impact are written here, at least 2 n rows.
 
@@ -141,10 +174,13 @@ def keep_contacts(
     size, hits = 0, 0
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
-        if _reach(body_a, body_b, separation, i) > limits.contact_gap:
+        size_of = size_of_pair(bodies, a, b)
+        if _reach(body_a, body_b, separation, i) > limits.contact_gap * size_of:
             continue  # never for an unknown (NaN) separation: it counts as touch
         approach, slip = _speeds(relative_velocity[i], normal[i])
-        if approach > limits.impact_speed:
+        if approach > max(
+            limits.impact_speed * np.sqrt(limits.gravity * size_of), limits.impact_frames * limits.gravity * dt
+        ):
             for body in (a, b):
                 if body != GROUND and bodies[body].state == FROZEN:
                     struck[hits] = body
@@ -152,7 +188,7 @@ def keep_contacts(
             continue
         upper = upper_of(a, b, normal[i, 2])
         level = is_level(normal[i, 2], friction[i], limits.level_tilt) and upper != GROUND  # a ceiling carries nothing
-        if not level and separation[i] > limits.touch_gap:
+        if not level and separation[i] > limits.touch_gap * size_of:
             continue
         row = kept[size]
         row.body_a, row.body_b, row.friction = a, b, friction[i]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,13 +15,14 @@ from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
-from stability_core.port import Contacts, IntArray, Masses, StabilityPort
+from stability_core.port import BoolArray, Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
 from stability_core.stack import (
     ABSENT,
     FROZEN,
     LIVE,
     PROVEN,
+    Bodies,
     Graph,
     drop_loads,
     drop_supports,
@@ -30,7 +31,7 @@ from stability_core.stack import (
     note_change,
     with_all_above,
 )
-from stability_core.watch import STRUCK, skip_frame, watch_for
+from stability_core.watch import AT_REST, LEANING, LYING, STRUCK, skip_frame, watch_for
 
 
 class Change(NamedTuple):
@@ -46,6 +47,14 @@ class Change(NamedTuple):
 
 IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 UNCHANGED = Change((), (), {})
+MOMENT_S = 1e-9
+"""Time [s] that passes where none does: what has moved at all since the last update is fast."""
+
+
+def _laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
+    """Return an array as the kernels are compiled for it, whatever an adapter reads; copied only if it must be."""
+    contiguous = np.ascontiguousarray(array, dtype)
+    return contiguous if contiguous.flags.writeable else contiguous.copy()
 
 
 class StabilityExtension:
@@ -77,7 +86,7 @@ class StabilityExtension:
         self.settings = settings or Settings()
         self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
         self._graph: Graph = empty_graph()
-        self._limits = self.settings.limits()
+        self._limits = self.settings.limits(-z)
         self._watch = watch_for(self.settings.longest_dwell, 32)
         self._news: dict[int, str] = {}
         """Bodies woken by the host's words since the last update, with the reason."""
@@ -128,22 +137,76 @@ class StabilityExtension:
         """
         if not 0.0 < dt < math.inf:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
+        seen = self._look(dt)
+        if seen is None:
+            skip_frame(self._watch, dt)
+            return UNCHANGED
+        due, rows = seen
+        if due == 0 and not self._is_pending:
+            return UNCHANGED
+        self._is_pending = False
+        return self._settle(rows)
+
+    def adopt(self, bodies: Iterable[int] | None = None) -> Change:
+        """Judge bodies that are in place by statics, at once: freeze those that stand, without waiting for their rest.
+
+        For stacks that are there when the simulation starts, or are set down whole: call it before the first step,
+        with an engine that lists the contacts of the present poses. What cannot stand stays live, and so does what
+        moves, or slides at a contact. Policies that ask for rest alone (``at_rest``, ``pile``) adopt nothing.
+
+        Args:
+            bodies: which of the live bodies; None for all.
+
+        Raises:
+            KeyError: for a body that the port does not list.
+            ValueError: if the port gives malformed contacts or masses.
+        """
+        if not self.policy.judges_statics:
+            return UNCHANGED
+        seen = self._look(MOMENT_S)
+        if seen is None:
+            return UNCHANGED
+        table = self._graph.bodies
+        wanted = np.flatnonzero(table["state"] == LIVE) if bodies is None else np.array(self._seen(bodies), np.int64)
+        self._make_due(wanted[self._is_in_place(table[wanted])])
+        self._is_pending = False
+        return self._settle(seen[1])
+
+    def _is_in_place(self, rows: Bodies) -> BoolArray:
+        """Tell which live bodies neither move, as far as is known, nor slide at a contact, nor are held, shape (k,)."""
+        fall_speed = np.sqrt(self._limits["gravity"] * rows["size"])
+        moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
+        slides = rows["slip"] > self.settings.rest_slip * fall_speed
+        in_place: BoolArray = (rows["state"] == LIVE) & ~rows["held"] & ~moves & ~slides
+        return in_place
+
+    def _make_due(self, wanted: IntArray) -> None:
+        """Let the live bodies ``wanted`` be decided now, by every rule, shape (k,)."""
+        table, due = self._graph.bodies, self._watch.due
+        table["unsettled"][wanted] = False
+        table["load_s"][wanted] = self.settings.load_s
+        for rule in (AT_REST, LEANING, LYING):
+            together = np.union1d(due[rule, 1 : 1 + due[rule, 0]], wanted)
+            due[rule, 0], due[rule, 1 : 1 + len(together)] = len(together), together
+
+    def _look(self, dt: float) -> tuple[int, int] | None:
+        """Take over what the port tells: how many bodies are due, and contacts kept; None if nothing is live or new.
+
+        Raises:
+            ValueError: if the port gives malformed contacts or masses.
+        """
         contacts, masses = self.port.contacts(), self.port.masses()
         if len(masses.removed):
             self._leaving += checked_removals(masses.removed)
         if self._leaving or self._left:
             contacts, masses = self._without_removed(contacts, masses)
         if len(masses.body) == 0 and len(contacts) == 0 and not (self._is_pending or self._leaving):
-            skip_frame(self._watch)
-            return UNCHANGED
+            return None
         due, rows = self._observe(contacts, masses, dt)
         if self._leaving:
             self._forget(self._leaving)
         self._left, self._leaving = frozenset(self._leaving), []
-        if due == 0 and not self._is_pending:
-            return UNCHANGED
-        self._is_pending = False
-        return self._settle(rows)
+        return due, rows
 
     def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
         """What the port gave, less the rows of bodies that were removed in this frame or the last; these are counted.
@@ -174,7 +237,6 @@ class StabilityExtension:
         room = max(2 * len(contacts), len(masses.body))
         if room >= self._watch.due.shape[1]:
             self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
-        laid_out = np.ascontiguousarray  # as the kernels are compiled for it, whatever an adapter reads
         while True:
             try:
                 fault, row, due, rows = observe(
@@ -182,16 +244,16 @@ class StabilityExtension:
                     *self._watch,
                     self._limits,
                     dt,
-                    laid_out(masses.body, IDS),
-                    laid_out(contacts.body_a, IDS),
-                    laid_out(contacts.body_b, IDS),
-                    laid_out(masses.mass, NUMBERS),
-                    laid_out(masses.center_of_mass, NUMBERS),
-                    laid_out(contacts.point, NUMBERS),
-                    laid_out(contacts.normal, NUMBERS),
-                    laid_out(contacts.separation, NUMBERS),
-                    laid_out(contacts.relative_velocity, NUMBERS),
-                    laid_out(contacts.friction, NUMBERS),
+                    _laid_out(masses.body, IDS),
+                    _laid_out(contacts.body_a, IDS),
+                    _laid_out(contacts.body_b, IDS),
+                    _laid_out(masses.mass, NUMBERS),
+                    _laid_out(masses.center_of_mass, NUMBERS),
+                    _laid_out(contacts.point, NUMBERS),
+                    _laid_out(contacts.normal, NUMBERS),
+                    _laid_out(contacts.separation, NUMBERS),
+                    _laid_out(contacts.relative_velocity, NUMBERS),
+                    _laid_out(contacts.friction, NUMBERS),
                 )
             except WrongTypeError:  # an array has more or fewer dimensions
                 check_shapes(contacts, masses)
@@ -214,7 +276,7 @@ class StabilityExtension:
         for row in rows:
             body = int(masses.body[row])
             moved = float(np.linalg.norm(masses.center_of_mass[row] - bodies["center"][body]))
-            if moved > self.settings.steady_shift:
+            if moved > self.settings.steady_shift * bodies["size"][body]:
                 self._detach(body)
                 self._news[body] = "moved"
             elif masses.mass[row] != bodies["mass"][body]:
@@ -281,9 +343,8 @@ class StabilityExtension:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""
         row = self._graph.bodies[body]
         row["state"], row["unsettled"], row["leans"], row["doubt"] = LIVE, True, False, PROVEN
-        row["rest_frames"] = row["lean_frames"] = 0
-        row["steady_s"] = 0.0
-        row["load_frames"] = self.settings.load_frames
+        row["rest_s"] = row["still_s"] = row["lean_s"] = row["steady_s"] = 0.0
+        row["load_s"] = self.settings.load_s
         row["is_load"], row["load_center"] = True, row["center"]
         row["load_supported_by"] = supports_as_bits(self._graph, body)
 

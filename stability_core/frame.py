@@ -20,12 +20,12 @@ from stability_core.checks import (
     presses_down_from_below,
 )
 from stability_core.compiled import compiled
-from stability_core.contact_filter import ContactRows, keep_contacts
-from stability_core.motion import count_frames, list_due, list_shifted_loads, track
+from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
+from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
 from stability_core.stack import ABSENT, Bodies
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, STRUCK
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, STRUCK, next_frame
 
 
 @compiled
@@ -96,6 +96,7 @@ def observe(
     contacts: ContactRows,
     sizes: IntArray,
     latest: IntArray,
+    clock: FloatArray,
     due: IntArray,
     limits: Limits,
     dt: float,
@@ -117,9 +118,10 @@ def observe(
 
     Args:
         bodies: the table.
-        contacts: of ``Watch``, with room for n more, written here; the same for the next three.
+        contacts: of ``Watch``, with room for n more, written here; the same for the next four.
         sizes: shape (frames,).
         latest: shape (1,).
+        clock: shape (2,).
         due: with room for 2 n and m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
@@ -162,12 +164,13 @@ def observe(
 
     frozen = track(bodies, body, mass, center, dt)
     limit = limits[0]
-    latest[0] = (latest[0] + 1) % len(sizes)
+    next_frame(sizes, latest, clock, dt)
+    note_sizes(bodies, body_a, body_b, point, separation)
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
     sizes[latest[0]], due[STRUCK, 0] = keep_contacts(
-        bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit, kept, due[STRUCK, 1:]
+        bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit, dt, kept, due[STRUCK, 1:]
     )
-    count_frames(bodies, body, limit, dt)
-    due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, body, limit, due[AT_REST, 1:], due[LEANING, 1:])
+    time_at_rest(bodies, body, limit, dt)
+    due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, body, limit, dt, due[AT_REST, 1:], due[LEANING, 1:])
     due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, body, limit, due[LYING, 1:], due[GONE, 1:])
     return FINE, frozen, due[:, 0].sum(), sizes.sum()

@@ -6,8 +6,8 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
-from stability_core.settings import Limits
-from stability_core.stack import ABSENT, LIVE, PROVEN, Bodies
+from stability_core.settings import ROUNDING_S, Limits
+from stability_core.stack import ABSENT, LIVE, NOT_REFUSED, PROVEN, Bodies
 
 
 @compiled
@@ -26,9 +26,10 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.state = LIVE
             body.speed = np.inf
             body.unsettled = body.held = body.is_load = False
-            body.rest_frames = body.lean_frames = body.load_frames = 0
+            body.rest_s = body.still_s = body.lean_s = body.load_s = 0.0
             body.steady_s, body.steady_neighbours = 0.0, 0
-            body.doubt = PROVEN
+            body.doubt, body.refusal = PROVEN, NOT_REFUSED
+            body.size = body.depth = 0.0
         elif body.state == LIVE:
             moved = 0.0
             for k in range(3):
@@ -40,6 +41,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
         body.mass = mass[i]
         for k in range(3):
             body.center[k] = center[i, k]
+        body.depth_before = body.depth
         body.slip = body.depth = 0.0
         body.touches = False
         body.supported_by = body.neighbours = 0
@@ -47,12 +49,25 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
 
 
 @compiled
-def _time_in_place(body: Bodies, steady_shift: float, dt: float) -> None:
-    """Measure for how long a live body has kept its place, to ``steady_shift`` [m], among the same neighbours."""
-    moved = 0.0
+def _squared_distance(a: FloatArray, b: FloatArray) -> float:
+    total = 0.0
     for k in range(3):
-        moved += (body.center[k] - body.steady_center[k]) ** 2
-    if moved <= steady_shift**2 and body.neighbours == body.steady_neighbours and not body.held:
+        total += (a[k] - b[k]) ** 2
+    return float(total)
+
+
+@compiled
+def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, dt: float) -> None:
+    """Measure for how long a live body has kept its place: at all, and among the same neighbours."""
+    shift = limits.steady_shift * body.size
+    if _squared_distance(body.center, body.still_center) <= shift**2 and body.slip <= limits.lean_speed * fall_speed:
+        body.still_s += dt
+    else:
+        body.still_s = 0.0
+        for k in range(3):
+            body.still_center[k] = body.center[k]
+    is_steady = _squared_distance(body.center, body.steady_center) <= shift**2
+    if is_steady and body.neighbours == body.steady_neighbours and not body.held:
         body.steady_s += dt
         return
     body.steady_s, body.steady_neighbours = 0.0, body.neighbours
@@ -61,53 +76,72 @@ def _time_in_place(body: Bodies, steady_shift: float, dt: float) -> None:
 
 
 @compiled
-def count_frames(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
-    """Count for how many frames in a row each live body has been at rest, by each of the three rules.
+def is_moving(body: Bodies, limits: Limits) -> bool:
+    """True if a live body is faster than ``moving_speed``."""
+    return bool(body.speed > limits.moving_speed * np.sqrt(limits.gravity * body.size))
 
-    Strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support. And for how long it has
-    kept its place.
+
+@compiled
+def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
+    """Measure for how long each live body has been at rest, by each of the three rules, and has kept its place.
+
+    The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support. A body that
+    touches nothing has no size yet, so that no speed is slow.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
         if body.state != LIVE:
             continue
-        _time_in_place(body, limits.steady_shift, dt)
+        fall_speed = np.sqrt(limits.gravity * body.size)
+        _time_in_place(body, limits, fall_speed, dt)
         free = body.touches and not body.held
-        at_rest = free and body.speed <= limits.rest_speed and body.slip <= limits.rest_slip
-        at_rest = at_rest and body.depth <= limits.rest_penetration
-        leans = free and body.speed <= limits.lean_speed and body.depth <= limits.lean_penetration
-        lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed
-        body.rest_frames = body.rest_frames + 1 if at_rest else 0
-        body.lean_frames = body.lean_frames + 1 if leans else 0
-        body.load_frames = body.load_frames + 1 if lies else 0
-        if body.unsettled and (body.speed > limits.moving_speed or body.lean_frames >= limits.calm_frames):
+        sinking = abs(body.depth - body.depth_before)
+        is_deep = body.depth > limits.rest_penetration * body.size and sinking > limits.rest_sinking * fall_speed * dt
+        slow = body.speed <= limits.rest_speed * fall_speed and body.slip <= limits.rest_slip * fall_speed
+        leans = body.speed <= limits.lean_speed * fall_speed and body.depth <= limits.lean_penetration * body.size
+        lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
+        body.rest_s = body.rest_s + dt if free and slow and not is_deep else 0.0
+        body.lean_s = body.lean_s + dt if free and leans else 0.0
+        body.load_s = body.load_s + dt if lies else 0.0
+        if body.unsettled and (is_moving(body, limits) or body.lean_s >= limits.calm_s - ROUNDING_S):
             body.unsettled = False
 
 
 @compiled
-def list_due(bodies: Bodies, ids: IntArray, limits: Limits, at_rest: IntArray, leaning: IntArray) -> tuple[int, int]:
+def _is_asked(elapsed: float, dwell: float, again: float, dt: float) -> bool:
+    """True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later."""
+    late = elapsed - dwell + ROUNDING_S
+    return bool(late >= 0.0 and (late < dt or np.floor(late / again) > np.floor((late - dt) / again)))
+
+
+@compiled
+def list_due(
+    bodies: Bodies, ids: IntArray, limits: Limits, dt: float, at_rest: IntArray, leaning: IntArray
+) -> tuple[int, int]:
     """Write down the bodies whose stability must be decided now; returns how many.
 
-    A body that was refused is asked again after ``rest_frames`` more.
+    A body that was refused is asked again after ``rest_s`` more.
 
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
         limits: the settings.
+        dt: time since the last frame [s].
         at_rest: those at rest are written here, at least m rows.
         leaning: those at rest by the rule for leaning are written here, at least m rows.
     """
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
-        if body.state != LIVE or body.unsettled or body.held:
+        if body.state != LIVE or body.unsettled or body.held or not body.touches:
             continue
-        rested = body.rest_frames - limits.rest_frames
-        if rested >= 0 and rested % limits.rest_frames == 0:
+        dwell = (
+            body.rest_s if body.rest_s >= limits.rest_s - ROUNDING_S else body.still_s - limits.still_s + limits.rest_s
+        )
+        if _is_asked(dwell, limits.rest_s, limits.rest_s, dt):
             at_rest[n] = ids[i]
             n += 1
-        leaned = body.lean_frames - limits.lean_frames
-        if leaned >= 0 and leaned % limits.rest_frames == 0:
+        if _is_asked(body.lean_s, limits.lean_s, limits.rest_s, dt):
             leaning[m] = ids[i]
             m += 1
     return n, m
@@ -131,14 +165,13 @@ def list_shifted_loads(
         body = bodies[ids[i]]
         if body.state != LIVE:
             continue
-        moved = 0.0
-        for k in range(3):
-            moved += (body.center[k] - body.load_center[k]) ** 2
-        stale = body.supported_by != body.load_supported_by or moved > limits.load_shift**2
-        if body.load_frames >= limits.load_frames and (stale or not body.is_load):
+        moved = _squared_distance(body.center, body.load_center)
+        stale = body.supported_by != body.load_supported_by or moved > (limits.load_shift * body.size) ** 2
+        lies = body.load_s >= limits.load_s - ROUNDING_S
+        if lies and (stale or not body.is_load):
             lying[n] = ids[i]
             n += 1
-        elif body.load_frames < limits.load_frames and body.is_load:
+        elif not lies and body.is_load:
             gone[m] = ids[i]
             m += 1
     return n, m

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int64]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 GROUND = -1
 """The id of everything that never moves and was never spawned: floor, table, walls."""

@@ -10,9 +10,9 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.manifold import lay_all, lift
 from stability_core.port import IntArray
-from stability_core.settings import Limits
+from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, sorted_ids
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, Watch, listed
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, Watch, frames_of, listed
 
 
 @compiled
@@ -41,9 +41,9 @@ def lay_due(graph: Graph, watch: Watch, limits: Limits) -> None:
         for body in listed(watch, rule):
             bodies[body].rule = rule
     limit = limits[0]
-    for rule, frames in ((LYING, limit.load_frames), (AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
+    for rule, dwell in ((LYING, limit.load_s), (AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
         if watch.due[rule, 0] > 0:
-            lay_all(graph, watch, _with_rule(graph, watch, rule, LIVE), frames, limit.face_angle)
+            lay_all(graph, watch, _with_rule(graph, watch, rule, LIVE), frames_of(watch, dwell), limit.face_angle)
 
 
 @compiled
@@ -53,13 +53,14 @@ def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
     What touches the stack alone has them already. A body that only passes by is no load.
     """
     limit = limits[0]
-    for rule, frames in ((AT_REST, limit.rest_frames), (LEANING, limit.lean_frames)):
+    for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
         if watch.due[rule, 0] > 0:
-            _lay_on_stack(graph, watch, _with_rule(graph, watch, rule, FROZEN), frames, limit.face_angle)
+            frozen = _with_rule(graph, watch, rule, FROZEN)
+            _lay_on_stack(graph, watch, frozen, frames_of(watch, dwell), limit.face_angle)
     bodies = graph.bodies
     for body in listed(watch, LEANING):
         row = bodies[body]
-        if row.rule == LEANING and row.state == LIVE and row.load_frames < limit.load_frames:
+        if row.rule == LEANING and row.state == LIVE and row.load_s < limit.load_s - ROUNDING_S:
             lift(graph, body)
 
 

@@ -18,6 +18,8 @@ ABSENT, LIVE, FROZEN = 0, 1, 2
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
 """A body's ``doubt``: NOTED as soon as what surrounds it is recorded, so that any change is seen."""
+NOT_REFUSED, TOPPLES, FALLS, DOUBTED = 0, 1, 2, 3
+"""A body's ``refusal``: what the policy said when it last was not frozen."""
 NONE = -1
 """End of a linked list."""
 FEW = 16
@@ -36,17 +38,21 @@ BODY = np.dtype(
         ("held", "?"),  # a user holds it: it stays live
         ("mass", "f8"),  # [kg]
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
+        ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
         # how it moves and what it touches, in the latest frame
         ("speed", "f8"),  # of the centre of mass [m/s]
         ("slip", "f8"),  # fastest sliding at a contact [m/s]
         ("depth", "f8"),  # deepest penetration into a support [m]
+        ("depth_before", "f8"),  # the same, in the frame before [m]
         ("touches", "?"),  # it touches the ground or a frozen body
         ("supported_by", "u8"),  # its supports as a set of 64 bits by id
         ("neighbours", "u8"),  # all that it touches, likewise
-        # for how many frames in a row
-        ("rest_frames", "i4"),  # at rest by the strict rule
-        ("lean_frames", "i4"),  # at rest by the rule for leaning
-        ("load_frames", "i4"),  # slow enough to lie on its support
+        # for how long [s], up to the latest frame
+        ("rest_s", "f8"),  # at rest by the strict rule
+        ("still_s", "f8"),  # in its place, however it trembles and however deep it lies
+        ("still_center", "f8", (3,)),  # centre of mass when that began [m]
+        ("lean_s", "f8"),  # at rest by the rule for leaning
+        ("load_s", "f8"),  # slow enough to lie on its support
         ("unsettled", "?"),  # woken, and neither seen moving nor calm for long since then
         # for how long it has kept its place among the same neighbours
         ("steady_s", "f8"),  # [s]
@@ -54,6 +60,7 @@ BODY = np.dtype(
         ("steady_neighbours", "u8"),
         # frozen though nothing proves that it stands: PROVEN, or IN_DOUBT and then NOTED
         ("doubt", "i1"),
+        ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
         # a live body that lies on the stack and whose patches stand in the graph
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.equilibrium.problem import BoolArray, Problem
-from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.contact_filter import size_of_pair
+from stability_core.equilibrium.problem import Problem
+from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.stack import FROZEN, LIVE, NONE, SUPPORT, Graph
 
 
@@ -69,10 +70,10 @@ def _inner_patches(graph: Graph, ids: IntArray, index: IntArray) -> tuple[IntArr
 
 @compiled
 def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: FloatArray) -> float:
-    """From a body's centre to a vertex of patch ``at``, moved outwards by ``margin`` [m]; returns its length."""
+    """From a body's centre to a vertex of patch ``at``, moved outwards by ``margin`` [sizes]; returns its length."""
     patch = graph.patches[at]
     outward = np.hypot(patch.vertex[vertex, 0] - patch.center[0], patch.vertex[vertex, 1] - patch.center[1])
-    stretch = margin / outward if outward > 0.0 else 0.0
+    stretch = margin * size_of_pair(graph.bodies, patch.upper, patch.lower) / outward if outward > 0.0 else 0.0
     for k in range(3):
         moved = stretch * (patch.vertex[vertex, k] - patch.center[k]) if k < 2 else 0.0
         lever[k] = patch.vertex[vertex, k] + moved - graph.bodies[body].center[k]
@@ -80,22 +81,20 @@ def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: 
 
 
 @compiled
-def _per_size_of_rolling(
-    graph: Graph, patches: IntArray, index: IntArray, size: FloatArray, radius: float
-) -> FloatArray:
-    """One over the size [m] of the bodies that touch in points and lines alone, zero for the others, shape (n,).
+def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: float) -> FloatArray:
+    """One for each of the ``n`` bodies that touch in points and lines alone, zero for the others, shape (n,).
 
     Args:
         graph: the stack.
         patches: rows of the patches between the bodies, shape (p,).
         index: of each body, or negative.
-        size: of each body [m], shape (n,).
-        radius: width [m] up to which a patch is a point or a line.
+        n: number of bodies.
+        radius: width [sizes] up to which a patch is a point or a line.
     """
-    found = 1.0 / np.maximum(size, radius)
+    found = np.ones(n)
     for at in patches:
         patch = graph.patches[at]
-        if patch.width > radius:
+        if patch.width > radius * size_of_pair(graph.bodies, patch.upper, patch.lower):
             found[index[patch.upper]] = 0.0
             if patch.lower != GROUND:
                 found[index[patch.lower]] = 0.0
@@ -112,9 +111,9 @@ def problem_of(
         graph: the stack.
         ids: the bodies, shape (n,).
         gravity: gravitational acceleration [m/s2], positive.
-        margin: by how much [m] each vertex of a patch is moved outwards.
+        margin: by how much [sizes of the smaller body] each vertex of a patch is moved outwards.
         grip: by what each friction coefficient is multiplied.
-        radius: by how much [m] a contact in a point or a line may be off: see ``Problem.slack``.
+        radius: by how much [sizes] a contact in a point or a line may be off: see ``Problem.slack``.
 
     Returns:
         The problem, with the bodies in the order of ``ids``; which contacts can carry a vertical force, (m,); and the
@@ -147,5 +146,5 @@ def problem_of(
             lever_a[c] /= size[body_a[c]]
     for i in range(n):
         load[i, 2] = graph.bodies[ids[i]].mass * gravity
-    slack = radius * load[:, 2] * _per_size_of_rolling(graph, patches, index, size, radius)
+    slack = radius * load[:, 2] * _rolling(graph, patches, index, n, radius)
     return Problem(body_a, body_b, lever_a, lever_b, normal, friction, load, slack), level, patches

@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.equilibrium.problem import BoolArray
-from stability_core.port import FloatArray, IntArray
+from stability_core.port import BoolArray, FloatArray, IntArray
 
 NOISE = 1e-6
 """Error of a point over the size of a body: a few roundings of single precision."""

@@ -36,8 +36,8 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.equilibrium.envelope import Envelope, envelope_of, factorize_general, numbering, substitute_general
-from stability_core.equilibrium.problem import BoolArray, Problem, along_contacts, imbalance
-from stability_core.port import FloatArray, IntArray
+from stability_core.equilibrium.problem import Problem, along_contacts, imbalance
+from stability_core.port import BoolArray, FloatArray, IntArray
 
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
 """Tangential over normal stiffness of a contact: no real ratio is known, so the verdict must not depend on it."""

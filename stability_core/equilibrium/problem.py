@@ -5,17 +5,13 @@ Both proofs are checked by recomputing them, however the forces or the motion we
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from stability_core.compiled import compiled
 from stability_core.equilibrium.cone import project
-from stability_core.port import FloatArray, IntArray
-
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
-
+from stability_core.port import BoolArray, FloatArray, IntArray
 
 BALANCED = 1e-9
 """Imbalance, relative to the largest force on the body, that counts as none: rounding leaves about 1e-12."""

@@ -20,9 +20,9 @@ from stability_core.checks import (
     first_bad_mass,
 )
 from stability_core.equilibrium.faces import NOISE, rolling_bodies
-from stability_core.equilibrium.problem import BoolArray, Problem
+from stability_core.equilibrium.problem import Problem
 from stability_core.equilibrium.verdict import Verdict, decide, takes_part
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+from stability_core.port import GROUND, BoolArray, Contacts, FloatArray, IntArray, Masses
 
 ROUNDING = 1e-12
 """By which the cosine of a contact's slope may miss that of its angle of friction: nil friction on a level face."""

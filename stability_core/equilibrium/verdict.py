@@ -17,7 +17,6 @@ from stability_core.equilibrium.loading import STIFFNESSES, needs_prestress
 from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, UNDECIDED, solve
 from stability_core.equilibrium.problem import (
     BALANCED,
-    BoolArray,
     Problem,
     greatest_imbalance,
     held_by_the_rest,
@@ -26,7 +25,7 @@ from stability_core.equilibrium.problem import (
     weakest_equilibrium,
     with_neighbours,
 )
-from stability_core.port import FloatArray
+from stability_core.port import BoolArray, FloatArray
 
 Verdict: TypeAlias = Literal["stable", "unstable", "doubt"]
 Answer: TypeAlias = tuple[Verdict, FloatArray | None, FloatArray, float]

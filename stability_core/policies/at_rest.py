@@ -48,6 +48,7 @@ class AtRest(Policy):
     """
 
     name = "at_rest"
+    judges_statics = False
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """Accept every body at rest; only what has lost everything it stood on is unbalanced. O(changes)."""

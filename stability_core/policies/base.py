@@ -28,12 +28,14 @@ class Policy(ABC):
     """Decides which bodies at rest join the stack, and which frozen ones no longer belong to it."""
 
     name: ClassVar[str]
+    judges_statics: ClassVar[bool] = True
+    """Whether what it freezes is stable by some test, so that bodies may be judged before they were seen at rest."""
 
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
         self.gravity = gravity
         self.settings = settings
-        self.limits = settings.limits()
+        self.limits = settings.limits(gravity)
 
     @abstractmethod
     def settle(self, graph: Graph, watch: Watch) -> Decision:

@@ -38,10 +38,23 @@ from stability_core.equilibrium.region import (
 from stability_core.equilibrium.verdict import decide, takes_part
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import width
-from stability_core.port import IntArray
-from stability_core.settings import Limits, Settings
+from stability_core.port import FloatArray, IntArray
+from stability_core.settings import ROUNDING_S, Limits, Settings
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
-from stability_core.stack import FROZEN, IN_DOUBT, LIVE, NONE, PROVEN, Bodies, Graph, Patches, take_changed
+from stability_core.stack import (
+    DOUBTED,
+    FALLS,
+    FROZEN,
+    IN_DOUBT,
+    LIVE,
+    NONE,
+    PROVEN,
+    TOPPLES,
+    Bodies,
+    Graph,
+    Patches,
+    take_changed,
+)
 from stability_core.stack_mass import support_polygon
 from stability_core.watch import AT_REST, LEANING, Watch, listed
 
@@ -74,12 +87,14 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
         elif not topples_alone(graph, body, support_polygon(graph, body)):
             left[m] = body
             m += 1
+        else:
+            bodies[body].refusal = TOPPLES
     return frozen[:n], left[:m]
 
 
 @compiled
 def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
-    """The live ``candidates`` that stand on an edge, shape (k,).
+    """The live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
 
     They may be frozen while they still move a little; a flat body can wait.
     """
@@ -87,7 +102,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
     found = np.empty(len(candidates), np.int64)
     n = 0
     for body in candidates:
-        if bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width:
+        if bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width * bodies[body].size:
             found[n] = body
             n += 1
     return found[:n]
@@ -145,6 +160,7 @@ def _settle_safely(
     contacts: ContactRows,
     sizes: IntArray,
     latest: IntArray,
+    clock: FloatArray,
     due: IntArray,
     limits: Limits,
     found: IntArray,
@@ -159,7 +175,7 @@ def _settle_safely(
         solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
     """
     graph = Graph(bodies, patches, spare, changed)
-    watch = Watch(contacts, sizes, latest, due)
+    watch = Watch(contacts, sizes, latest, clock, due)
     lay_due(graph, watch, limits)
     frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
     on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
@@ -202,7 +218,17 @@ class Equilibrium(Policy):
             self._sag = np.concatenate([self._sag, np.zeros((len(STIFFNESSES), more, 6))], axis=1)
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
-        safe, left, unsolved = _settle_safely(*graph, self._regions, *watch, self.limits, self._found)
+        safe, left, unsolved = _settle_safely(
+            *graph,
+            self._regions,
+            watch.contacts,
+            watch.sizes,
+            watch.latest,
+            watch.clock,
+            watch.due,
+            self.limits,
+            self._found,
+        )
         reasons = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region")
         if left:
             together, patches = self._freeze_together(graph, self._found[LEFT, :left].copy())
@@ -248,12 +274,13 @@ class Equilibrium(Policy):
                 bodies["leans"][part] = False
                 self._prove(graph, ids)
                 return part, "equilibrium", patches
-            if verdict == "doubt" and (bodies["steady_s"][part] >= self.settings.doubt_s).all():
+            if verdict == "doubt" and (bodies["steady_s"][part] >= self.settings.doubt_s - ROUNDING_S).all():
                 bodies["state"][part] = FROZEN
                 bodies["leans"][part] = False
                 bodies["doubt"][part] = IN_DOUBT
                 return part, "held by the engine", patches[:0]
             falls = np.isin(part, ids[takes_part(rest)])
+            bodies["refusal"][part[falls] if falls.any() else part] = DOUBTED if verdict == "doubt" else FALLS
             if not falls.any():
                 break
             part = part[~falls]

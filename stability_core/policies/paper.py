@@ -23,17 +23,18 @@ from stability_core.watch import AT_REST, LEANING, Watch, listed
 
 @compiled
 def balances(graph: Graph, body: int, margin: float) -> bool:
-    """True if C_stack lies in the combined contact area, or at most ``margin`` [m] outside."""
+    """True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside."""
     center, support = graph.bodies[body].stack_center, support_polygon(graph, body)
     if lies_on(support, center[0], center[1]):
         return True  # cheaper than the distance, and most often enough
-    return margin > 0.0 and bool(inside_distance(support, center[0], center[1]) >= -margin)
+    outside = margin * graph.bodies[body].size
+    return outside > 0.0 and bool(inside_distance(support, center[0], center[1]) >= -outside)
 
 
 @compiled
 def lies_flat(graph: Graph, body: int, flat_width: float) -> bool:
-    """True if the body stands on an area and not on an edge of at most ``flat_width`` [m]."""
-    return bool(width(support_polygon(graph, body)) > flat_width)
+    """True if the body stands on an area and not on an edge of at most ``flat_width`` [sizes]."""
+    return bool(width(support_polygon(graph, body)) > flat_width * graph.bodies[body].size)
 
 
 @compiled

@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.motion import is_moving
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import convex_hull, inside_distance
 from stability_core.port import GROUND, FloatArray, IntArray
@@ -33,8 +34,8 @@ from stability_core.watch import AT_REST, Watch, frame_before, listed
 
 
 @compiled
-def _beside_movers(graph: Graph, watch: Watch, candidates: IntArray, moving_speed: float) -> IntArray:
-    """The ``candidates`` that touch a live body faster than ``moving_speed`` [m/s], shape (k,).
+def _beside_movers(graph: Graph, watch: Watch, candidates: IntArray, limits: Limits) -> IntArray:
+    """The ``candidates`` that touch a live body faster than ``moving_speed``, shape (k,).
 
     O(contacts of the latest frame).
     """
@@ -49,7 +50,7 @@ def _beside_movers(graph: Graph, watch: Watch, candidates: IntArray, moving_spee
                 continue
             place = graph.bodies[body].place  # perhaps left over from another list
             is_candidate = place < len(candidates) and candidates[place] == body
-            if is_candidate and graph.bodies[other].state == LIVE and graph.bodies[other].speed > moving_speed:
+            if is_candidate and graph.bodies[other].state == LIVE and is_moving(graph.bodies[other], limits):
                 found[place] = True
     return candidates[found]
 
@@ -136,7 +137,7 @@ def _settle(graph: Graph, watch: Watch, limits: Limits, supports: IntArray) -> t
     """
     lay_due(graph, watch, limits)
     candidates = lowest_first(graph, listed(watch, AT_REST))
-    movers = _beside_movers(graph, watch, candidates, limits[0].moving_speed)
+    movers = _beside_movers(graph, watch, candidates, limits[0])
     asleep = np.empty(len(candidates), np.int64)
     n = 0
     for body in candidates:
@@ -159,6 +160,7 @@ class Pile(Policy):
     """Puts to sleep what is at rest inside the angle of repose of its heap; a structure is none of its business."""
 
     name = "pile"
+    judges_statics = False
 
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""

@@ -21,7 +21,7 @@ import numpy as np
 from bench.calibration import calibrate
 from bench.core_digest import present_core
 from bench.page_marks import write_page
-from stability_core import Settings, StabilityExtension, solve_equilibrium
+from stability_core import StabilityExtension, solve_equilibrium
 from tests.benchmarks.leaning_worlds import MASS, house_of, overload, pile_up, refuse_smooth_v
 from tests.benchmarks.peers import PEERS, four_stack, pyramid
 from tests.benchmarks.worlds import (
@@ -33,6 +33,7 @@ from tests.benchmarks.worlds import (
     plank_of_wall,
     quiet,
 )
+from tests.stability_core.dwell import REST_FRAMES
 
 Times: TypeAlias = Any
 """A list or an array of times."""
@@ -99,7 +100,7 @@ def one_plank_more(plank, n: int, policy: str) -> np.ndarray:
     times = []
     for _ in range(FIRST + ROUNDS):
         stack.place_one_more()
-        times.append([timed(stack.frame) for _ in range(Settings().rest_frames + 1)])
+        times.append([timed(stack.frame) for _ in range(REST_FRAMES + 1)])
     stack.check()
     return np.array(times[FIRST:])
 

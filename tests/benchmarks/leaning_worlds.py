@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from stability_core import GROUND, Contacts, Masses, Settings, StabilityExtension
+from tests.stability_core.dwell import REST_FRAMES
 from tests.stability_core.piles import overlap
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
@@ -92,7 +93,7 @@ class Stopwatch:
         """Place a group and wait until it is frozen, or refused twice."""
         self.world.place(group)
         longest = 0.0
-        for _ in range(2 * SETTINGS.rest_frames + 2):
+        for _ in range(2 * REST_FRAMES + 2):
             start = time.thread_time()
             change = self.extension.update(DT)
             longest = max(longest, time.thread_time() - start)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from stability_core import GROUND, Change, Contacts, Masses, Settings, StabilityExtension
+from stability_core import GROUND, Change, Contacts, Masses, StabilityExtension
+from tests.stability_core.dwell import REST_FRAMES
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
 MASS = 0.0119
@@ -127,7 +128,7 @@ class GrowingStack:
     def until_it_joins(self) -> None:
         """A new plank, up to the last frame before it freezes."""
         self.place_one_more()
-        for _ in range(Settings().rest_frames):
+        for _ in range(REST_FRAMES):
             assert not self.frame().frozen
 
     def frame(self) -> Change:
@@ -180,7 +181,7 @@ def quiet(frozen: int, policy: str, live: int = 1) -> StabilityExtension:
     extension = StabilityExtension(port, policy)
     while len(port.frozen) < frozen:
         port.lay(len(port.frozen), min(100, frozen - len(port.frozen)))
-        for _ in range(Settings().rest_frames + 1):
+        for _ in range(REST_FRAMES + 1):
             extension.update(DT)
     port.is_moving = True
     port.lay(frozen, live)
@@ -191,6 +192,6 @@ def quiet(frozen: int, policy: str, live: int = 1) -> StabilityExtension:
 def coming_to_rest(live: int, policy: str) -> StabilityExtension:
     """``live`` planks, in the last frame before all of them freeze."""
     extension = StabilityExtension(CarpetPort(live, is_moving=False), policy)
-    for _ in range(Settings().rest_frames):
+    for _ in range(REST_FRAMES):
         assert not extension.update(DT).frozen
     return extension

@@ -47,7 +47,7 @@ BAND = 1e-6
 """A pile that lacks less than this, in weights of the whole pile, is at the limit: counted apart."""
 JUDGED = ("solve_equilibrium", "equilibrium", "paper")
 FRAME_S = 1 / 60
-AT_ONCE = Settings(rest_frames=1, lean_frames=1, load_frames=1)
+AT_ONCE = Settings(rest_s=1 / 60, lean_s=1 / 60, load_s=1 / 60)
 """Nothing moves here, so nothing need be watched for long."""
 TABLE = Path(__file__).parents[2] / "docs" / "results" / "truth" / "decisions.md"
 

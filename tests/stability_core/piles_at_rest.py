@@ -18,7 +18,7 @@ import numpy as np
 
 from adapters import open_engine
 from scenarios.model import Brick, World
-from stability_core import Contacts, Masses, Settings, solve_equilibrium
+from stability_core import Contacts, Masses, solve_equilibrium
 
 SEED = 20261127
 SIZES = (50, 100, 200, 400)
@@ -27,6 +27,8 @@ PILES = 3
 FRAME_S, LONGEST_S = 1 / 60, 20.0
 AT_REST = 1e-3
 """Speed [m/s]."""
+TOUCHING = 20e-6
+"""Gap [m] up to which bodies touch: ``Settings.touch_gap`` of a brick of 6 cm."""
 SPACING = 0.07
 """Of the lattice from which they fall [m]."""
 PAGE = Path(__file__).parents[2] / "docs" / "results" / "truth" / "piles_at_rest.md"
@@ -78,7 +80,7 @@ def pile_at_rest(count: int, seed: int) -> tuple[Contacts, Masses]:
         contacts, masses = port.contacts(), port.masses()
     finally:
         simulation.close()
-    touching = contacts.separation <= Settings().touch_gap
+    touching = contacts.separation <= TOUCHING
     return Contacts(**{item.name: getattr(contacts, item.name)[touching] for item in fields(Contacts)}), masses
 
 

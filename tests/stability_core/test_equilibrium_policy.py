@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stability_core import GROUND, Settings, StabilityExtension
+from tests.stability_core.dwell import CALM_FRAMES, LOAD_FRAMES, REST_FRAMES
 
 DT = 1 / 60
 SETTINGS = Settings()
@@ -29,7 +30,7 @@ def frames(extension, n: int) -> list:
 def settle(extension) -> dict[int, str]:
     """Until nothing has happened for as long as any rule waits; returns the reasons."""
     reasons, quiet = {}, 0
-    while quiet <= SETTINGS.calm_frames + SETTINGS.rest_frames:
+    while quiet <= CALM_FRAMES + REST_FRAMES:
         change = extension.update(DT)
         reasons.update(change.reasons)
         quiet = 0 if change.reasons else quiet + 1
@@ -44,7 +45,7 @@ def extension(port) -> StabilityExtension:
 def test_a_straight_column_lies_in_safe_regions_all_the_way(port, extension):
     for body in range(30):
         plank(port, body, 0.0, {body - 1: 0.0}, body)
-        reasons = settle(extension) if body == 29 else frames(extension, SETTINGS.rest_frames + 1)[-1].reasons
+        reasons = settle(extension) if body == 29 else frames(extension, REST_FRAMES + 1)[-1].reasons
     assert port.frozen == set(range(30))
     assert set(reasons.values()) == {"safe region"}
     assert all(kind == "sleep" for kind, _ in port.batches)
@@ -62,7 +63,7 @@ def test_a_leaning_tower_pivots_on_its_lowest_plank(port, extension, offset, lev
     """The first n with n d > L wakes all but the plank on which the rest turns."""
     for body in range(levels):
         plank(port, body, body * offset, {body - 1: (body - 1) * offset}, body)
-        frames(extension, 2 * SETTINGS.rest_frames)
+        frames(extension, 2 * REST_FRAMES)
         if body < levels - 1:
             assert port.frozen == set(range(body + 1)), f"{body + 1} levels stand"
     assert port.frozen == {0}
@@ -155,8 +156,8 @@ def test_a_live_brick_loads_what_it_lies_on(port, extension):
     settle(extension)
     assert port.frozen == {0, 1}
     port.add(2, (0.085, 0.0, 0.025), mass=2.0)
-    port.lay(2, 1, (0.08, 0.09), DEEP, 0.02, separation=-2 * SETTINGS.rest_penetration)
-    changes = frames(extension, SETTINGS.load_frames + 2)
+    port.lay(2, 1, (0.08, 0.09), DEEP, 0.02, separation=-4e-4)
+    changes = frames(extension, LOAD_FRAMES + 2)
     assert {body for change in changes for body in change.woken} == {1}
 
 
@@ -179,7 +180,7 @@ def test_what_topples_off_an_end_that_cannot_bear_it_takes_that_end_along(port, 
     settle(extension)
     port.add(2, (0.095, 0.0, 0.025), mass=2.0)
     port.lay(2, 1, (0.05, 0.09), DEEP, 0.02)
-    changes = frames(extension, SETTINGS.rest_frames + 1)
+    changes = frames(extension, REST_FRAMES + 1)
     assert {body for change in changes for body in change.woken} == {1}
 
 

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from stability_core import GROUND, Contacts, Masses, Settings, StabilityExtension
 from stability_core.lookup import UnknownNameError
 from stability_core.policies.paper import Paper
+from tests.stability_core.dwell import CALM_FRAMES, LEAN_FRAMES, LOAD_FRAMES, REST_FRAMES
 
 DT = 1 / 60
 SETTINGS = Settings()
 WIDE = (-0.05, 0.05)
 DEEP = (-0.01, 0.01)
 THICKNESS = 0.01
+SIZE = math.hypot(0.05, 0.01, 0.005)
+"""Of the planks, from the centre to a corner of a face [m]."""
+FALL = math.sqrt(9.81 * SIZE)
+"""Their unit of speed [m/s]."""
 
 
 def column(port, n: int, offset: float = 0.0, first: int = 0) -> None:
@@ -35,7 +42,7 @@ def settle(extension, most: int = 200) -> None:
     for _ in range(most):
         change = extension.update(DT)
         quiet = 0 if change.frozen or change.woken else quiet + 1
-        if quiet > SETTINGS.calm_frames + SETTINGS.rest_frames:
+        if quiet > CALM_FRAMES + REST_FRAMES:
             return
     pytest.fail(f"still changing after {most} frames")
 
@@ -43,31 +50,69 @@ def settle(extension, most: int = 200) -> None:
 def test_a_brick_at_rest_is_frozen_after_the_dwell_time_and_not_before(port):
     column(port, 1)
     extension = StabilityExtension(port)
-    changes = run(extension, SETTINGS.rest_frames + 1)  # the first frame has no speed yet
-    assert [change.frozen for change in changes] == [()] * SETTINGS.rest_frames + [(0,)]
+    changes = run(extension, REST_FRAMES + 1)  # the first frame has no speed yet
+    assert [change.frozen for change in changes] == [()] * REST_FRAMES + [(0,)]
     assert port.batches == [("sleep", [0])]
     assert changes[-1].reasons == {0: "flat"}
 
 
 def test_a_brick_that_moves_or_penetrates_waits(port):
     column(port, 1)
-    port.touches[0].separation = -2 * SETTINGS.rest_penetration
     extension = StabilityExtension(port)
-    run(extension, 20)
-    assert not port.frozen
-    port.touches[0].separation = 0.0
-    for frame in range(20):
-        port.center[0] = (0.0, 0.0, 0.005 + 2 * SETTINGS.rest_speed * DT * (frame % 2))
+    for frame in range(10):
+        port.touches[0].separation = -(40 - frame) / 10 * SETTINGS.rest_penetration * SIZE
         extension.update(DT)
     assert not port.frozen
-    run(extension, SETTINGS.rest_frames + 1)
+    port.touches[0].separation = 0.0
+    for frame in range(10):
+        port.center[0] = (0.0, 0.0, 0.005 + 2 * SETTINGS.rest_speed * FALL * DT * (frame % 2))
+        extension.update(DT)
+    assert not port.frozen
+    run(extension, REST_FRAMES + 1)
     assert port.frozen == {0}
+
+
+def test_a_brick_in_soft_contacts_is_at_rest_however_deep_it_lies(port):
+    """Its depth does not change: it does not recover from an impact."""
+    column(port, 1)
+    port.touches[0].separation = -10 * SETTINGS.rest_penetration * SIZE
+    run(StabilityExtension(port), REST_FRAMES + 1)
+    assert port.frozen == {0}
+
+
+def test_a_brick_that_trembles_in_its_place_is_at_rest_after_a_longer_time(port):
+    """Each frame it moves by a tenth of a millimetre, faster than the limit, and back again."""
+    column(port, 1)
+    extension = StabilityExtension(port)
+    frozen_at = None
+    for frame in range(60):
+        port.center[0] = (0.0, 0.0, 0.005 + 1e-4 * (frame % 2))
+        if extension.update(DT).frozen:
+            frozen_at = frame
+    assert frozen_at == round(SETTINGS.still_s / DT)
+
+
+@pytest.mark.parametrize("hertz", [30, 60, 240, 1000])
+def test_the_rule_of_rest_is_the_same_at_every_frame_rate(port, hertz):
+    """Ice that slopes by 1 deg: a brick that slides from rest never freezes, not even in the first milliseconds."""
+    column(port, 2)
+    extension = StabilityExtension(port, policy="at_rest")
+    frozen_after = None
+    for frame in range(1, hertz):
+        time = frame / hertz
+        x = 9.81 * math.sin(math.radians(1)) * time**2 / 2
+        port.center[1] = (x, 0.0, port.center[1][2])
+        change = extension.update(1 / hertz)
+        if 0 in change.frozen:
+            frozen_after = time
+        assert 1 not in change.frozen
+    assert frozen_after == pytest.approx(SETTINGS.rest_s + 1 / hertz, abs=1e-9)
 
 
 def test_a_brick_that_spins_in_place_waits(port):
     """Its centre does not move; its contacts slide."""
     column(port, 1)
-    port.touches[0].velocity = (0.0, 2 * SETTINGS.rest_slip, 0.0)
+    port.touches[0].velocity = (0.0, 7 * SETTINGS.rest_slip * FALL, 0.0)
     run(StabilityExtension(port), 20)
     assert not port.frozen
 
@@ -76,7 +121,7 @@ def test_a_column_freezes_from_the_ground_up_a_level_each_dwell_time(port):
     """Only what touches the stack is a candidate: the next level's dwell begins when the one below is frozen."""
     column(port, 5)
     extension = StabilityExtension(port)
-    run(extension, 5 * SETTINGS.rest_frames + 1)
+    run(extension, 5 * REST_FRAMES + 1)
     assert port.batches == [("sleep", [body]) for body in range(5)]
 
 
@@ -93,7 +138,7 @@ def test_a_leaning_tower_wakes_at_the_level_of_the_closed_form(port, offset, lev
     extension = StabilityExtension(port)
     for body in range(levels):
         column(port, 1, offset, first=body)
-        run(extension, SETTINGS.rest_frames + 1)
+        run(extension, REST_FRAMES + 1)
         if body < levels - 1:
             assert port.frozen == set(range(body + 1)), f"{body + 1} levels stand"
     assert port.frozen == {0}
@@ -104,7 +149,7 @@ def test_at_rest_keeps_the_impossible_tower(port):
     extension = StabilityExtension(port, "at_rest")
     for body in range(13):
         column(port, 1, 0.1 / 8.5, first=body)
-        run(extension, SETTINGS.rest_frames + 1)
+        run(extension, REST_FRAMES + 1)
     assert port.frozen == set(range(13))
 
 
@@ -117,8 +162,8 @@ def test_a_live_brick_is_a_load_as_soon_as_it_lies_on_the_stack(port):
     settle(extension)
     assert port.frozen == {0, 1}
     port.add(2, (0.085, 0.0, 0.025), mass=2.0)
-    port.lay(2, 1, (0.05, 0.09), DEEP, 0.02, separation=-2 * SETTINGS.rest_penetration)
-    changes = run(extension, SETTINGS.load_frames + 2)
+    port.lay(2, 1, (0.05, 0.09), DEEP, 0.02, separation=-2 * SETTINGS.rest_penetration * SIZE)
+    changes = run(extension, LOAD_FRAMES + 2)
     assert 1 in {body for change in changes for body in change.woken}
     assert "unbalanced" in {reason for change in changes for reason in change.reasons.values()}
 
@@ -133,9 +178,9 @@ def test_a_brick_that_lands_is_no_load_before_it_lies_still(port):
     settle(extension)
     port.add(2, (0.0, 0.0, 0.0155))
     port.lay(2, 0, (-0.05, -0.03), DEEP, 0.01)
-    changes = run(extension, SETTINGS.load_frames - 1)
+    changes = run(extension, LOAD_FRAMES - 1)
     port.lay(2, 1, (0.03, 0.05), DEEP, 0.01)
-    changes += run(extension, 2 * SETTINGS.rest_frames)
+    changes += run(extension, 2 * REST_FRAMES)
     assert not any(change.woken for change in changes)
     assert port.frozen == {0, 1, 2}
 
@@ -145,7 +190,7 @@ def test_points_seen_over_the_dwell_frames_are_united(port):
     port.add(0, (0.0, 0.0, 0.005))
     extension = StabilityExtension(port)
     corners = [(x, y, 0.0) for x in WIDE for y in DEEP]
-    for frame in range(2 * SETTINGS.rest_frames + 1):
+    for frame in range(2 * REST_FRAMES + 1):
         port.touches.clear()
         port.touch(0, GROUND, [corners[frame % 4]])
         extension.update(DT)
@@ -156,7 +201,7 @@ def test_points_older_than_the_dwell_time_do_not_count(port):
     """A brick that creeps over an edge slower than the limit leaves no trail of support behind it."""
     port.add(0, (0.0, 0.0, 0.005))
     extension = StabilityExtension(port)
-    step = 0.9 * SETTINGS.rest_speed * DT
+    step = 0.9 * SETTINGS.rest_speed * FALL * DT
     edge = 20 * step
     frozen_at = None
     for frame in range(200):
@@ -191,7 +236,7 @@ def leaning_pair(port, theta: float = 72.0, friction: float = 0.45) -> None:
 def test_an_inverted_v_is_tested_and_frozen_as_one(port):
     leaning_pair(port)
     extension = StabilityExtension(port)
-    changes = run(extension, SETTINGS.lean_frames + 1)
+    changes = run(extension, LEAN_FRAMES + 1)
     assert port.batches == [("sleep", [0, 1])]
     assert changes[-1].reasons == {0: "leaning", 1: "leaning"}
     assert not any(change.woken for change in run(extension, 30))
@@ -206,7 +251,7 @@ def test_half_a_v_is_not_frozen(port):
     run(extension, 60)
     assert not port.frozen
     extension.release([1])
-    run(extension, SETTINGS.lean_frames)
+    run(extension, LEAN_FRAMES)
     assert port.frozen == {0, 1}
 
 
@@ -246,7 +291,8 @@ def test_only_a_fast_impact_wakes_a_frozen_brick_and_all_above_it(port, speed, w
     extension = StabilityExtension(port)
     settle(extension)
     port.add(9, (0.0, 0.03, 0.005))
-    port.touch(9, 0, [(0.0, 0.01, 0.005)], normal=(0.0, 1.0, 0.0), velocity=(0, -speed * SETTINGS.impact_speed, 0))
+    velocity = (0.0, -speed * SETTINGS.impact_speed * FALL, 0.0)
+    port.touch(9, 0, [(x, 0.01, 0.005) for x in WIDE], normal=(0.0, 1.0, 0.0), velocity=velocity)
     change = extension.update(DT)
     assert change.woken == woken
     assert set(change.reasons.values()) <= {"struck", "rested on what was struck"}
@@ -254,7 +300,7 @@ def test_only_a_fast_impact_wakes_a_frozen_brick_and_all_above_it(port, speed, w
 
 def test_an_impact_is_no_support(port):
     column(port, 1)
-    port.touches[0].velocity = (0.0, 0.0, -1.1 * SETTINGS.impact_speed)
+    port.touches[0].velocity = (0.0, 0.0, -1.1 * SETTINGS.impact_speed * FALL)
     run(StabilityExtension(port), 50)
     assert not port.frozen
 
@@ -262,13 +308,13 @@ def test_an_impact_is_no_support(port):
 def test_unknown_separation_and_velocity_count_as_touch_and_slow(port):
     column(port, 1)
     port.touches[0].velocity, port.touches[0].separation = (np.nan,) * 3, np.nan
-    run(StabilityExtension(port), SETTINGS.rest_frames + 1)
+    run(StabilityExtension(port), REST_FRAMES + 1)
     assert port.frozen == {0}
 
 
 def test_a_contact_across_a_gap_carries_nothing(port):
     column(port, 1)
-    port.touches[0].separation = 2 * SETTINGS.contact_gap
+    port.touches[0].separation = 2 * SETTINGS.contact_gap * SIZE
     run(StabilityExtension(port), 50)
     assert not port.frozen
 
@@ -280,16 +326,16 @@ def test_a_woken_brick_waits_until_it_moved_or_was_calm_for_long(port):
     extension.disturb([0])
     assert extension.update(DT).woken == (0,)
     extension.release([0])
-    changes = run(extension, SETTINGS.calm_frames - 1)
+    changes = run(extension, CALM_FRAMES - 1)
     assert not any(change.frozen for change in changes), "it may be at the start of a collapse"
-    run(extension, SETTINGS.rest_frames + 1)
+    run(extension, REST_FRAMES + 1)
     assert port.frozen == {0}
 
     extension.disturb([0])
     extension.update(DT)
     extension.release([0])
-    port.center[0] = (2 * SETTINGS.moving_speed * DT, 0.0, 0.005)
-    run(extension, SETTINGS.rest_frames + 1)
+    port.center[0] = (2 * SETTINGS.moving_speed * FALL * DT, 0.0, 0.005)
+    run(extension, REST_FRAMES + 1)
     assert port.frozen == {0}, "seen moving and come to rest again"
 
 
@@ -349,7 +395,7 @@ def test_a_brick_in_a_users_hand_is_no_load(port):
     extension.disturb([2])
     assert not any(change.woken for change in run(extension, 30))
     extension.release([2])
-    assert any(1 in change.woken for change in run(extension, SETTINGS.load_frames + 1))
+    assert any(1 in change.woken for change in run(extension, LOAD_FRAMES + 1))
 
 
 def test_a_quiet_frame_changes_nothing_and_calls_nothing(port):
@@ -365,7 +411,7 @@ def test_many_bodies_and_large_gaps_in_ids(port):
     for body in range(0, 3000, 300):
         port.add(body, (float(body), 0.0, 0.005))
         port.lay(body, GROUND, (body - 0.05, body + 0.05), DEEP, 0.0)
-    run(StabilityExtension(port), SETTINGS.rest_frames + 1)
+    run(StabilityExtension(port), REST_FRAMES + 1)
     assert port.frozen == set(range(0, 3000, 300))
 
 
@@ -386,8 +432,8 @@ def test_frames_in_which_nothing_is_live_are_frames_without_contacts(port):
     extension.update(DT)
     assert seen[-1] == 0
     extension.release([1])
-    run(extension, SETTINGS.load_frames)
-    assert seen[-1] <= SETTINGS.load_frames * len(port.contacts()), "those of the frames since it woke"
+    run(extension, LOAD_FRAMES)
+    assert seen[-1] <= LOAD_FRAMES * len(port.contacts()), "those of the frames since it woke"
 
 
 def test_unknown_policy_names_the_nearest():
@@ -485,5 +531,69 @@ def test_any_layout_and_number_type_of_the_ports_arrays_will_do(port):
         return Masses(plain.body.astype(np.uint16), plain.mass, np.asfortranarray(plain.center_of_mass))
 
     port.contacts, port.masses = contacts, masses
-    run(StabilityExtension(port), SETTINGS.rest_frames + 1)
+    run(StabilityExtension(port), REST_FRAMES + 1)
     assert port.frozen == {0}
+
+
+# -- stacks that are in place from the first --------------------------------------------------------------------------
+
+
+def test_a_stack_in_place_is_adopted_at_once(port):
+    column(port, 10)
+    extension = StabilityExtension(port, policy="equilibrium")
+    change = extension.adopt()
+    assert change.frozen == tuple(range(10))
+    assert port.frozen == set(range(10))
+    assert run(extension, 100) == [change._replace(frozen=(), woken=(), reasons={})] * 100
+
+
+@pytest.mark.parametrize("policy", ["equilibrium", "paper"])
+def test_of_a_stack_that_cannot_stand_what_moves_stays_live(port, policy):
+    """Planks each an eighth further: the ninth tips with all but the lowest."""
+    column(port, 10, 0.1 / 8.5)
+    change = StabilityExtension(port, policy=policy).adopt()
+    assert set(change.frozen) <= {0}
+
+
+def test_only_the_bodies_that_are_named_are_adopted(port):
+    column(port, 3)
+    extension = StabilityExtension(port)
+    with pytest.raises(KeyError, match="unknown body 7"):
+        extension.adopt([7])
+    assert extension.adopt([0, 1]).frozen == (0, 1)
+    assert extension.adopt([2]).frozen == (2,)
+
+
+def test_what_moves_is_not_adopted(port):
+    column(port, 2)
+    port.touches[1].velocity = (0.1, 0.0, 0.0)
+    extension = StabilityExtension(port)
+    assert extension.adopt().frozen == ()  # they slide on each other
+    port.touches[1].velocity = (0.0, 0.0, 0.0)
+    extension.update(DT)
+    port.center[1] = (1e-3, 0.0, 0.015)
+    assert extension.adopt().frozen == (0,)
+    extension.disturb([1])
+    assert extension.adopt().frozen == ()
+
+
+@pytest.mark.parametrize("policy", ["at_rest", "pile"])
+def test_policies_that_ask_for_rest_alone_adopt_nothing(port, policy):
+    column(port, 3)
+    assert StabilityExtension(port, policy=policy).adopt().frozen == ()
+
+
+# -- any size ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("factor", [1e-2, 0.1, 10.0, 1e3])
+def test_a_stack_of_any_size_freezes_as_the_plank_does(port, factor):
+    """Lengths times ``factor``, speeds times its root: deeper, faster, and judged alike."""
+    column(port, 3)
+    port.center = {body: tuple(factor * x for x in center) for body, center in port.center.items()}
+    for touch in port.touches:
+        touch.points = [tuple(factor * x for x in point) for point in touch.points]
+        touch.separation = -0.9 * SETTINGS.rest_penetration * SIZE * factor
+        touch.velocity = (0.9 * SETTINGS.rest_slip * FALL * math.sqrt(factor), 0.0, 0.0)
+    changes = run(StabilityExtension(port), 3 * REST_FRAMES + 1)
+    assert [change.frozen for change in changes if change.frozen] == [(0,), (1,), (2,)]

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from stability_core import GROUND, Settings, StabilityExtension
+from tests.stability_core.dwell import REST_FRAMES
 
 DT = 1 / 60
 SETTINGS = Settings()
 EDGE, MU = 0.1, 0.45
 HALF = EDGE / 2
-DWELL = SETTINGS.rest_frames + 1
+DWELL = REST_FRAMES + 1
 
 
 def floor(port, rows: int, aside: float = 0.0, first: int = 0) -> None:
@@ -83,7 +84,7 @@ def test_what_moves_keeps_its_neighbours_awake(port):
     start = port.center[0]
     extension = StabilityExtension(port, "pile")
     for frame in range(3 * DWELL):
-        port.center[0] = tuple(np.add(start, (0.0, 2 * SETTINGS.moving_speed * DT * (frame % 2), 0.0)))
+        port.center[0] = tuple(np.add(start, (0.0, 3e-4 * (frame % 2), 0.0)))
         extension.update(DT)
     assert port.frozen == {2, 4, 5, 6, 7, 8}, "0 moves; 1 and 3 touch it"
     run(extension, 2 * DWELL)
@@ -126,7 +127,7 @@ def test_it_wakes_by_an_impact_with_what_rests_on_it(port):
     extension = StabilityExtension(port, "pile")
     run(extension, 3 * DWELL)
     port.add(200, (0.0, 0.0, 0.15))
-    port.touch(200, 24, [(0.0, 0.0, 0.1)], velocity=(0.0, 0.0, -2 * SETTINGS.impact_speed))
+    port.touch(200, 24, [(0.0, 0.0, 0.1)], velocity=(0.0, 0.0, -2.0))
     change = run(extension, 1)[0]
     assert change.reasons[24] == "struck"
     assert change.reasons[100] == "rested on what was struck"

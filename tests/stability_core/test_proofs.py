@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from stability_core import GROUND, Settings, StabilityExtension
+from tests.stability_core.dwell import REST_FRAMES
 from tests.stability_core.masonry import tilted
 
 DT = 1 / 60
 SETTINGS = Settings()
-SOON = 5 * SETTINGS.rest_frames
-LATER = int(SETTINGS.doubt_s / DT) + 2 * SETTINGS.rest_frames
+SOON = 5 * REST_FRAMES
+LATER = int(SETTINGS.doubt_s / DT) + 2 * REST_FRAMES
 WIDE, DEEP, THICKNESS = (-0.05, 0.05), (-0.01, 0.01), 0.01
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from stability_core import GROUND, Contacts, Masses, Settings, StabilityExtension, solve_equilibrium
+from tests.stability_core.dwell import REST_FRAMES
 
 DT = 1 / 60
 WIDE, DEEP, THICKNESS = (-0.05, 0.05), (-0.01, 0.01), 0.01
-SOON = 5 * Settings().rest_frames
+SOON = 5 * REST_FRAMES
 
 
 def column(port, planks: int) -> None:
@@ -201,7 +202,7 @@ def test_a_frozen_body_that_has_moved_is_live(port):
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("rest_frames", 0), ("rest_frames", 2.5), ("lean_frames", True), ("rest_speed", "3"), ("contact_gap", np.nan)],
+    [("rest_s", 0), ("rest_s", -1.0), ("lean_s", True), ("rest_speed", "3"), ("contact_gap", np.nan)],
 )
 def test_settings_that_make_no_sense_are_named(field, value):
     with pytest.raises(ValueError, match=f"setting {field}"):
