@@ -3,7 +3,7 @@
 import os
 
 from bench.isolation import WANTED_POLICIES
-from bench.rehearsal import rehearse
+from stability_core import warm_up
 
 for _policy in os.environ[WANTED_POLICIES].split(","):
-    rehearse(_policy)
+    warm_up(_policy)

@@ -22,13 +22,13 @@ from bench.heap_watch import HeapWatch
 from bench.plan import Trial
 from bench.play import Play, Progress
 from bench.policies import BENCH_POLICIES
-from bench.rehearsal import rehearse
 from bench.studies import Limits
 from reports.frames import UNTIMED_FRAMES, FrameRow
 from reports.recording import Recording
 from reports.records import Status, TrialRecord
 from scenarios.hand import NoRoomError
 from scenarios.model import Scene
+from stability_core import warm_up
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
     machine: dict[str, Any] = {}
     try:
         if policy.core is not None:
-            rehearse(policy.core)
+            warm_up(policy.core)
         simulation = open_engine(
             trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
         )

@@ -1,7 +1,7 @@
 """The stability extension: makes rigid bodies stack in any engine through contacts, sleep and mass."""
 
 from stability_core.equilibrium import Equilibrium, solve_equilibrium
-from stability_core.extension import Change, StabilityExtension
+from stability_core.extension import Change, StabilityExtension, warm_up
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import GROUND, Contacts, Masses, StabilityPort
 from stability_core.settings import Settings
@@ -18,4 +18,5 @@ __all__ = [
     "StabilityExtension",
     "StabilityPort",
     "solve_equilibrium",
+    "warm_up",
 ]

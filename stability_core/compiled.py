@@ -8,11 +8,17 @@ from typing import TypeVar, cast
 from numba import njit
 from numba.core.errors import TypingError as WrongTypeError
 
-__all__ = ["WrongTypeError", "compiled"]
+__all__ = ["NOT_KEPT", "WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
+NOT_KEPT: list[str] = []
+"""Why compiled kernels cannot be kept for later processes, by kernel; empty where there is a cache."""
 
 
 def compiled(function: Kernel) -> Kernel:
     """Compile ``function`` on its first call. NumPy's rules for division: x / 0 is inf, not an exception."""
-    return cast("Kernel", njit(cache=True, error_model="numpy")(function))
+    try:
+        return cast("Kernel", njit(cache=True, error_model="numpy")(function))
+    except RuntimeError as error:  # neither the package's folder nor the user's can be written
+        NOT_KEPT.append(str(error))
+        return cast("Kernel", njit(error_model="numpy")(function))

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, checked_removals, fault_of
 from stability_core.compiled import WrongTypeError
+from stability_core.compiling import compile_policy
 from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
@@ -51,6 +53,21 @@ MOMENT_S = 1e-9
 """Time [s] that passes where none does: what has moved at all since the last update is fast."""
 
 
+def warm_up(policy: str = "equilibrium") -> float:
+    """Compile all that ``policy`` runs, or read it from Numba's cache; returns the seconds it took.
+
+    ``StabilityExtension`` does so when it is made, once in a process for each policy, so that nothing is compiled while
+    a simulation runs. Call it where the wait hurts least, such as when a container is built: compiling takes a minute
+    or two, once for each version. What takes long, and a cache that cannot be written, are told to the logger
+    ``stability_core``.
+
+    Raises:
+        UnknownNameError: if there is no such policy.
+    """
+    look_up("policy", policy, POLICIES)
+    return compile_policy(policy, partial(StabilityExtension, policy=policy))
+
+
 def _laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
     """Return an array as the kernels are compiled for it, whatever an adapter reads; copied only if it must be."""
     contiguous = np.ascontiguousarray(array, dtype)
@@ -69,6 +86,8 @@ class StabilityExtension:
     ) -> None:
         """Watch the world behind ``port``.
 
+        The first extension of a policy in a process compiles what it needs: see ``warm_up``.
+
         Args:
             port: the engine, as the core sees it.
             policy: a name of ``POLICIES``, or a policy of your own.
@@ -82,6 +101,8 @@ class StabilityExtension:
         x, y, z = gravity
         if x != 0.0 or y != 0.0 or not (np.isfinite(z) and z < 0.0):
             raise ValueError(f"gravity must be (0, 0, -g), got {tuple(gravity)}: turn the world so that z is up")
+        if isinstance(policy, str):
+            warm_up(policy)
         self.port = port
         self.settings = settings or Settings()
         self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
