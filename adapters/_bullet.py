@@ -8,6 +8,10 @@ Contacts are those that the latest step solved, found at the pose from which it 
 only, often three of a face's four corners. It tells no approach speed, so the adapter keeps every live body's pose
 and velocity from before each substep.
 
+``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
+first. Run there in mid-simulation, it would refresh Bullet's cached points, and a falling pile lies 10 mm elsewhere
+after a second. The second world has no cached points: it may list other corners than the next step solves.
+
 Friction: a pair's coefficient is the product of the two bodies', so each gets the square root. The law is a cone.
 
 Traps: the ground is a box, as on a plane Bullet needs ten steps to find four contact points. Handles of removed bodies
@@ -237,6 +241,14 @@ class BulletSimulation(Simulation):
             fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(listed), self.world.friction),
         )
+
+    def _find_contacts(self) -> Contacts:
+        twin = self._twin()
+        try:
+            pybullet.performCollisionDetection(twin._client)
+            return twin._contacts()
+        finally:
+            twin.close()
 
     def _listed(self) -> list[tuple[Any, ...]]:
         """Bullet's own rows of every contact that touches a live body, each once."""

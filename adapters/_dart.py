@@ -10,6 +10,8 @@ How it works here:
   The law is a box: up to sqrt(2) mu along the diagonal of the two tangents, and those are DART's
   choice: no call in Python turns them, and a small tilt of the normal may.
 - Approach speed: DART reports none. The velocities before each substep are kept, and the fastest approach is taken.
+- ``find_contacts`` runs the world's collision group into a separate result. The group keeps nothing between steps, so
+  that the call changes nothing; but later steps can only be compared within what the solver repeats, see below.
 
 Traps:
 
@@ -30,7 +32,7 @@ Traps:
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -230,7 +232,7 @@ class DartSimulation(Simulation):
         self._joints[body] = joint
 
     def _remove(self, body: int) -> None:
-        self._contacts_of_step = self._read_contacts()
+        self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
         self._id_of = {shape: known for shape, known in self._id_of.items() if known != body}
         self._world.getConstraintSolver().clearLastCollisionResult()
         del self._joints[body]
@@ -297,21 +299,17 @@ class DartSimulation(Simulation):
 
     def _contacts(self) -> Contacts:
         if self._contacts_of_step is None:
-            self._contacts_of_step = self._read_contacts()
-        seen = self._contacts_of_step
-        known, live = self.bricks, self._live
-        kept = [
-            row
-            for row, (a, b) in enumerate(zip(seen.body_a.tolist(), seen.body_b.tolist(), strict=True))
-            if (a in live or b in live) and (a in known or a <= GROUND) and (b in known or b <= GROUND)
-        ]
-        if len(kept) == len(seen):
-            return seen
-        return Contacts(*(getattr(seen, column.name)[kept] for column in fields(Contacts)))
+            self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
+        return self._of_live(self._contacts_of_step)
 
-    def _read_contacts(self) -> Contacts:
-        """All contacts of the latest substep, those of bodies since frozen or removed included."""
-        contacts = self._world.getLastCollisionResult().getContacts()
+    def _find_contacts(self) -> Contacts:
+        solver, result = self._world.getConstraintSolver(), dartpy.collision.CollisionResult()
+        solver.getCollisionGroup().collide(solver.getCollisionOption(), result)
+        return self._read_contacts(result)
+
+    def _read_contacts(self, result: Any) -> Contacts:
+        """All contacts of a collision, those of frozen bodies and of bodies removed since included."""
+        contacts = result.getContacts()
         if not contacts:
             return Contacts.empty()
         body_a = np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64)

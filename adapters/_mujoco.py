@@ -12,6 +12,9 @@ with the ground vanish. A world without a port has no ghosts.
 Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities of that
 moment: together they tell the approach before the solver stops it.
 
+``find_contacts`` runs MuJoCo's kinematics and collision on a copy of the state and changes nothing. Speculative
+contacts and sleeping are off meanwhile, so that distances are measured and sleeping pairs are listed.
+
 Friction. A pair has the larger coefficient of its two geoms; all geoms have the world's.
 
 Traps. Divergence silently resets the world unless ``autoreset`` is off. A speculative contact carries
@@ -21,6 +24,7 @@ away. Its warnings go to a file in the working directory unless they are caught.
 
 from __future__ import annotations
 
+import copy
 import logging
 from collections import defaultdict, deque
 from collections.abc import Mapping, Sequence
@@ -38,6 +42,9 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
+
+_SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
+"""Flags with which MuJoCo leaves out sleeping pairs, or lists distances that it did not measure."""
 
 _NOBODY = np.iinfo(np.int64).min
 """Stands for the body of an empty slot."""
@@ -278,6 +285,21 @@ class MujocoSimulation(Simulation):
             self._fastest_approaches(geoms, normals, velocity),
             found.friction[rows, 0],
         )
+
+    def _find_contacts(self) -> Contacts:
+        model, data = self._engine.model, copy.copy(self._engine.data)
+        flags = model.opt.enableflags
+        model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        model.opt.enableflags = flags
+        found = data.contact
+        rows = np.flatnonzero(self._is_live_geom[found.geom].any(axis=1))
+        points, normals = found.pos[rows], found.frame[rows, :3]
+        body_a, body_b = self._body_of_geom[found.geom[rows]].T
+        unknown = np.full_like(points, np.nan)
+        return Contacts(body_a, body_b, points, normals, found.dist[rows], unknown, found.friction[rows, 0])
 
     def _current_rows(self, geoms: IntArray) -> IntArray:
         """The rows of contacts that touch a live body, where both bodies still are where they were."""

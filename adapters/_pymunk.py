@@ -17,6 +17,9 @@ soon reuse: taking a newly frozen body's shape out and in again drops them. Arbi
 memory addresses: they are sorted, or two runs would differ. Each point stands for a line across the bricks'
 depth and is handed to the core as that line's two ends.
 
+``find_contacts`` runs Chipmunk's shape query for each live brick, the collision of a step without its arbiters, and
+changes nothing. Its normals between corners that meet are rounding, up to 90 degrees off: ``BoxTable`` replaces them.
+
 Friction: the pair's is the product of both shapes', so each has the square root.
 
 Traps: ``Body.sleep()`` on part of an island corrupts memory; a change of type in a callback aborts the process.
@@ -274,6 +277,33 @@ class PymunkSimulation(Simulation):
         self._buffer.clear()
         batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
         arbiters, numbers = self._buffered(3, 12)
+        return self._lifted(arbiters, numbers, state)
+
+    def _find_contacts(self) -> Contacts:
+        """Ask Chipmunk about each live brick; its points and distances are those of a step."""
+        arbiters: list[tuple[int, int, int]] = []
+        numbers: list[list[float]] = []
+        asked: set[pymunk.Shape] = set()
+        for body in self._live:
+            planar = self._bodies[body]
+            (shape,) = planar.shapes
+            asked.add(shape)
+            for found in self._space.shape_query(shape):
+                other = found.shape
+                if other is None or other.body is None or other in asked:  # a pair of live bricks is met twice
+                    continue
+                touch = found.contact_point_set
+                arbiters.append((planar.id, other.body.id, len(touch.points)))
+                row = [*touch.normal]
+                for point in touch.points:
+                    row += [*point.point_a, *point.point_b, point.distance]
+                numbers.append(row + [0.0] * (12 - len(row)))
+        if not numbers:
+            return Contacts.empty()
+        return self._lifted(np.array(arbiters, np.int64), np.array(numbers), self._state)
+
+    def _lifted(self, arbiters: IntArray, numbers: FloatArray, state: FloatArray) -> Contacts:
+        """Contacts of these arbiters, as ``lift_contacts`` takes them."""
         is_live = np.zeros(self._rows, np.bool_)
         is_live[list(self._live)] = True
         pairs, points, normals, separations, velocities = lift_contacts(

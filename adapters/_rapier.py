@@ -9,6 +9,9 @@ a manifold while the pair has hardly moved, and with it a stale distance. So poi
 the bodies, and the separation is measured between them, at the poses after the step. Rapier lists points within its
 prediction distance as well; those that are further apart than a tenth of a millimetre are left out.
 
+``find_contacts`` runs ``detect_collisions`` in a copy of the world, restored from a snapshot, and changes nothing in
+the world itself. Run there, it changes later poses, and once the next step panicked.
+
 Friction: as shipped a pair has the mean of both colliders' coefficients, and all colliders have the world's. The law is
 a cone: one constraint a manifold, and one against twist. (``FrictionModel.COULOMB``, one a point, holds too little
 across a plank.)
@@ -260,7 +263,15 @@ class RapierSimulation(Simulation):
         view.wake_up()
 
     def _contacts(self) -> Contacts:
-        pairs, local = self._listed()
+        return self._read_contacts(self._engine.narrow_phase)
+
+    def _find_contacts(self) -> Contacts:
+        copied = rapier3d.PhysicsWorld.restore(self._engine.snapshot())  # its colliders have the same handles
+        copied.detect_collisions()
+        return self._read_contacts(copied.narrow_phase)
+
+    def _read_contacts(self, narrow_phase: rapier3d.NarrowPhase) -> Contacts:
+        pairs, local = self._listed(narrow_phase)
         if not len(pairs):
             return Contacts.empty()
         normals, points_a, points_b = self._in_world(pairs, local)
@@ -278,7 +289,7 @@ class RapierSimulation(Simulation):
             np.full(len(near), self.world.friction),
         )
 
-    def _listed(self) -> tuple[IntArray, FloatArray]:
+    def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray]:
         """Rapier's own points of every contact that touches a live body, far ones too.
 
         Returns:
@@ -286,7 +297,7 @@ class RapierSimulation(Simulation):
             point on b in b's frame [m], shape (n, 9).
         """
         pairs, rows = [], []
-        for body_a, body_b, pair in self._live_pairs():
+        for body_a, body_b, pair in self._live_pairs(narrow_phase):
             for manifold in pair.manifolds:
                 normal = manifold.local_n1.to_tuple()
                 for point in manifold.points:
@@ -294,9 +305,9 @@ class RapierSimulation(Simulation):
                     rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
         return np.array(pairs, np.int64), _rows(rows, 9)
 
-    def _live_pairs(self) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
+    def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""
-        live, body_of, narrow_phase = self._live, self._body_of, self._engine.narrow_phase
+        live, body_of = self._live, self._body_of
         if 2 * len(live) > len(self.bricks):
             for pair in narrow_phase.contact_pairs():
                 a, b = body_of.get(pair.collider1), body_of.get(pair.collider2)

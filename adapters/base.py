@@ -10,11 +10,11 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 
-from adapters.box_table import BoxTable, prepare
+from adapters.box_table import BoxTable, prepare, selected
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
@@ -103,7 +103,7 @@ class EnginePort:
         self._simulation = simulation
 
     def contacts(self) -> Contacts:
-        """Every contact that touches a live body after the latest step."""
+        """Every contact that touches a live body after the latest step, or ``find_contacts`` since."""
         return self._simulation._whole_contacts()
 
     def masses(self) -> Masses:
@@ -150,6 +150,7 @@ class Simulation(ABC):
         self._removed: list[int] = []
         self._next_id = 0
         self._boxes = BoxTable(world.fixed)
+        self._found: Contacts | None = None  # by find_contacts, until the next step
         self._port: EnginePort | None = None
 
     # -- driven by the harness ---------------------------------------------------------------------
@@ -235,12 +236,41 @@ class Simulation(ABC):
         self._check_known((body,))
         _check_pose(position, quaternion)
         self._move(body, position, quaternion)
+        if self._found is not None:
+            self._found = selected(self._found, (self._found.body_a != body) & (self._found.body_b != body))
         if body in self.frozen:
             self._note_boxes([body])
 
     def step(self, seconds: float) -> None:
         """Advance the world by one frame of ``seconds``, in the profile's substeps."""
+        self._found = None
         self._step(seconds)
+
+    def find_contacts(self) -> None:
+        """Detect the contacts of the present poses without moving anything.
+
+        A host calls it before the first step, so that the extension judges stacks that start in place. Until the next
+        step ``port.contacts()`` returns the contacts that this call found:
+
+        - Pairs whose faces or parallel edges touch within 0.1 mm have the corners of their contact area, from the
+          bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of exactly zero, or list normals
+          there that are rounding.
+        - Deeper overlaps and edges that cross are those that the engine finds at the present poses.
+        - Separations are measured at the present poses; relative velocities are those that the bodies have now.
+        - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or woken afterwards, and
+          the moved ones, have no contacts until the next step or call.
+
+        No pose and no velocity changes by a bit, and the simulation goes on as if it had never been asked, unless the
+        docstring of the adapter says what changes.
+        """
+        self._found = None
+        if not self._live:
+            return
+        found = self._find_contacts()
+        self._note_boxes(self.bricks)
+        whole = self._with_exact_faces(found)
+        velocity = self._velocities_at(whole.body_b, whole.point) - self._velocities_at(whole.body_a, whole.point)
+        self._found = replace(whole, relative_velocity=velocity)
 
     def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
         """All bodies, frozen ones too, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
@@ -260,12 +290,30 @@ class Simulation(ABC):
     def _whole_contacts(self) -> Contacts:
         if not self._live:
             return NO_CONTACTS
+        if self._found is not None:
+            return self._without_fixed_ids(self._of_live(self._found))
         contacts = self._contacts()
         if not self.capabilities.near_contacts:
-            live = self._note_boxes(self._live)
-            whole = self._boxes.with_missing_corners(contacts)
-            contacts = self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+            contacts = self._completed(contacts, self._note_boxes(self._live))
         return self._without_fixed_ids(contacts)
+
+    def _with_exact_faces(self, contacts: Contacts) -> Contacts:
+        """Replace contacts of pairs that touch within 0.1 mm by those of their geometry."""
+        return self._boxes.with_exact_faces(contacts, self._live_bodies()[0], self.world.friction)
+
+    def _completed(self, contacts: Contacts, live: IntArray) -> Contacts:
+        """Add the corners and the pairs that nearly touch and that the engine did not list."""
+        whole = self._boxes.with_missing_corners(contacts)
+        return self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+
+    def _of_live(self, contacts: Contacts) -> Contacts:
+        """Return the contacts that touch a live body and no removed one."""
+        live, there = self._live, self.bricks
+        kept = [
+            (a in live or b in live) and (a in there or a <= GROUND) and (b in there or b <= GROUND)
+            for a, b in zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)
+        ]
+        return contacts if all(kept) else selected(contacts, np.array(kept, np.bool_))
 
     def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
         """Replace the ids of fixed boxes, which the core does not know, by ``GROUND``."""
@@ -324,6 +372,23 @@ class Simulation(ABC):
         self._live = dict(sorted(self._live.items()))
         self._live_rows = None
 
+    def _twin(self) -> Self:
+        """Open a second, weightless world of the engine: the same bodies under the same ids, where they are now.
+
+        Live bodies are at rest there. For engines that detect contacts only as they step, or that remember having been
+        asked; the caller closes it.
+        """
+        twin = type(self)(self.info.profile, replace(self.world, gravity=(0.0, 0.0, 0.0)), "off", self.expected)
+        positions, quaternions = self._poses(np.fromiter(self.bricks, np.int64, len(self.bricks)))
+        places = zip(self.bricks.items(), positions.tolist(), quaternions.tolist(), strict=True)
+        for (body, brick), (x, y, z), (w, i, j, k) in places:
+            twin.bricks[body] = replace(brick, position=(x, y, z), quaternion=(w, i, j, k))
+            twin._spawn(body, twin.bricks[body])
+            if body in self.frozen:
+                twin._freeze(body)
+        twin.frozen, twin._live = set(self.frozen), dict(self._live)
+        return twin
+
     def _check_known(self, bodies: Iterable[int]) -> None:
         unknown = [body for body in bodies if body not in self.bricks]
         if unknown:
@@ -364,6 +429,13 @@ class Simulation(ABC):
     @abstractmethod
     def _contacts(self) -> Contacts:
         """Return every contact that touches a live body; fixed boxes go by ``box_table.fixed_id``."""
+
+    @abstractmethod
+    def _find_contacts(self) -> Contacts:
+        """Return the contacts that the engine finds at the present poses; the simulation must not notice.
+
+        Relative velocities are filled in by ``find_contacts``; contacts between two frozen bodies may be listed.
+        """
 
     @abstractmethod
     def _freeze(self, body: int) -> None: ...

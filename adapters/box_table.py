@@ -9,10 +9,11 @@ the other as the engines themselves do.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 
 import numpy as np
 
-from adapters.near_contacts import CENTER, HALF, TURN, missing_corners, near_corners, note_reach
+from adapters.near_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
 from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -106,14 +107,38 @@ class BoxTable:
             friction: of every pair.
             velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
         """
-        a, b = contacts.body_a + self._first, contacts.body_b + self._first
-        listed = np.sort(np.minimum(a, b) * self._rows + np.maximum(a, b))
-        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed)
+        listed = np.sort(self._pairs(contacts))
+        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed, 0.0)
         if not len(a):
             return contacts
         a, b = a - self._first, b - self._first
         relative = velocities(b, corner) - velocities(a, corner)
         return _joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
+
+    def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
+        """Return the corners of all pairs that touch within 0.1 mm, and behind them the contacts of all other pairs.
+
+        An engine may miss a gap of exactly zero, and its normal between corners that coincide may be rounding: there
+        the boxes' geometry is more exact. Deeper overlaps and edges that cross are the engine's.
+
+        Args:
+            contacts: as the engine lists them.
+            live: ids of the live bodies, rising, shape (m,).
+            friction: of every pair.
+        """
+        none_listed = np.empty(0, np.int64)
+        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, none_listed, SLACK)
+        a, b = a - self._first, b - self._first
+        unknown = np.full_like(corner, np.nan)
+        near = Contacts(a, b, corner, normal, gap, unknown, np.full(len(a), friction))
+        others = ~np.isin(self._pairs(contacts), self._pairs(near))
+        return _joined(near, self.with_missing_corners(selected(contacts, others)))
+
+    def _pairs(self, contacts: Contacts) -> IntArray:
+        """Return a number (n,) for the pair of each contact, the same whichever body comes first."""
+        a, b = contacts.body_a + self._first, contacts.body_b + self._first
+        pairs: IntArray = np.minimum(a, b) * self._rows + np.maximum(a, b)
+        return pairs
 
 
 def _joined(first: Contacts, second: Contacts) -> Contacts:
@@ -121,6 +146,11 @@ def _joined(first: Contacts, second: Contacts) -> Contacts:
         return first
     columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")
     return Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
+
+
+def selected(contacts: Contacts, rows: np.typing.NDArray[np.bool_]) -> Contacts:
+    """Return the contacts where ``rows`` is true."""
+    return Contacts(*(getattr(contacts, column.name)[rows] for column in fields(contacts)))
 
 
 def prepare() -> None:

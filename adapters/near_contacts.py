@@ -12,6 +12,8 @@ from stability_core.port import FloatArray, IntArray
 
 NEAR = 0.1e-3
 """Gap [m] up to which faces nearly touch: above the tilt of a brick at rest, below any visible distance."""
+SLACK = 1e-6
+"""Distance [m] by which edges that meet may miss each other sideways: rounding of poses in single precision."""
 SAME = 1e-3
 """Distance [m] within which a corner is one that the engine has listed."""
 
@@ -81,8 +83,17 @@ def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, sid
 
 
 @numba.njit(cache=True)
-def _face_corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Corners (k, 3) of the contact face of two boxes, and their separations (k,); ``normal`` points from a to b."""
+def _face_corners(
+    box_a: FloatArray, box_b: FloatArray, normal: FloatArray, slack: float
+) -> tuple[FloatArray, FloatArray]:
+    """Corners (k, 3) of the contact face of two boxes, and their separations (k,).
+
+    Args:
+        box_a: row of box a.
+        box_b: row of box b.
+        normal: from a to b.
+        slack: distance [m] by which the face that clips is larger on each side.
+    """
     axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
     axis_a, cosine_a = _facing(axes_a, normal)
     axis_b, cosine_b = _facing(axes_b, -normal)
@@ -99,8 +110,8 @@ def _face_corners(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> t
     for side_axis in ((axis + 1) % 3, (axis + 2) % 3):
         side = axes[:, side_axis].copy()
         middle = side[0] * box[0] + side[1] * box[1] + side[2] * box[2]
-        polygon = _clip(polygon, side, middle + half[side_axis])
-        polygon = _clip(polygon, -side, -middle + half[side_axis])
+        polygon = _clip(polygon, side, middle + half[side_axis] + slack)
+        polygon = _clip(polygon, -side, -middle + half[side_axis] + slack)
     separation = np.empty(len(polygon))
     for i in range(len(polygon)):
         separation[i] = -half[axis]
@@ -164,7 +175,7 @@ def missing_corners(
         last = first
         while last < n and a[last] == a[first] and b[last] == b[first]:
             last += 1
-        points, separations = _face_corners(boxes[a[first]], boxes[b[first]], normal[first])
+        points, separations = _face_corners(boxes[a[first]], boxes[b[first]], normal[first], 0.0)
         for i in range(len(points)):
             listed = False
             for j in range(first, last):
@@ -211,11 +222,12 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tup
 
 @numba.njit(cache=True)
 def near_corners(
-    boxes: FloatArray, live: IntArray, listed: IntArray
+    boxes: FloatArray, live: IntArray, listed: IntArray, slack: float
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
     """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
 
-    See ``_neighbours``.
+    See ``_neighbours``. With a ``slack`` [m], edges that miss each other sideways by as much count as well, and corners
+    that are closer together than four times the slack are one.
     """
     pairs = _neighbours(boxes, live, listed)
     room = _MOST_CORNERS * len(pairs)
@@ -226,9 +238,16 @@ def near_corners(
     for first, second in pairs:
         if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR:
             continue
-        points, separations = _face_corners(boxes[first], boxes[second], normal)
+        points, separations = _face_corners(boxes[first], boxes[second], normal, slack)
+        start = size
         for i in range(len(points)):
-            if abs(separations[i]) <= NEAR:
+            is_new = True
+            for j in range(start, size):
+                distance2 = 0.0
+                for k in range(3):
+                    distance2 += (points[i, k] - corner[j, k]) ** 2
+                is_new = is_new and distance2 >= (4 * slack) ** 2
+            if is_new and abs(separations[i]) <= NEAR:
                 a[size], b[size], gap[size] = first, second, separations[i]
                 corner[size], normals[size] = points[i], normal
                 size += 1

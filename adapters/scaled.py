@@ -68,7 +68,13 @@ class _ScaledSimulation(Simulation):
         return linear / self.scale, angular
 
     def _contacts(self) -> Contacts:
-        seen = self._larger._contacts()
+        return self._in_scene(self._larger._contacts())
+
+    def _find_contacts(self) -> Contacts:
+        return self._in_scene(self._larger._find_contacts())
+
+    def _in_scene(self, seen: Contacts) -> Contacts:
+        """Contacts of the larger world in the scene's units."""
         return replace(
             seen,
             point=seen.point / self.scale,

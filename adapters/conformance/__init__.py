@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from adapters import registry
 from adapters.base import Capabilities
-from adapters.conformance import contacts, fixed_boxes, freezing, housekeeping, motion
+from adapters.conformance import contacts, finding, fixed_boxes, freezing, housekeeping, motion
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.variations import base_name
 
@@ -93,4 +93,11 @@ CHECKS: tuple[Check, ...] = (
     Check(fixed_boxes.leans_on_a_fixed_wall, as_shipped=False),
     Check(fixed_boxes.stops_at_a_fixed_ceiling, as_shipped=False),
     Check(fixed_boxes.freezes_on_a_fixed_box),
+    Check(finding.finds_the_contacts_of_a_tower),
+    Check(finding.finds_the_contacts_of_an_inverted_v),
+    Check(finding.finds_an_overlap),
+    Check(finding.finds_contacts_among_moving_and_frozen_bricks),
+    Check(finding.finds_contacts_with_fixed_boxes),
+    Check(finding.forgets_found_contacts_with_the_next_step),
+    Check(finding.stands_as_if_never_asked),
 )

@@ -164,3 +164,33 @@ def test_a_near_point_approaches_as_its_bodies_move():
 
     whole = near({0: box((0, 0, 0)), 1: box((0, 0, 0.2))}, live=[1], velocities=velocities)
     assert whole.relative_velocity == pytest.approx(np.tile((0.0, 0.0, -0.3), (4, 1)))
+
+
+def exact(boxes: dict, live, listed):
+    return table_of(boxes).with_exact_faces(listed, np.array(live), 0.45)
+
+
+@pytest.mark.parametrize(("gap", "replaced"), [(0.0, True), (-0.5 * NEAR, True), (-3 * NEAR, False)])
+def test_geometry_replaces_a_face_that_touches_and_no_deeper_one(gap, replaced):
+    listed = touch((0.0, 0.0, 0.1), normal=(0.6, 0.0, 0.8))
+    whole = exact({0: box((0, 0, 0)), 1: box((0.5, 0, 0.2 + gap))}, live=[1], listed=listed)
+    if replaced:
+        assert len(whole) == 4
+        assert whole.normal == pytest.approx(np.tile(UP, (4, 1)))
+        assert whole.separation == pytest.approx([gap] * 4, abs=1e-12)
+    else:
+        assert whole.point.tolist() == listed.point.tolist()
+        assert whole.normal.tolist() == listed.normal.tolist()
+
+
+@pytest.mark.parametrize("aside", [-5e-7, 0.0, 5e-7])
+def test_edges_that_meet_touch_in_two_points_also_by_rounding(aside):
+    """Two boxes that lean on each other's upper edge at 60 degrees, where one face is clipped away but for its edge."""
+    lean = math.radians(60)
+    reach = HALF[0] * math.cos(lean) + HALF[2] * math.sin(lean)
+    boxes = {0: box((-reach - aside, 0, 0), pitch=-lean), 1: box((reach + aside, 0, 0), pitch=math.pi + lean)}
+    whole = exact(boxes, live=[0, 1], listed=Contacts.empty())
+    height = HALF[0] * math.sin(lean) - HALF[2] * math.cos(lean)
+    assert len(whole) == 2
+    assert sorted(whole.point[:, 1].tolist()) == pytest.approx([-0.5, 0.5], abs=1e-5)
+    assert np.abs(whole.point[:, [0, 2]] - (0.0, height)).max() < 1e-5

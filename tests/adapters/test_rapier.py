@@ -78,7 +78,7 @@ def test_a_predicted_contact_is_no_contact_yet() -> None:
     simulation = opened(world=World(gravity=(0.0, 0.0, 0.0)))
     simulation.spawn(plank(z=THICKNESS / 2 + 0.5e-3))
     advance(simulation, 0.1)
-    assert len(simulation._listed()[0]) > 0
+    assert len(simulation._listed(simulation._engine.narrow_phase)[0]) > 0
     assert len(simulation.port.contacts()) == 0
     simulation.close()
 
@@ -101,7 +101,14 @@ def test_only_the_pairs_of_live_bricks_are_read() -> None:
     frozen_column(simulation, 25, xs=(0.0, 0.2, 0.4, 0.6))
     place_on(simulation, 25)
     advance(simulation, 0.5)
-    assert sum(1 for _, _, pair in simulation._live_pairs() if any(one.points for one in pair.manifolds)) == 1
+    assert (
+        sum(
+            1
+            for _, _, pair in simulation._live_pairs(simulation._engine.narrow_phase)
+            if any(one.points for one in pair.manifolds)
+        )
+        == 1
+    )
     simulation.close()
 
 
