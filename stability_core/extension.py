@@ -13,6 +13,7 @@ import numpy as np
 from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, checked_removals, fault_of
 from stability_core.compiled import WrongTypeError
 from stability_core.compiling import compile_policy
+from stability_core.explanation import explain
 from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
@@ -117,6 +118,10 @@ class StabilityExtension:
         """Bodies that the host removed, until an update has taken note of them."""
         self._left: frozenset[int] = frozenset()
         """Bodies that the latest update forgot: an engine that lags a frame may still list them."""
+        self._dt = math.inf
+        """Length of the latest frame [s]."""
+        self._reasons: dict[int, str] = {}
+        """For what each body was frozen or woken last."""
         self.dropped = 0
         """Rows of contacts and masses dropped so far because they name a body removed in this frame or the last."""
 
@@ -146,6 +151,16 @@ class StabilityExtension:
         for body in self._seen(bodies):
             self._graph.bodies["held"][body] = False
 
+    def why(self, body: int) -> str:
+        """Say in words why a body is not frozen, such as "0.31 mm deep in its support", or what it was frozen for.
+
+        Raises:
+            KeyError: for a body that no update has seen.
+        """
+        self._seen([body])
+        row = self._graph.bodies[body]
+        return explain(row, self.settings, self._limits.item(0)[-1], self._dt, self._reasons.get(body, ""))
+
     def update(self, dt: float) -> Change:
         """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
 
@@ -158,6 +173,7 @@ class StabilityExtension:
         """
         if not 0.0 < dt < math.inf:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
+        self._dt = dt
         seen = self._look(dt)
         if seen is None:
             skip_frame(self._watch, dt)
@@ -348,7 +364,9 @@ class StabilityExtension:
         except BaseException:
             self._take_back((), woken)
             raise
-        return Change(asleep, awake, frozen | woken if awake else frozen)
+        reasons = frozen | woken if awake else frozen
+        self._reasons.update(reasons)
+        return Change(asleep, awake, reasons)
 
     def _take_back(self, asleep: Iterable[int], woken: Mapping[int, str]) -> None:
         """Undo a batch that the port did not carry out: what should sleep is live, what should wake is asked again."""
@@ -381,6 +399,7 @@ class StabilityExtension:
                 self._detach(body)
                 self._graph.bodies["state"][body] = ABSENT
                 self._news.pop(body, None)
+                self._reasons.pop(body, None)
 
     def _seen(self, bodies: Iterable[int]) -> list[int]:
         wanted = list(bodies)

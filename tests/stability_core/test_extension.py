@@ -597,3 +597,57 @@ def test_a_stack_of_any_size_freezes_as_the_plank_does(port, factor):
         touch.velocity = (0.9 * SETTINGS.rest_slip * FALL * math.sqrt(factor), 0.0, 0.0)
     changes = run(StabilityExtension(port), 3 * REST_FRAMES + 1)
     assert [change.frozen for change in changes if change.frozen] == [(0,), (1,), (2,)]
+
+
+# -- why --------------------------------------------------------------------------------------------------------------
+
+
+def test_each_reason_for_which_a_body_stays_live_is_told(port):
+    column(port, 2)
+    port.add(7, (1.0, 0.0, 1.0))
+    extension = StabilityExtension(port, policy="equilibrium")
+    with pytest.raises(KeyError, match="unknown body 0"):
+        extension.why(0)
+    extension.update(DT)
+    assert extension.why(7) == "touches nothing, and falls"
+    assert extension.why(1) == "touches live bodies only: none of them is frozen yet"
+    extension.update(DT)
+    assert extension.why(0) == "at rest for 0.02 s of 0.1 s"
+    port.center[0] = (0.0, 0.0, 0.006)
+    extension.update(DT)
+    assert extension.why(0) == "moves at 60 mm/s, above 2.8 mm/s; in its place for 0.00 s of 0.5 s"
+    port.touches[0].velocity = (0.5, 0.0, 0.0)
+    extension.update(DT)
+    assert extension.why(0) == "slides at a contact at 5e+02 mm/s, above 9.3 mm/s; in its place for 0.00 s of 0.5 s"
+    port.touches[0].velocity, port.touches[0].separation = (0.0, 0.0, 0.0), -0.5e-3
+    extension.update(DT)
+    assert extension.why(0).startswith("0.5 mm deep in its support, above 0.17 mm, and still moving there at 30 mm/s")
+    extension.disturb([0])
+    extension.update(DT)
+    assert extension.why(0) == "held by the user: it may freeze once it is released"
+    extension.release([0])
+    settle(extension)
+    assert extension.why(0) == "frozen: safe region"
+    extension.disturb([0])
+    extension.update(DT)
+    extension.release([0])
+    extension.update(DT)
+    assert extension.why(0).startswith("woken (disturbed) and perhaps at the start of a collapse")
+
+
+def test_each_refusal_is_told(port):
+    port.add(0, (0.06, 0.0, 0.005))
+    port.lay(0, GROUND, (0.0, 0.05), DEEP, 0.0)
+    extension = StabilityExtension(port, policy="equilibrium")
+    run(extension, 20)
+    assert extension.why(0) == "topples: its centre of mass lies outside what it stands on"
+    port.lay(0, GROUND, (0.0, 0.05), DEEP, 0.0)
+    port.touch(0, GROUND, [(0.11, y, 0.0) for y in DEEP], normal=(-1.0, 0.0, 0.0))
+    run(extension, 40)
+    assert extension.why(0).startswith("in doubt: forces could hold it, but would not arise by themselves; frozen once")
+    port.touches[-1].friction = 0.01
+    run(extension, 40)
+    assert extension.why(0) == "falls: no contact forces hold it in the stack"
+    other = StabilityExtension(port, policy="paper")
+    run(other, 20)
+    assert other.why(0) == "at rest, but the policy did not find it stable"

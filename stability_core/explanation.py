@@ -1,0 +1,78 @@
+"""Why a body is not frozen, or what it was frozen or woken for, in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stability_core.settings import ROUNDING_S, Settings
+from stability_core.stack import DOUBTED, FALLS, FROZEN, TOPPLES
+
+
+def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
+    """Say in words why a body is as it is: the first of the rules that keeps it live.
+
+    Args:
+        row: of ``BODY``, after an update.
+        settings: the tolerances.
+        gravity: [m/s2], positive.
+        dt: length of the latest frame [s].
+        reason: for which it was frozen or woken last; empty if it never was.
+    """
+    if row["state"] == FROZEN:
+        return f"frozen: {reason}"
+    if row["held"]:
+        return "held by the user: it may freeze once it is released"
+    if not row["touches"]:
+        return (
+            "touches live bodies only: none of them is frozen yet"
+            if row["neighbours"]
+            else "touches nothing, and falls"
+        )
+    if row["unsettled"]:
+        return (
+            f"woken ({reason}) and perhaps at the start of a collapse: asked again once it has moved, or been calm for "
+            f"{settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
+        )
+    return _why_not_at_rest(row, settings, gravity, dt) or _why_refused(row, settings)
+
+
+def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) -> str:
+    """The rule of rest that a body breaks; empty if it is at rest."""
+    if max(row["rest_s"] - settings.rest_s, row["still_s"] - settings.still_s) >= -ROUNDING_S:
+        return ""
+    size, fall_speed = row["size"], np.sqrt(gravity * row["size"])
+    in_place = f"; in its place for {row['still_s']:.2f} s of {settings.still_s:g} s"
+    if row["speed"] > settings.rest_speed * fall_speed:
+        limit = _millimetres(settings.rest_speed * fall_speed)
+        return f"moves at {_millimetres(row['speed'])}/s, above {limit}/s{in_place}"
+    if row["slip"] > settings.rest_slip * fall_speed:
+        limit = _millimetres(settings.rest_slip * fall_speed)
+        return f"slides at a contact at {_millimetres(row['slip'])}/s, above {limit}/s{in_place}"
+    sinking = abs(row["depth"] - row["depth_before"]) / dt
+    if row["depth"] > settings.rest_penetration * size and sinking > settings.rest_sinking * fall_speed:
+        limit = _millimetres(settings.rest_penetration * size)
+        return (
+            f"{_millimetres(row['depth'])} deep in its support, above {limit}, and still moving there at "
+            f"{_millimetres(sinking)}/s{in_place}"
+        )
+    return f"at rest for {row['rest_s']:.2f} s of {settings.rest_s:g} s"
+
+
+def _why_refused(row: Any, settings: Settings) -> str:
+    """What the policy said when it did not freeze a body at rest."""
+    if row["refusal"] == TOPPLES:
+        return "topples: its centre of mass lies outside what it stands on"
+    if row["refusal"] == FALLS:
+        return "falls: no contact forces hold it in the stack"
+    if row["refusal"] == DOUBTED:
+        return (
+            f"in doubt: forces could hold it, but would not arise by themselves; frozen once it has kept its place for "
+            f"{settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
+        )
+    return "at rest, but the policy did not find it stable"
+
+
+def _millimetres(metres: float) -> str:
+    return f"{1e3 * metres:.2g} mm"
