@@ -4,6 +4,7 @@ from stability_core.equilibrium import Equilibrium, solve_equilibrium
 from stability_core.extension import Change, StabilityExtension, warm_up
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import GROUND, Contacts, Masses, StabilityPort
+from stability_core.port_check import PortError, check_port
 from stability_core.settings import Settings
 
 __all__ = [
@@ -14,9 +15,11 @@ __all__ = [
     "Equilibrium",
     "Masses",
     "Policy",
+    "PortError",
     "Settings",
     "StabilityExtension",
     "StabilityPort",
+    "check_port",
     "solve_equilibrium",
     "warm_up",
 ]

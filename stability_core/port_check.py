@@ -1,0 +1,206 @@
+"""Hold a port of your own to what the core relies on, with messages that name the fix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+from stability_core.checks import (
+    BAD_CONTACT,
+    BAD_MASS,
+    FLIPPED,
+    LISTED_TWICE,
+    check_ids,
+    check_shapes,
+    checked_removals,
+    fault_of,
+    first_bad_contact,
+    first_bad_mass,
+    presses_down_from_below,
+)
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses, StabilityPort
+
+APART = 0.1
+"""Separation, over the distance from a body's centre to the contact, that no contact of a resting body has."""
+STOPPED = 1e-3
+"""Share of its size that a body at rest may move in a frame."""
+SAME = 1e-6
+"""Share of its size, or of its mass, by which a sleeping body may change: a rounding of single precision."""
+ASLEEP = 10
+"""Frames for which a body sleeps in the check: in free fall it would move by 14 cm."""
+
+Step: TypeAlias = Callable[[], object]
+
+
+class PortError(ValueError):
+    """A port breaks a promise; the message says which, what was seen, and what to change."""
+
+
+def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
+    """Check a port on a simulation of your own: that arrays fit, normals and separations have their sign, sleep holds.
+
+    The simulation is stepped, and must come to rest with a body on the ground, or on anything else that never moves.
+    That body is put to sleep for a while, and woken.
+
+    Args:
+        port: the port, which no extension watches.
+        step: advances the simulation by one frame.
+        frames: number of frames in which something comes to rest.
+
+    Returns:
+        What was checked, and what could not be seen: one line each.
+
+    Raises:
+        PortError: at the first promise that is broken.
+    """
+    for frame in range(frames):
+        before = port.masses() if frame == frames - 1 else None
+        step()
+        contacts, masses = port.contacts(), port.masses()
+        _check_arrays(contacts, masses, frame)
+    body, size = _resting_body(contacts, before, masses)
+    _check_resting_contacts(contacts, masses, body, size)
+    points = len(_on_ground(contacts, body))
+    lines = [
+        f"arrays, ids, masses and contacts of {frames} frames are well formed",
+        f"body {body} rests on the ground: normals point from a to b, separations are distances",
+        f"it is seen to touch the ground in {points} point{'s' * (points != 1)} a frame",
+    ]
+    if points < 3:
+        lines.append("with fewer than 3 the core unites the points of 0.1 s: list all that the engine has")
+    return lines + _check_sleep(port, step, body, size)
+
+
+def _check_arrays(contacts: Contacts, masses: Masses, frame: int) -> None:
+    try:
+        check_shapes(contacts, masses)
+        for name in ("body_a", "body_b"):
+            check_ids(f"contacts.{name}", getattr(contacts, name))
+        check_ids("masses.body", masses.body)
+        checked_removals(masses.removed)
+        ids = masses.body.astype(np.int64)
+        row = first_bad_contact(
+            contacts.body_a.astype(np.int64),
+            contacts.body_b.astype(np.int64),
+            np.array(contacts.point, np.float64),
+            np.array(contacts.normal, np.float64),
+            np.array(contacts.friction, np.float64),
+        )
+        if row >= 0:
+            raise fault_of(BAD_CONTACT, row, contacts, masses)
+        row = first_bad_mass(ids, np.array(masses.mass, np.float64), np.array(masses.center_of_mass, np.float64))
+        if row >= 0:
+            raise fault_of(BAD_MASS, row, contacts, masses)
+        values, first, count = np.unique(ids, return_index=True, return_counts=True)
+        if (count > 1).any():
+            raise fault_of(LISTED_TWICE, int(first[count > 1][0]), contacts, masses)
+        named = np.unique(np.concatenate([contacts.body_a, contacts.body_b]))
+        unknown = named[~np.isin(named, [*values.tolist(), GROUND])]
+        if len(unknown):
+            raise ValueError(
+                f"contacts name body {unknown[0]}, which masses() does not list while nothing sleeps: give what never "
+                f"moves the id {GROUND}, and list all that moves"
+            )
+    except ValueError as error:
+        raise PortError(f"frame {frame}: {error}") from error
+
+
+def _on_ground(contacts: Contacts, body: int) -> IntArray:
+    """The rows of a body's contacts with the ground, shape (k,)."""
+    a, b = contacts.body_a, contacts.body_b
+    return np.flatnonzero(((a == body) & (b == GROUND)) | ((a == GROUND) & (b == body)))
+
+
+def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> tuple[int, float]:
+    """The body that moves least among those that touch the ground, and its distance [m] to its contacts there.
+
+    Raises:
+        PortError: if none touches the ground, or none is at rest.
+    """
+    best, found, best_size = np.inf, -1, 0.0
+    known = {} if before is None else dict(zip(before.body.tolist(), before.center_of_mass, strict=True))
+    for body, center in zip(masses.body.tolist(), masses.center_of_mass, strict=True):
+        rows = _on_ground(contacts, body)
+        if len(rows) == 0 or body not in known:
+            continue
+        size = float(np.linalg.norm(contacts.point[rows] - center, axis=1).max())
+        moved = float(np.linalg.norm(center - known[body])) / size
+        if moved < best:
+            best, found, best_size = moved, body, size
+    if found < 0:
+        raise PortError(
+            f"no contact with the ground at the end: give floors, walls and tables the id {GROUND} in contacts(), and "
+            "let a body lie on them"
+        )
+    if best > STOPPED:
+        raise PortError(
+            f"nothing is at rest on the ground: body {found} still moves by {1e3 * best * best_size:.2g} mm a frame; "
+            "wait for more frames, or look at the units of center_of_mass (metres)"
+        )
+    return found, best_size
+
+
+def _check_resting_contacts(contacts: Contacts, masses: Masses, body: int, size: float) -> None:
+    rows = _on_ground(contacts, body)
+    center = masses.center_of_mass[masses.body == body][0]
+    for row in rows.tolist():
+        sign = 1.0 if contacts.body_b[row] == body else -1.0
+        normal, point = np.array(contacts.normal[row], np.float64), np.array(contacts.point[row], np.float64)
+        if presses_down_from_below(np.array(center, np.float64), point, normal, sign):
+            raise PortError(str(fault_of(FLIPPED, row, contacts, masses)))
+    separation = np.array(contacts.separation[rows], np.float64)
+    known = separation[np.isfinite(separation)]
+    if len(known) and np.abs(known).min() > APART * size:
+        raise PortError(
+            f"body {body} rests on the ground, but its contacts there have separations of {known.round(6).tolist()} m: "
+            "give the signed distance in metres, negative in overlap, or NaN if the engine cannot tell"
+        )
+    if not (contacts.friction[rows] > 0.0).any():
+        raise PortError(
+            f"body {body} touches the ground without friction: give the Coulomb coefficient of the pair, which engines "
+            "combine from those of both bodies"
+        )
+
+
+def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> list[str]:
+    before = _row_of(port.masses(), body)
+    if before is None:
+        raise PortError(f"masses() does not list body {body}, which is live, if it is called twice")
+    lines = []
+    port.sleep((body,))
+    port.sleep((body,))  # asleep already: must do nothing
+    for _ in range(ASLEEP):
+        step()
+        seen = _row_of(port.masses(), body)
+        if seen is not None and np.abs(seen[1] - before[1]).max() > SAME * size:
+            raise PortError(
+                f"body {body} moved by {1e3 * np.linalg.norm(seen[1] - before[1]):.2g} mm while it slept: sleep() must "
+                "fix it, for instance by infinite mass, or as a static body"
+            )
+    if seen is None:
+        lines.append("masses() leaves sleeping bodies out: whether they keep their place was seen when it woke")
+    port.wake((body,))
+    step()
+    woken = _row_of(port.masses(), body)
+    if woken is None:
+        raise PortError(f"masses() does not list body {body} after wake(): list all live bodies")
+    if abs(woken[0] - before[0]) > SAME * before[0]:
+        raise PortError(
+            f"body {body} had {before[0]:g} kg and has {woken[0]:g} kg after it slept: wake() must restore it"
+        )
+    if np.linalg.norm(woken[1] - before[1]) > APART * size:
+        raise PortError(
+            f"body {body} is {1e3 * np.linalg.norm(woken[1] - before[1]):.2g} mm from where it was put to sleep, a frame "
+            "after wake(): sleep() must fix it, and wake() hand it back at rest"
+        )
+    return [*lines, f"body {body} slept for {ASLEEP} frames without moving, and woke at rest with its mass"]
+
+
+def _row_of(masses: Masses, body: int) -> tuple[float, FloatArray] | None:
+    """Mass [kg] and centre of mass [m], (3,), of a body that is listed."""
+    rows = np.flatnonzero(masses.body == body)
+    return (
+        None if len(rows) == 0 else (float(masses.mass[rows[0]]), np.array(masses.center_of_mass[rows[0]], np.float64))
+    )
