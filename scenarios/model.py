@@ -123,9 +123,9 @@ class Expectation:
     """How long [s] after that the fall may take; a fall that comes later counts as standing. None: to the end."""
 
     def __str__(self) -> str:
-        return (
-            f"falls at {self.level}" if self.outcome == "fall" else {"stand": "stands", "study": "study"}[self.outcome]
-        )
+        if self.outcome != "fall":
+            return {"stand": "stands", "study": "study"}[self.outcome]
+        return f"falls at {self.level}" + (f" after {self.not_before_s:g} s" if self.not_before_s else "")
 
 
 @dataclass(frozen=True, slots=True)

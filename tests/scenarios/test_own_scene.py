@@ -231,7 +231,7 @@ ISSUES = {
     "flax_15_40": STAND,
     "flax_15_60": "falls at 2",
     "genesis_893": STAND,
-    "habitat_801": "falls at 2",
+    "habitat_801": "falls at 2 after 12 s",
     "jolt_1390_100": STAND,
     "mujoco_366_mu0": STAND,
     "pallet": STAND,
