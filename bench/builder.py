@@ -41,6 +41,7 @@ class Builder:
         """The highest level of which a brick has been let go."""
         self.plan = Plan.of(())
         """Of the bricks now in the world, in the order of ``Simulation.poses``."""
+        self._set_down: list[int] = []  # bodies of prebuilt stacks that nobody has asked for yet
 
     @property
     def bricks(self) -> list[Brick]:
@@ -51,6 +52,11 @@ class Builder:
     def is_done(self) -> bool:
         """True when every action has been carried out."""
         return not self._pending and not self._grip.pulls
+
+    def take_set_down(self) -> list[int]:
+        """Return the bodies set down without a gap since the last call: a prebuilt stack, to be judged at once."""
+        bodies, self._set_down = self._set_down, []
+        return bodies
 
     def act(self, time: float) -> None:
         """Carry out all actions that are due at ``time`` [s], and go on with those that take longer."""
@@ -120,6 +126,8 @@ class Builder:
             body = self._simulation.spawn(replace(brick, position=(x, y, z + shift)))
             self._bodies.append(body)
             self._planned[body] = brick
+            if action.height == 0.0:
+                self._set_down.append(body)
             self.level = max(self.level, brick.level)
             self._missing[brick.level] -= 1
             if not self._missing[brick.level]:
@@ -128,16 +136,20 @@ class Builder:
     def _resting_shift(self, action: Place) -> float:
         """Return what to add to the planned heights [m] so that the group hangs ``CLEARANCE`` above its support.
 
-        The support is a fixed box or a brick of a lower level. A brick that is planned beside the group is none, though
-        it may overlap it in plan by the micrometres by which it has moved; of poured bricks the plan tells nothing.
+        The support is a fixed box or a brick of a lower level than the one that it carries. A brick that is planned
+        beside the group is none, though it may overlap it in plan by the micrometres by which it has moved; of poured
+        bricks the plan tells nothing.
         """
         _, position, quaternion = self._simulation.poses()
         plan, group = self.plan, Boxes.of(action.bricks)
-        lower = plan.level < min(brick.level for brick in action.bricks)
-        planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
-        neighbours = None if self._is_poured else side_by_side(group, planned)
+        level = np.array([brick.level for brick in action.bricks])
+        lower = plan.level < level.max()
+        carries_nothing = plan.level[lower] >= level[:, None]
+        if not self._is_poured:
+            planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
+            carries_nothing |= side_by_side(group, planned)
         actual = Boxes.at(plan.size[lower], position[lower], quaternion[lower])
-        return resting_shift(group, actual, neighbours=neighbours, fixed=self._fixed)
+        return resting_shift(group, actual, neighbours=carries_nothing, fixed=self._fixed)
 
 
 def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick:

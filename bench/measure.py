@@ -21,14 +21,17 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.records import CollapseKind, Status, Verdict
+from scenarios import falling
 from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
 from scenarios.model import Brick, Expectation
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-TILT_LIMIT = math.radians(15)
-"""A plank that leans this far off its plan [rad] no longer carries what was planned to lie on it."""
+TILT_LIMIT = falling.TILT_LIMIT
+"""Angle [rad] off its plan from which a brick has toppled."""
+SLIDE_LIMIT = falling.SLIDE_LIMIT
+"""Distance sideways of its plan from which a brick has slid, in thicknesses."""
 SINK_LIMIT = 0.5
 """Relative sink between neighbouring levels, in thicknesses of a brick."""
 DROP_LIMIT = 1.0
@@ -139,7 +142,7 @@ def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
     sunk = relative_sink(plan, position)
     return Faults(
         topple=tilt(plan, quaternion) > TILT_LIMIT,
-        slide=sideways(plan, position) > thickness,
+        slide=sideways(plan, position) > SLIDE_LIMIT * thickness,
         drop=(position[:, 2] < plan.drop_below) | _fell_freely(plan, position, quaternion, sunk),
         sink=sunk > SINK_LIMIT * thickness,
     )
@@ -203,9 +206,9 @@ def verdict(
 ) -> Verdict:
     """Was the outcome what theory demands?
 
-    Standing is right if the trial ran to its end; falling is right only at the level itself and not before it is
-    due, by toppling, sliding or dropping. A trial that did not get to its end, and one that sank where it had to
-    fall, has failed.
+    Standing is right if the trial ran to its end; falling is right only at the level itself, not before it is due and
+    not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its end, and one that
+    sank where it had to fall, has failed.
     """
     if expectation.outcome == "study" or status == "unsupported":
         return "none"
@@ -220,4 +223,13 @@ def verdict(
     is_early = collapse_s is not None and collapse_s < expectation.not_before_s
     if collapse_level < expectation.level or is_early:
         return "false_collapse"
+    if _is_late(expectation, collapse_s):
+        return "false_stand"
     return "failed" if kind == "sink" else "right"
+
+
+def _is_late(expectation: Expectation, collapse_s: float | None) -> bool:
+    """Tell whether a fall came later than theory allows: until then something held the stack."""
+    if expectation.within_s is None or collapse_s is None:
+        return False
+    return collapse_s > expectation.not_before_s + expectation.within_s

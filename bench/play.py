@@ -85,6 +85,8 @@ class Play:
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
         """By level: the stack when it was complete, just before the next one was begun."""
+        self.adopted: int | None = None
+        """Bodies of prebuilt stacks frozen before the first step; None without an extension or a prebuilt stack."""
 
     @property
     def simulated_s(self) -> float:
@@ -106,6 +108,7 @@ class Play:
         while True:
             if self.watch.collapse is None:
                 self.builder.act(self.simulated_s)
+                self._adopt(self.builder.take_set_down())
             if not self._play_frame():
                 return "diverged"
             is_late = perf_counter() > deadline
@@ -118,6 +121,11 @@ class Play:
         """The frames in which ``level`` was placed, each brick's second included."""
         until = self._last_action_s + SEATING_S + _ROUNDING_S
         return [row for row in self.rows if row.level == level and row.time_s <= until]
+
+    def _adopt(self, bodies: Sequence[int]) -> None:
+        """Let the extension, if there is one, judge a prebuilt stack before the next step."""
+        if bodies and isinstance(self._frames, SteeredFrames):
+            self.adopted = (self.adopted or 0) + len(self._frames.adopt(bodies))
 
     def _play_frame(self) -> bool:
         """One frame, taken in by all who watch; False if the poses are no longer finite."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 from adapters.base import Simulation
 from bench.timed_port import TimedPort
-from stability_core import StabilityExtension
+from stability_core import Change, StabilityExtension
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class FrameTimes:
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """What the core read and did in one frame."""
+    """What the core read and did in one frame, and before its step if a prebuilt stack was set down."""
 
     contacts: int
     """Contact points read."""
@@ -70,21 +70,37 @@ class SteeredFrames:
         self._simulation = simulation
         self._port = TimedPort(simulation.port)
         self._extension = StabilityExtension(self._port, policy=policy, gravity=simulation.world.gravity)
+        self._before: list[tuple[FrameTimes, Steering]] = []  # what was adopted since the last step
+
+    def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
+        """Let the extension judge a prebuilt stack before the next step; returns the bodies that it froze.
+
+        Time and changes count for the next frame.
+        """
+        self._before.append(self._timed(self._simulation.find_contacts, lambda: self._extension.adopt(bodies)))
+        return tuple(self._before[-1][1].frozen)
 
     def play(self) -> tuple[FrameTimes, Steering]:
         """One frame: how long it took, and what the core did."""
-        port, frame_s = self._port, self._simulation.info.frame_s
+        frame_s = self._simulation.info.frame_s
+        played = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
+        parts, self._before = [*self._before, played], []
+        if len(parts) == 1:
+            return played
+        return _total([times for times, _ in parts]), _together([steering for _, steering in parts])
+
+    def _timed(self, engine: Callable[[], None], core: Callable[[], Change]) -> tuple[FrameTimes, Steering]:
+        """Call the engine, then the core; return how long both took, and what the core did."""
+        port = self._port
         port.reset()
         begin = perf_counter()
-        self._simulation.step(frame_s)
-        stepped = perf_counter()
-        change = self._extension.update(frame_s)
-        updated = perf_counter()
-        core_s = updated - stepped - port.readback_s - port.steering_s
-        times = FrameTimes(stepped - begin, port.readback_s, core_s, port.steering_s)
-        return times, Steering(
-            port.contact_points, change.frozen, change.woken, [change.reasons[body] for body in change.woken]
-        )
+        engine()
+        done = perf_counter()
+        change = core()
+        core_s = perf_counter() - done - port.readback_s - port.steering_s
+        reasons = [change.reasons[body] for body in change.woken]
+        times = FrameTimes(done - begin, port.readback_s, core_s, port.steering_s)
+        return times, Steering(port.contact_points, change.frozen, change.woken, reasons)
 
     def disturb(self, bodies: Sequence[int]) -> None:
         """Tell the extension that a user holds ``bodies``."""
@@ -93,3 +109,21 @@ class SteeredFrames:
     def release(self, bodies: Sequence[int]) -> None:
         """Tell the extension that the user let ``bodies`` go."""
         self._extension.release(bodies)
+
+
+def _total(times: Sequence[FrameTimes]) -> FrameTimes:
+    return FrameTimes(
+        sum(one.engine for one in times),
+        sum(one.readback for one in times),
+        sum(one.core for one in times),
+        sum(one.port for one in times),
+    )
+
+
+def _together(parts: Sequence[Steering]) -> Steering:
+    return Steering(
+        sum(part.contacts for part in parts),
+        [body for part in parts for body in part.frozen],
+        [body for part in parts for body in part.woken],
+        [reason for part in parts for reason in part.reasons],
+    )

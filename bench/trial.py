@@ -162,6 +162,7 @@ def _seen(play: Play) -> dict[str, Any]:
         fields |= {"rest_s": play.watch.rest_s, "repose_deg": play.watch.repose_deg}
     if play.is_steered:
         fields |= {
+            "adopted": play.adopted,
             "wakes": play.sleepers.wakes,
             "refreezes": play.sleepers.refreezes,
             "longest_live_s": play.sleepers.longest_live_s(play.simulated_s),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from reports.cells import ALONE, Cell, CellKey, compare_cells
 from reports.intervals import deviation
 from reports.survival import PairedTest, holm
-from reports.tables import NOTHING, Table, outcome
+from reports.tables import ADOPTED_NOTE, NOTHING, Table, adopted_mark, outcome
 from reports.wording import median_level, told, troubles
 
 
@@ -57,6 +57,8 @@ class MatrixRow:
     """right, wrong, mixed, or open where theory says nothing or the trials did not come so far."""
     figures: tuple[Figure, ...]
     trouble: str
+    note: str
+    """What else the reader of its figures must know; empty if nothing."""
 
 
 def matrix(cells: Sequence[Cell]) -> list[MatrixRow]:
@@ -69,7 +71,11 @@ def matrix(cells: Sequence[Cell]) -> list[MatrixRow]:
 def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
     """The comparison as a table of text, under its caption."""
     titles = (f"{column.title} [{column.unit}]" if column.unit else column.title for column in COLUMNS)
-    notes = (caption, *(f"{column.title}: {column.explanation}." for column in COLUMNS))
+    notes = (
+        caption,
+        *(f"{column.title}: {column.explanation}." for column in COLUMNS),
+        *dict.fromkeys(row.note for row in rows if row.note),
+    )
     return Table(
         "Comparison",
         (*CellKey._fields, *titles, "ended otherwise"),
@@ -102,7 +108,8 @@ def _row(cell: Cell, test: tuple[PairedTest, float] | None) -> MatrixRow:
         _paired(test),
     )
     judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
-    return MatrixRow(cell, judgement, figures, troubles(cell))
+    note = ADOPTED_NOTE if adopted_mark(cell.draws) else ""
+    return MatrixRow(cell, judgement, figures, troubles(cell), note)
 
 
 def _levels(cell: Cell) -> Figure:
@@ -114,8 +121,8 @@ def _levels(cell: Cell) -> Figure:
     fallen = sum(life.fell for life in cell.lifetimes.values())
     if not fallen:
         least = min(life.level for life in cell.lifetimes.values())
-        return Figure(f"none fell, ≥{least}", least)
-    text = f"{median_level(survival)}; {fallen} of {len(cell.lifetimes)} fell"
+        return Figure(f"none fell, ≥{least}{adopted_mark(cell.draws)}", least)
+    text = f"{median_level(survival)}; {fallen} of {len(cell.lifetimes)} fell{adopted_mark(cell.draws)}"
     return Figure(text, min(survival.median, float(survival.level[-1])))
 
 

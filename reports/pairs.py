@@ -18,6 +18,7 @@ from reports.records import CENSORED, TrialRecord, Verdict
 from reports.shares import MISSES, Shares, count, shares
 from reports.tables import NOTHING, Table
 from reports.wording import percent
+from scenarios.model import Expectation
 
 ALL = "all"
 """Stands for all families together."""
@@ -62,11 +63,17 @@ def pairs_of(cells: Sequence[Cell]) -> list[Pair]:
     for cell in cells:
         if cell.pair:
             sides.setdefault(cell.pair, []).append(cell)
-    return [
-        _pair(name, those)
-        for name, those in sides.items()
-        if {cell.expectation.outcome for cell in those} >= {"stand", "fall"}
-    ]
+    return [_pair(name, those) for name, those in sides.items() if are_opposed([cell.expectation for cell in those])]
+
+
+def are_opposed(expectations: Sequence[Expectation]) -> bool:
+    """Tell whether scenes ask for opposite things: one to stand and one to fall, or one to stand for a time first.
+
+    A prebuilt stack must stand until a brick is taken, and then fall; its partner must fall at once.
+    """
+    outcomes = {one.outcome for one in expectations}
+    stands_first = {one.not_before_s > 0.0 for one in expectations if one.outcome == "fall"}
+    return "study" not in outcomes and (outcomes == {"stand", "fall"} or stands_first == {True, False})
 
 
 def pair_shares(pairs: Sequence[Pair]) -> Shares | None:
@@ -117,9 +124,9 @@ def _pair(name: str, sides: Sequence[Cell]) -> Pair:
 
 
 def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
-    """Whether theory judges all sides of a build, and asks of one to stand and of another to fall."""
+    """Whether theory judges all sides of a build, and asks for opposite things."""
     decided = all(trial.verdict != "none" and trial.status not in CENSORED for trial in build)
-    return decided and {trial.expectation.outcome for trial in build} == {"stand", "fall"}
+    return decided and are_opposed([trial.expectation for trial in build])
 
 
 def _in_order(groups: dict[SetUp, list[Cell]]) -> list[SetUp]:

@@ -139,6 +139,9 @@ class TrialRecord(BaseModel):
     """Mean number of live bricks in a frame; null without an extension, where nobody can tell; so the next."""
     live_last: int | None = None
     """Number of live bricks in the last frame."""
+    adopted: int | None = None
+    """Number of bodies of prebuilt stacks that the core froze before the first step after they were set down; null
+    without an extension, and for a scene without a prebuilt stack."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
 

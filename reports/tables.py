@@ -27,6 +27,9 @@ _WENT_WRONG = {
     "unsupported": "n/a",
 }
 NOTHING = "-"
+ADOPTED = "†"
+"""Marks trials in which the core froze bodies of a prebuilt stack before the first step."""
+ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and froze bodies before the first step."
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,8 @@ def _outcomes(records: Sequence[TrialRecord]) -> Table:
     ]
     if any(record.status in CENSORED for record in records):
         notes.append("≥: stopped by the time limit; at least so many levels stand. Counted as neither right nor wrong.")
+    if any(record.adopted for record in records):
+        notes.append(ADOPTED_NOTE)
     if any(record.status == "unsupported" for record in records):
         notes.append("n/a: the engine cannot play the scene.")
     if alone := _stands_alone(records):
@@ -77,20 +82,25 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
     """One cell: how the trials of one scene, engine and policy ended, and whether that was right."""
     if not trials:
         return NOTHING
-    judged = _decided(trials)
+    judged, mark_of_adopted = _decided(trials), adopted_mark(trials)
     right = sum(trial.verdict == "right" for trial in judged)
     if len(trials) == 1:
-        return f"{_end(trials[0])}{' ✓' if right else ' ✗' if judged else ''}"
+        return f"{_end(trials[0])}{mark_of_adopted}{' ✓' if right else ' ✗' if judged else ''}"
     levels = sorted(trial.height_levels for trial in trials if trial.status not in _WENT_WRONG)
     if not levels:
         return _WENT_WRONG[trials[0].status]
     at_least = "≥" if any(trial.status in CENSORED for trial in trials) else ""
     varied = f" ({levels[0]}-{levels[-1]})" if levels[0] < levels[-1] else ""
-    reached = f"{at_least}{_plain(statistics.median(levels))}{varied}/{trials[0].levels_planned}"
+    reached = f"{at_least}{_plain(statistics.median(levels))}{varied}/{trials[0].levels_planned}{mark_of_adopted}"
     if not judged:
         return reached
     mark = "✓" if right == len(judged) else "~" if right else "✗"
     return f"{reached} {mark} {right}/{len(judged)}"
+
+
+def adopted_mark(trials: Sequence[TrialRecord]) -> str:
+    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in one of the trials, else nothing."""
+    return ADOPTED if any(trial.adopted for trial in trials) else ""
 
 
 def _end(trial: TrialRecord) -> str:

@@ -116,7 +116,7 @@ def resting_shift(
     """What to add to z [m] so that a rigid group hangs ``CLEARANCE`` above its support, by the first box that meets it.
 
     Args:
-        group: the boxes that are let go together, in their planned poses; none stands on another.
+        group: the boxes that are let go together, in their planned poses; those of a prebuilt stack touch each other.
         below: the ACTUAL poses of what may carry them: the boxes of lower levels only. A neighbour of the same level
             that is overlapped by a hair would otherwise lift a plank on top of itself. The ground always counts.
         neighbours: which of the boxes ``below`` are planned beside which of the group, shape (m, n); they do not carry.

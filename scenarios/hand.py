@@ -123,11 +123,11 @@ def _moved(group: Sequence[Brick], dx: float, dy: float, turn: float) -> tuple[B
             y0 + dy + sin * (x - x0) + cos * (y - y0),
             z,
         )
-        moved.append(replace(brick, position=position, quaternion=_turned(brick.quaternion, turn)))
+        moved.append(replace(brick, position=position, quaternion=turned(brick.quaternion, turn)))
     return tuple(moved)
 
 
-def _turned(quaternion: Quaternion, turn: float) -> Quaternion:
+def turned(quaternion: Quaternion, turn: float) -> Quaternion:
     """The orientation turned about the world's z by ``turn`` [rad]."""
     c, s = math.cos(turn / 2), math.sin(turn / 2)
     w, x, y, z = quaternion

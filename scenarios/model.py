@@ -60,7 +60,8 @@ class Place:
     """When [s], from the start of the trial."""
     bricks: tuple[Brick, ...]
     height: float = CLEARANCE
-    """From where [m] they are dropped, above their actual support."""
+    """From where [m] they are dropped, above their actual support. Zero sets them down without a gap: a prebuilt stack,
+    which may have several levels. The harness asks a stability extension to judge it before the next engine step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,11 +119,13 @@ class Expectation:
     """The level at which it must fall; None unless ``outcome`` is "fall"."""
     not_before_s: float = 0.0
     """When [s] that becomes due at the earliest: a scene that is undermined must stand until then."""
+    within_s: float | None = None
+    """How long [s] after that the fall may take; a fall that comes later counts as standing. None: to the end."""
 
     def __str__(self) -> str:
-        return (
-            f"falls at {self.level}" if self.outcome == "fall" else {"stand": "stands", "study": "study"}[self.outcome]
-        )
+        if self.outcome != "fall":
+            return {"stand": "stands", "study": "study"}[self.outcome]
+        return f"falls at {self.level}" + (f" after {self.not_before_s:g} s" if self.not_before_s else "")
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,12 @@
 
 Bricks must touch what carries them, to a fifth of a millimetre, and not overlap; what comes at one time is then lowered
 or raised as one, until it touches exactly. A level is told from what lies below: a brick on the ground is of
-the first, any other is one above the highest that it stands on or leans against.
+the first, any other is one above the highest that it stands on or leans against. Bricks of one time that make up
+several levels are a prebuilt stack: they are set down without a gap, and not dropped from ``CLEARANCE``.
+
+``size``, ``mass`` and ``yaw`` change the whole: lengths, the clearance included, times a factor; masses times a factor;
+a turn about z. Statics does not depend on them, so neither may an answer. Falls take the root of ``size`` longer, and
+so does the watching.
 
 Theory: ``scenarios.truth.first_fall``, under both conventions for the normal at a ridge; where they differ, or no
 proof is found, the scene is a study. Statics knows no energy: keep what decides 5 % away from its limit.
@@ -36,9 +41,10 @@ from typing import Any
 
 from scenarios.contact_patch import GROUND, contact_patches
 from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
-from scenarios.model import UPRIGHT, Action, Brick, Expectation, Place, Quaternion, Remove, Scene, World
-from scenarios.parameters import Value, defaults, real
+from scenarios.model import CLEARANCE, UPRIGHT, Action, Brick, Expectation, Place, Quaternion, Remove, Scene, World
+from scenarios.parameters import Value, defaults, real, variant_of
 from scenarios.planks import MU
+from scenarios.transforms import transformed
 from scenarios.truth import UndecidedError, first_fall
 from stability_core.lookup import look_up
 
@@ -53,18 +59,26 @@ _LARGEST = 1e3
 """Metres and seconds beyond which a number is a slip of the keyboard."""
 _HEAVIEST = 1e6
 """Kilograms, likewise."""
+WATCH_S = 5.0
+"""How long [s] a scene of its own size is watched."""
 SNAP = 0.2e-3
 """Gap or overlap [m] that is a rounding of whoever wrote the file."""
 _UNIT = 1e-6
 """How far the length of a quaternion may be from 1."""
 
 
-def own_scene(*, file: str = "lintel.toml") -> Scene:
+def own_scene(*, file: str = "lintel.toml", size: float = 1.0, mass: float = 1.0, yaw: float = 0.0) -> Scene:
     """Your own bricks, from a TOML file.
 
     Args:
         file: where it lies, or the name of one of ``scenarios/examples``.
+        size: factor of all lengths; masses stay.
+        mass: factor of all masses.
+        yaw: turn of the whole about the z axis [deg].
     """
+    size = real("size", size, least=0.01, most=100)
+    mass = real("mass", mass, least=1e-3, most=1e3)
+    yaw = real("yaw", yaw, least=-360, most=360)
     if not isinstance(file, str) or not file.endswith(".toml"):
         raise ValueError(f"file must be a TOML file's name, got {file!r}")
     path = Path(file) if Path(file).exists() else EXAMPLES / file
@@ -74,13 +88,13 @@ def own_scene(*, file: str = "lintel.toml") -> Scene:
         examples = ", ".join(sorted(example.name for example in EXAMPLES.glob("*.toml")))
         raise ValueError(f"{file}: cannot be read ({error}); a path, or one of {examples}") from error
     try:
-        return _scene(file, text)
+        return _scene(file, text, size, mass, yaw)
     except (ValueError, LookupError) as error:
         raise ValueError(f"{file}: {error}") from error
 
 
-@lru_cache(maxsize=16)
-def _scene(file: str, text: str) -> Scene:
+@lru_cache(maxsize=64)
+def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
     """The scene that ``text`` tells; its id names the content too, so that a changed file is another scene."""
     try:
         content = tomllib.loads(text)
@@ -100,21 +114,31 @@ def _scene(file: str, text: str) -> Scene:
     bricks = [_brick(f"brick[{n}]", one) for _, n, one in laid]
     times, numbers = [time for time, _, _ in laid], [n for _, n, _ in laid]
     bricks = _levelled(_settled(bricks, times, fixed), times, numbers, fixed)
-    actions = _actions(bricks, laid)
-    is_default = file == defaults(own_scene)["file"]
-    name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
-    parameters: dict[str, Value] = {"file": file}
+    bricks = [transformed(brick, size, mass, yaw) for brick in bricks]
+    fixed = tuple(transformed(wall, size, mass, yaw) for wall in fixed)
+    parameters: dict[str, Value] = {"file": file, "size": size, "mass": mass, "yaw": yaw}
     scene = Scene(
         scenario="own_scene",
-        variant="own_scene" if is_default else f"own_scene-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}",
+        variant=_variant(text, parameters),
         parameters=parameters,
         world=World(friction=friction, fixed=fixed),
-        actions=actions,
+        actions=_actions(bricks, laid, CLEARANCE * size),
         expectation=Expectation("study", "not yet judged"),
         look_for="does it stand or fall as exact statics says, and when?",
         planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
+        watch_s=WATCH_S * max(1.0, math.sqrt(size)),
     )
     return replace(scene, expectation=_judged(scene))
+
+
+def _variant(text: str, parameters: Mapping[str, Value]) -> str:
+    """Return the id: the file's name and content unless it is the default one, then what changes the whole."""
+    default = defaults(own_scene)["file"]
+    file = str(parameters["file"])
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
+    told = "" if file == default else f"-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}"
+    changes = variant_of(own_scene, {**parameters, "file": default}).removeprefix("own_scene")
+    return f"own_scene{told}{changes}"
 
 
 def _tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
@@ -222,10 +246,13 @@ def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[B
     )
 
 
-def _actions(bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[str, Any]]]) -> tuple[Action, ...]:
+def _actions(
+    bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[str, Any]]], clearance: float
+) -> tuple[Action, ...]:
     placed = [(time, brick) for (time, _, _), brick in zip(laid, bricks, strict=True)]
     actions: list[Action] = [
-        Place(time, tuple(brick for _, brick in group)) for time, group in groupby(placed, key=lambda entry: entry[0])
+        _placed(time, tuple(brick for _, brick in group), clearance)
+        for time, group in groupby(placed, key=lambda entry: entry[0])
     ]
     for index, (time, n, told) in enumerate(laid):
         if "removed" in told:
@@ -234,6 +261,12 @@ def _actions(bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[s
                 raise ValueError(f"brick[{n}].removed must be after its time {time:g}, got {removed:g}")
             actions.append(Remove(removed, index))
     return tuple(sorted(actions, key=attrgetter("time")))
+
+
+def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
+    """Return how bricks of one time come: a prebuilt stack without a gap, one level from ``clearance`` [m]."""
+    is_prebuilt = len({brick.level for brick in group}) > 1
+    return Place(time, group, 0.0 if is_prebuilt else clearance)
 
 
 def _judged(scene: Scene) -> Expectation:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
+from scenarios.at_once import BUILT, at_once, at_once_below
 from scenarios.branches import branches
 from scenarios.brick_wall import brick_wall
 from scenarios.cantilever import cantilever
@@ -24,7 +26,7 @@ from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
 from scenarios.neighbour_side import neighbour_side
 from scenarios.own_scene import own_scene
-from scenarios.parameters import Value, defaults
+from scenarios.parameters import Value, choice, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
 from scenarios.poured_pile import poured_pile
@@ -45,6 +47,8 @@ class Scenario:
     """What can be built: a scene for every choice of its parameters."""
 
     builder: Callable[..., Scene]
+    is_static: bool = True
+    """Whether it can be prebuilt (parameter ``built``): bricks are laid and taken, not poured, pushed or dropped."""
 
     @property
     def description(self) -> str:
@@ -54,11 +58,13 @@ class Scenario:
     @property
     def parameters(self) -> Mapping[str, Value]:
         """The parameters' names and defaults."""
-        return defaults(self.builder)
+        return {**defaults(self.builder), **({"built": BUILT[0]} if self.is_static else {})}
 
 
+_DYNAMIC = (character, pushed_plank, pulled_plank, dropped_plank, poured_pile, own_scene)
+"""Scenarios without the parameter ``built``. A scene of one's own says in its file which bricks come together."""
 SCENARIOS: Mapping[str, Scenario] = {
-    builder.__name__: Scenario(builder)
+    builder.__name__: Scenario(builder, builder not in _DYNAMIC)
     for builder in (
         plank_tower,
         four_stack,
@@ -104,9 +110,22 @@ def build(name: str, **parameters: Value) -> Scene:
     for parameter in parameters:
         look_up(f"parameter of {name}", parameter, scenario.parameters)
     try:
-        return scenario.builder(**parameters)
+        if not scenario.is_static:
+            return scenario.builder(**parameters)
+        built = choice("built", parameters.pop("built", BUILT[0]), BUILT)
+        if built == BUILT[0]:
+            scene = scenario.builder(**parameters)
+            return replace(scene, parameters={**scene.parameters, "built": built})
+        return _prebuilt(scenario.builder, built, **parameters)
     except ValueError as error:
         raise ValueError(f"scenario {name}: {error}") from error
+
+
+@lru_cache(maxsize=256, typed=True)
+def _prebuilt(builder: Callable[..., Scene], built: str, **parameters: Value) -> Scene:
+    """Return a prebuilt scene; cached, because exact statics looks for the brick that is taken."""
+    scene = builder(**parameters)
+    return at_once(scene) if built == "at_once" else at_once_below(scene)
 
 
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:

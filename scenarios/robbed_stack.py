@@ -22,15 +22,14 @@ from scenarios.brick_wall import brick_wall
 from scenarios.card_house import card_house
 from scenarios.four_stack import four_stack
 from scenarios.log_cabin import log_cabin
-from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene, World
+from scenarios.model import Action, Expectation, Place, Remove, Scene, World
 from scenarios.parameters import Value, choice, defaults, real, variant_of
-from scenarios.planks import GAP, MU, THICKNESS, box, one_a_second
+from scenarios.pedestals import lifted, pedestals
+from scenarios.planks import GAP, MU, box, one_a_second
 from scenarios.pyramid import pyramid
 
 PAUSE_S = 2.0
 """From the last brick to the removal [s]: time to settle."""
-PEDESTAL = 6 * THICKNESS
-"""Height of a pedestal [m]."""
 EDGE = 0.2
 """Edge of a block [m]."""
 
@@ -82,8 +81,8 @@ def robbed_stack(*, stack: str = "four_stack", taken: str = "load", gap: float =
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
     time = built.actions[-1].time + pause
-    pedestals = len(built.bricks) - len(plain.bricks)
-    bricks = [pedestals + brick for brick in robbery.load] if taken == "load" else [robbery.support]
+    below = len(built.bricks) - len(plain.bricks)
+    bricks = [below + brick for brick in robbery.load] if taken == "load" else [robbery.support]
     removals: tuple[Action, ...] = tuple(Remove(time, brick) for brick in bricks)
     if taken == "load":
         expectation = Expectation("stand", "what is left stood before, under more load")
@@ -117,27 +116,10 @@ def _two_blocks() -> Scene:
 
 
 def _raised(scene: Scene, narrower: float) -> Scene:
-    """The scene on pedestals, which come together, a second before its first brick; see ``_pedestal``."""
-    pedestals = tuple(_pedestal(brick, narrower) for brick in scene.bricks if brick.level == 1)
-    lifted: list[Action] = [
-        Place(action.time + 1.0, tuple(_lifted(brick) for brick in action.bricks))
+    """The scene on pedestals, which come together, a second before its first brick; see ``pedestals``."""
+    higher: list[Action] = [
+        Place(action.time + 1.0, tuple(lifted(brick) for brick in action.bricks))
         for action in scene.actions
         if isinstance(action, Place)
     ]
-    return replace(scene, actions=(Place(0.0, pedestals), *lifted))
-
-
-def _pedestal(brick: Brick, narrower: float) -> Brick:
-    """What stands below a brick of the lowest level, ``narrower`` [m] both ways.
-
-    Where bricks touch pedestals must not: a brick that has moved by a micrometre would rest on its neighbour's.
-    """
-    (length, width, height), (x, y, _) = brick.size, brick.position
-    mass = brick.mass * PEDESTAL / height
-    size = (length - narrower, width - narrower, PEDESTAL)
-    return replace(brick, size=size, mass=mass, position=(x, y, PEDESTAL / 2))
-
-
-def _lifted(brick: Brick) -> Brick:
-    x, y, z = brick.position
-    return replace(brick, position=(x, y, z + PEDESTAL), level=brick.level + 1)
+    return replace(scene, actions=(Place(0.0, pedestals(scene, narrower)), *higher))

@@ -8,8 +8,9 @@ import pytest
 
 from bench import measure
 from bench.measure import Plan
+from scenarios import falling
 from scenarios.model import Expectation
-from scenarios.planks import THICKNESS, lay, lean
+from scenarios.planks import THICKNESS, box, lay, lean
 
 TOWER = [lay(0.0, level=level) for level in (1, 2, 3)]
 PLAN = Plan.of(TOWER)
@@ -151,3 +152,28 @@ def test_what_falls_before_it_is_due_is_no_right_fall() -> None:
     undermined = replace(FALLS_AT_9, not_before_s=11.0)
     early, due = (measure.verdict(undermined, "collapsed", 9, "topple", time) for time in (10.9, 11.2))
     assert (early, due) == ("false_collapse", "right")
+
+
+@pytest.mark.parametrize(
+    ("time", "expected"), [(2.9, "false_collapse"), (3.4, "right"), (3.5, "right"), (3.6, "false_stand")]
+)
+def test_what_falls_later_than_theory_allows_was_held_up(time, expected) -> None:
+    """Due from 3 s on, and within half a second."""
+    bounded = replace(FALLS_AT_9, not_before_s=3.0, within_s=0.5)
+    assert measure.verdict(bounded, "collapsed", 9, "topple", time) == expected
+    assert measure.verdict(bounded, "completed", None, None) == "false_stand"
+    late = measure.verdict(bounded, "collapsed", 9, "sink", 3.6)
+    assert late == "false_stand", "how it went down in the end does not matter"
+
+
+def test_the_limits_are_those_that_the_time_of_a_fall_is_worked_out_for() -> None:
+    """A tower of 39 mm cubes: limits are shares of a brick's least edge, so that they grow with the bricks."""
+    assert (measure.TILT_LIMIT, measure.SLIDE_LIMIT) == (falling.TILT_LIMIT, falling.SLIDE_LIMIT)
+    for size in (1.0, 3.0):
+        cubes = Plan.of([box((0.039 * size,) * 3, 0.0, level=n, bottom=0.039 * size * (n - 1)) for n in (1, 2)])
+        for share, kind in ((0.99, None), (1.01, "slide")):
+            moved = cubes.position + np.array([[0.0, 0.0, 0.0], [share * 0.039 * size, 0.0, 0.0]])
+            assert measure.faults(cubes, moved, cubes.quaternion).kind == kind
+        for share, kind in ((0.49, None), (0.51, "sink")):
+            moved = cubes.position - np.array([[0.0, 0.0, 0.0], [0.0, 0.0, share * 0.039 * size]])
+            assert measure.faults(cubes, moved, cubes.quaternion).kind == kind

@@ -2,15 +2,17 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import pytest
 from scipy import stats
 
 from reports.cells import cells_of
-from reports.pairs import ALL, PairRow, pair_rows, pair_tables, pairs_csv
+from reports.pairs import ALL, PairRow, are_opposed, pair_rows, pair_tables, pairs_csv
 from reports.records import TrialRecord
 from reports.tables import to_markdown
 from reports.verdicts import verdicts
+from scenarios.model import Expectation
 from tests.reports.studies import FALLS, STANDS, record
 
 
@@ -149,3 +151,29 @@ def test_the_csv_has_every_share_with_its_ends() -> None:
     assert [line["family"] for line in lines] == [ALL, "table"]
     assert {line["judged"] for line in lines} == {"2"}
     assert (lines[0]["right"], lines[0]["failed"], lines[0]["right_low"]) == ("0.5", "0.5", "")
+
+
+UNDERMINED = replace(FALLS, not_before_s=3.0)
+
+
+def test_a_prebuilt_stack_that_stands_for_a_time_and_one_that_falls_at_once_are_a_pair() -> None:
+    stands = side("a", "fall", "right", expectation=UNDERMINED, scene="a-8")
+    falls = side("a", "fall", "false_stand", expectation=replace(FALLS, within_s=0.4), scene="a-9")
+    assert values(row([stands, falls])) == [0, 1, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("expectations", "opposed"),
+    [
+        ((STANDS, FALLS), True),
+        ((STANDS, UNDERMINED), True),
+        ((UNDERMINED, FALLS), True),
+        ((UNDERMINED, UNDERMINED, FALLS), True),
+        ((STANDS, STANDS), False),
+        ((FALLS, FALLS), False),
+        ((UNDERMINED, UNDERMINED), False),
+        ((STANDS, Expectation("study", "")), False),
+    ],
+)
+def test_a_pair_asks_for_opposite_things(expectations, opposed) -> None:
+    assert are_opposed(expectations) == opposed

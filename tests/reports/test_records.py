@@ -44,6 +44,15 @@ def test_records_read_back_as_they_were(tmp_path) -> None:
     assert isinstance(again[0].parameters["angle"], float)
 
 
+def test_a_record_from_before_there_were_prebuilt_stacks_still_reads(tmp_path) -> None:
+    old = json.loads(trial().model_dump_json())
+    del old["adopted"], old["expectation"]["within_s"]
+    (tmp_path / "trials.jsonl").write_text(json.dumps(old) + "\n")
+    [again] = read_records(tmp_path / "trials.jsonl")
+    assert (again.adopted, again.expectation.within_s) == (None, None)
+    assert again == trial()
+
+
 def test_every_record_is_on_disk_before_the_next_trial_begins(tmp_path) -> None:
     writer = RecordWriter(tmp_path / "trials.jsonl")
     writer.append(trial())

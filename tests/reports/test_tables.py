@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from reports.cells import cells_of
+from reports.matrix import matrix, matrix_table
 from reports.records import TrialRecord
-from reports.tables import outcome, render, study_tables, to_markdown, write_csv
+from reports.tables import ADOPTED_NOTE, outcome, render, study_tables, to_markdown, write_csv
 from scenarios.model import Expectation
 
 GOLDEN = Path(__file__).parent / "golden" / "tables.md"
@@ -143,3 +145,20 @@ def test_the_csv_has_every_field_of_every_trial(tmp_path) -> None:
     assert rows[0]["height_levels"] == "7"
     assert rows[0]["frame_ratio"] == ""
     assert json.loads(rows[0]["expectation"]) == RECORDS[0].model_dump()["expectation"]
+
+
+def test_a_stack_that_was_frozen_before_the_first_step_is_marked_and_explained() -> None:
+    adopted, live = record(policy="paper", adopted=30), record(policy="paper", adopted=0, seed=1)
+    assert outcome([adopted]) == "30/30† ✓"
+    assert outcome([live]) == "30/30 ✓"
+    assert outcome([adopted, live]) == "30/30† ✓ 2/2"
+    assert ADOPTED_NOTE in study_tables([record(), adopted])[0].notes
+    assert ADOPTED_NOTE not in study_tables([record(), live])[0].notes
+
+
+def test_the_comparison_notes_it_of_the_row() -> None:
+    alone, adopted = matrix(cells_of([record(), record(policy="paper", adopted=30)]))
+    assert (alone.note, adopted.note) == ("", ADOPTED_NOTE)
+    assert adopted.figures[1].text == "30/30†"
+    assert matrix_table([alone, adopted], "").notes[-1] == ADOPTED_NOTE
+    assert ADOPTED_NOTE not in matrix_table([alone], "").notes

@@ -1,10 +1,14 @@
 """A scene of one's own: a file of bricks, checked, and judged by exact statics."""
 
+import math
+
 import pytest
 
 from bench.selection import Selection, selected
 from bench.studies import StudyError, load_study
-from scenarios.model import Place, Remove
+from scenarios.falling import fall_time
+from scenarios.model import CLEARANCE, Place, Remove
+from scenarios.own_scene import EXAMPLES
 from scenarios.registry import build
 
 PLANK = {"size": [0.12, 0.02, 0.01], "position": [0.0, 0.0, 0.005], "mass": 0.01, "time": 0.0}
@@ -161,3 +165,115 @@ def test_the_command_line_takes_a_file_for_a_scenario(write):
     assert [chosen.name for chosen in study.scenario] == ["own_scene"]
     with pytest.raises(StudyError, match="floats"):
         selected(load_study("smoke"), Selection(scenarios=[write(plank(position=[0, 0, 0.1]))]))
+
+
+# -- prebuilt stacks, and the whole larger, heavier or turned ----------------------------------------------------------
+
+
+def test_bricks_of_one_time_on_several_levels_are_a_prebuilt_stack(write):
+    upper = plank(position=[0.0, 0.0, 0.015])
+    later = plank(position=[0.0, 0.0, 0.025], time=1.0), plank(position=[0.3, 0.0, 0.005], time=1.0)
+    whole = build("own_scene", file=write(upper, plank()))
+    assert [(place.height, len(place.bricks)) for place in whole.actions] == [(0.0, 2)]
+    single = build("own_scene", file=write(plank(), plank(position=[0.3, 0.0, 0.005]), name="single.toml"))
+    assert [(place.height, len(place.bricks)) for place in single.actions] == [(CLEARANCE, 2)]
+    mixed = build("own_scene", file=write(upper, plank(), *later, name="mixed.toml"))
+    assert [(place.height, [b.level for b in place.bricks]) for place in mixed.actions] == [
+        (0.0, [2, 1]),
+        (0.0, [3, 1]),
+    ]
+
+
+def test_the_whole_may_be_larger_heavier_and_turned(write):
+    tower = leaning(write, 5)
+    plain, changed = build("own_scene", file=tower), build("own_scene", file=tower, size=3, mass=7, yaw=90)
+    for before, after in zip(plain.bricks, changed.bricks, strict=True):
+        x, y, z = before.position
+        assert after.position == pytest.approx((-3 * y, 3 * x, 3 * z), abs=1e-12)
+        assert after.size == pytest.approx([3 * edge for edge in before.size])
+        assert after.mass == pytest.approx(7 * before.mass)
+        assert after.quaternion == pytest.approx((math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)))
+    assert {place.height for place in changed.actions} == {3 * CLEARANCE}
+    assert (plain.planar, changed.planar) == (True, False)
+    assert changed.watch_s == pytest.approx(plain.watch_s * math.sqrt(3))
+    assert str(changed.expectation) == str(plain.expectation) == "falls at 5"
+    assert changed.variant == f"{plain.variant}-size3-mass7-yaw90"
+
+
+def test_fixed_boxes_change_with_the_bricks(write):
+    file = write(plank(position=[0.044, 0.0, 0.105]), fixed=[TABLE])
+    [table] = build("own_scene", file=file, size=2, yaw=180).world.fixed
+    assert table.position == pytest.approx((0.0, 0.0, 0.1))
+    assert table.size == pytest.approx((0.2, 0.2, 0.2))
+
+
+def test_defaults_change_neither_the_id_nor_a_brick(write):
+    tower = leaning(write, 4)
+    assert build("own_scene", file=tower, size=1, mass=1, yaw=0) == build("own_scene", file=tower)
+    assert build("own_scene", size=1.0).variant == "own_scene"
+    assert build("own_scene", size=2).variant == "own_scene-size2"
+
+
+@pytest.mark.parametrize(("name", "value"), [("size", 0), ("mass", -1), ("yaw", 400), ("size", float("nan"))])
+def test_a_factor_that_makes_no_scene_names_what_is_allowed(name, value):
+    with pytest.raises(ValueError, match=f"{name} must be a number from"):
+        build("own_scene", **{name: value})
+
+
+# -- scenes of public bug reports --------------------------------------------------------------------------------------
+
+STAND = "stands"
+ISSUES = {
+    "atonce10": STAND,
+    "box3d_tiny_pyramid": STAND,
+    "bullet3_3049": STAND,
+    "cannon_es_177": STAND,
+    "flax_15_40": STAND,
+    "flax_15_60": "falls at 2",
+    "genesis_893": STAND,
+    "habitat_801": "falls at 2 after 12 s",
+    "jolt_1390_100": STAND,
+    "mujoco_366_mu0": STAND,
+    "pallet": STAND,
+    "peel_mass_ratio_100": STAND,
+    "peel_mass_ratio_300": STAND,
+    "qu3e_54": STAND,
+    "slow_tip_0.2": "falls at 1",
+}
+"""What must happen to each example, by name of its file."""
+AT_ONCE = {
+    "atonce10", "box3d_tiny_pyramid", "cannon_es_177", "mujoco_366_mu0", "peel_mass_ratio_100", "peel_mass_ratio_300",
+    "qu3e_54",
+}  # fmt: skip
+"""Those that are in place when the simulation starts."""
+
+
+@pytest.mark.parametrize("changes", [{}, {"size": 3, "mass": 7, "yaw": 13}], ids=["as reported", "changed"])
+@pytest.mark.parametrize("name", ISSUES)
+def test_exact_statics_says_what_must_happen_to_the_scene_of_a_bug_report(name, changes):
+    """Whatever its size, its weight and its direction."""
+    scene = build("own_scene", file=f"issue_{name}.toml", **changes)
+    assert str(scene.expectation) == ISSUES[name]
+    assert scene.expectation.not_before_s == (12.0 if name == "habitat_801" else 0.0)
+    assert (scene.actions[0].height == 0.0) == (name in AT_ONCE)
+    outcome = "Must stand" if ISSUES[name] == STAND or name == "habitat_801" else f"Must {ISSUES[name]}"
+    told = (EXAMPLES / f"issue_{name}.toml").read_text(encoding="utf-8").splitlines()[1]
+    assert told.startswith(f"# {outcome.replace('falls at', 'fall at level')}")
+
+
+def test_the_study_plays_all_of_them():
+    parameters = [chosen.parameters for chosen in load_study("any_stack").scenario]
+    files = sorted(f"issue_{name}.toml" for name in ISSUES)
+    assert [one["file"] for one in parameters] == [files, files]
+    assert sorted(path.name for path in EXAMPLES.glob("issue_*.toml")) == files
+    assert [{k: v for k, v in one.items() if k != "file"} for one in parameters] == [
+        {},
+        {"size": 3.0, "mass": 7.0, "yaw": 13.0},
+    ]
+
+
+def test_a_fall_takes_the_root_of_its_size_longer_and_is_watched_to_its_end():
+    for size in (1, 3):
+        post = build("own_scene", file="issue_slow_tip_0.2.toml", size=size)
+        assert fall_time(post.bricks, post.world) == pytest.approx(1.24 * math.sqrt(size), rel=0.01)
+        assert post.watch_s > 3 * fall_time(post.bricks, post.world)
