@@ -190,10 +190,11 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
         raise PortError(
             f"body {body} had {before[0]:g} kg and has {woken[0]:g} kg after it slept: wake() must restore it"
         )
-    if np.linalg.norm(woken[1] - before[1]) > APART * size:
+    apart = float(np.linalg.norm(woken[1] - before[1]))
+    if apart > APART * size:
         raise PortError(
-            f"body {body} is {1e3 * np.linalg.norm(woken[1] - before[1]):.2g} mm from where it was put to sleep, a frame "
-            "after wake(): sleep() must fix it, and wake() hand it back at rest"
+            f"body {body} is {1e3 * apart:.2g} mm from where it was put to sleep, a frame after wake(): sleep() must "
+            "fix it, and wake() hand it back at rest"
         )
     return [*lines, f"body {body} slept for {ASLEEP} frames without moving, and woke at rest with its mass"]
 
