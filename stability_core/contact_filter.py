@@ -74,6 +74,8 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stan
     row.slip = max(row.slip, slip)
     row.touches = row.touches or other == GROUND or bodies[other].state == FROZEN
     row.neighbours |= bit_of(other)
+    if other == GROUND or bodies[other].state == FROZEN:
+        row.frozen_neighbours |= bit_of(other)
     if stands:
         row.supported_by |= bit_of(other)
         if depth > row.depth:  # false for an unknown (NaN) depth

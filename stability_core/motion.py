@@ -7,7 +7,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Limits
-from stability_core.stack import ABSENT, LIVE, NOT_REFUSED, PROVEN, Bodies
+from stability_core.stack import ABSENT, DOUBTED, FALLS, LIVE, NOT_REFUSED, PROVEN, Bodies
 
 
 @compiled
@@ -44,7 +44,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
         body.depth_before = body.depth
         body.slip = body.depth = 0.0
         body.touches = False
-        body.supported_by = body.neighbours = 0
+        body.supported_by = body.neighbours = body.frozen_neighbours = 0
     return frozen
 
 
@@ -71,6 +71,7 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, dt: float) -
         body.steady_s += dt
         return
     body.steady_s, body.steady_neighbours = 0.0, body.neighbours
+    body.refusal = NOT_REFUSED
     for k in range(3):
         body.steady_center[k] = body.center[k]
 
@@ -108,10 +109,18 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
 
 
 @compiled
-def _is_asked(elapsed: float, dwell: float, again: float, dt: float) -> bool:
-    """True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later."""
+def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool) -> bool:
+    """True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later.
+
+    With ``rarely``, the times between double.
+    """
     late = elapsed - dwell + ROUNDING_S
-    return bool(late >= 0.0 and (late < dt or np.floor(late / again) > np.floor((late - dt) / again)))
+    if late < dt:
+        return bool(late >= 0.0)
+    times = int(late / again)
+    if times == int((late - dt) / again):
+        return False
+    return not rarely or (times & (times - 1)) == 0
 
 
 @compiled
@@ -120,7 +129,8 @@ def list_due(
 ) -> tuple[int, int]:
     """Write down the bodies whose stability must be decided now; returns how many.
 
-    A body that was refused is asked again after ``rest_s`` more.
+    A body that was refused is asked again after ``rest_s`` more. While it keeps its place, and its neighbours theirs,
+    one that would fall is asked after 2, 4, 8 times that, and one in doubt not before ``doubt_s``: solves are dear.
 
     Args:
         bodies: the table.
@@ -138,10 +148,14 @@ def list_due(
         dwell = (
             body.rest_s if body.rest_s >= limits.rest_s - ROUNDING_S else body.still_s - limits.still_s + limits.rest_s
         )
-        if _is_asked(dwell, limits.rest_s, limits.rest_s, dt):
+        is_as_refused = body.frozen_neighbours == body.refused_among
+        if is_as_refused and body.refusal == DOUBTED and body.steady_s < limits.doubt_s - ROUNDING_S:
+            continue
+        rarely = is_as_refused and body.refusal == FALLS
+        if _is_asked(dwell, limits.rest_s, limits.rest_s, dt, rarely):
             at_rest[n] = ids[i]
             n += 1
-        if _is_asked(body.lean_s, limits.lean_s, limits.rest_s, dt):
+        if _is_asked(body.lean_s, limits.lean_s, limits.rest_s, dt, rarely):
             leaning[m] = ids[i]
             m += 1
     return n, m

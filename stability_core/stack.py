@@ -47,6 +47,7 @@ BODY = np.dtype(
         ("touches", "?"),  # it touches the ground or a frozen body
         ("supported_by", "u8"),  # its supports as a set of 64 bits by id
         ("neighbours", "u8"),  # all that it touches, likewise
+        ("frozen_neighbours", "u8"),  # those of them that are frozen, or the ground
         # for how long [s], up to the latest frame
         ("rest_s", "f8"),  # at rest by the strict rule
         ("still_s", "f8"),  # in its place, however it trembles and however deep it lies
@@ -61,6 +62,7 @@ BODY = np.dtype(
         # frozen though nothing proves that it stands: PROVEN, or IN_DOUBT and then NOTED
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
+        ("refused_among", "u8"),  # its frozen neighbours at that time
         # a live body that lies on the stack and whose patches stand in the graph
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]

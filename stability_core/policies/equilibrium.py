@@ -280,7 +280,9 @@ class Equilibrium(Policy):
                 bodies["doubt"][part] = IN_DOUBT
                 return part, "held by the engine", patches[:0]
             falls = np.isin(part, ids[takes_part(rest)])
-            bodies["refusal"][part[falls] if falls.any() else part] = DOUBTED if verdict == "doubt" else FALLS
+            refused = part[falls] if falls.any() else part
+            bodies["refusal"][refused] = DOUBTED if verdict == "doubt" else FALLS
+            bodies["refused_among"][refused] = bodies["frozen_neighbours"][refused]
             if not falls.any():
                 break
             part = part[~falls]
