@@ -1,6 +1,7 @@
 """Prebuilt stacks: any scene of statics with all bricks in place when the simulation starts.
 
-``at_once`` merges all ``Place`` actions into one at time 0 with height 0: planned geometry, levels touch without a gap.
+``at_once`` merges all ``Place`` actions into one at time 0 with height 0: planned geometry, levels touch without a gap,
+and so do planks that lean against each other.
 Removals keep their distance from the last brick that was laid. Which bricks, and what must happen:
 
 1. A scene that must fall at level k while it is built: its first k levels. They must fall at once, within
@@ -23,11 +24,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Literal
 
 import numpy as np
 
-from scenarios.contact_patch import Patch, contact_patches
+from scenarios.contact_patch import GROUND, Patch, contact_patches
 from scenarios.falling import fall_time
 from scenarios.geometry import Boxes
 from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene
@@ -56,6 +58,7 @@ def at_once(scene: Scene) -> Scene:
         ValueError: if the scene is dynamic or has no known answer, or if no single brick bears what is left.
     """
     _check(scene)
+    scene = _closed(scene)
     level = _level_of_fall(scene)
     if level is not None:
         return _falling(scene, [brick for brick in scene.bricks if brick.level <= level])
@@ -70,6 +73,7 @@ def at_once_below(scene: Scene) -> Scene:
         ValueError: as ``at_once``; or if the scene has no such level, or it is the first.
     """
     _check(scene)
+    scene = _closed(scene)
     level = _level_of_fall(scene)
     if level is None or level == 1:
         raise ValueError(f"{scene.variant} has no levels below the one at which it falls; use built = 'at_once'")
@@ -87,6 +91,28 @@ def _check(scene: Scene) -> None:
         raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it can only be built one by one")
     if scene.expectation.outcome == "study":
         raise ValueError(f"{scene.variant} has no known answer ({scene.expectation.theory}): build it one by one")
+
+
+def _closed(scene: Scene) -> Scene:
+    """Return the scene with ridges closed: a hand leaves a hair between two planks that lean against each other."""
+    corners = Boxes.of(scene.bricks).corners
+    shift = np.zeros((len(scene.bricks), 3))
+    for patch in contact_patches(scene.bricks):
+        if patch.first != GROUND and abs(patch.normal[2]) < _UPWARD:
+            apart = (corners[patch.second] @ patch.normal).min() - (corners[patch.first] @ patch.normal).max()
+            shift[patch.first] += max(0.0, apart) / 2 * patch.normal
+            shift[patch.second] -= max(0.0, apart) / 2 * patch.normal
+    bricks = iter(
+        replace(brick, position=(brick.position[0] + x, brick.position[1] + y, brick.position[2] + z))
+        for brick, (x, y, z) in zip(scene.bricks, shift.tolist(), strict=True)
+    )
+    return replace(
+        scene,
+        actions=tuple(
+            replace(action, bricks=tuple(islice(bricks, len(action.bricks)))) if isinstance(action, Place) else action
+            for action in scene.actions
+        ),
+    )
 
 
 def _level_of_fall(scene: Scene) -> int | None:

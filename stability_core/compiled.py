@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from numba import njit
 from numba.core.errors import TypingError as WrongTypeError
@@ -15,10 +15,15 @@ NOT_KEPT: list[str] = []
 """Why compiled kernels cannot be kept for later processes, by kernel; empty where there is a cache."""
 
 
-def compiled(function: Kernel) -> Kernel:
-    """Compile ``function`` on its first call. NumPy's rules for division: x / 0 is inf, not an exception."""
+def compiled(function: Kernel, **options: Any) -> Kernel:
+    """Compile ``function`` on its first call. NumPy's rules for division: x / 0 is inf, not an exception.
+
+    Args:
+        function: what Numba can compile.
+        options: further options of Numba, such as ``fastmath``.
+    """
     try:
-        return cast("Kernel", njit(cache=True, error_model="numpy")(function))
+        return cast("Kernel", njit(cache=True, error_model="numpy", **options)(function))
     except RuntimeError as error:  # neither the package's folder nor the user's can be written
         NOT_KEPT.append(str(error))
-        return cast("Kernel", njit(error_model="numpy")(function))
+        return cast("Kernel", njit(error_model="numpy", **options)(function))

@@ -6,13 +6,16 @@ n bodies has rows of bounded length, so that a factor costs O(n); a pile whose w
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
+
+_summing = partial(compiled, fastmath={"reassoc", "contract"})
+"""Compile a sum whose terms may be added in any order, so that it uses SIMD lanes."""
 
 
 class Envelope(NamedTuple):
@@ -123,7 +126,7 @@ def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int)
     return Envelope(first, offset, size)
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})  # reassociation lets the sums use SIMD lanes
+@_summing
 def _products(
     left: FloatArray, right: FloatArray, offset: IntArray, i: int, j: int, low: int, high: int, tile: FloatArray
 ) -> None:
@@ -176,7 +179,7 @@ def factorize(matrix: FloatArray, envelope: Envelope) -> None:
                         matrix[row + b] = entry * matrix[diagonal + b]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@_summing
 def _dot(left: FloatArray, right: FloatArray) -> float:
     total = 0.0
     for k in range(len(left)):

@@ -76,6 +76,9 @@ class FakeSimulation(Simulation):
     def _contacts(self) -> Contacts:
         return Contacts.empty()
 
+    def _find_contacts(self) -> Contacts:
+        return Contacts.empty()
+
     def _freeze(self, body: int) -> None: ...
 
     def _thaw(self, body: int) -> None: ...

@@ -32,6 +32,7 @@ def engine(fake_engine):
 
         def find_contacts(self) -> None:
             self.calls.append("find_contacts")
+            super().find_contacts()
 
         def _step(self, seconds: float) -> None:
             self.calls.append("step")
@@ -153,7 +154,7 @@ def test_without_an_extension_nothing_special_happens(engine) -> None:
 
 @pytest.mark.parametrize(("policy", "built", "adopted"), [("paper", "at_once", 3), ("none", "at_once", None)])
 def test_the_record_says_how_many_bodies_were_adopted(monkeypatch, engine, extension, policy, built, adopted) -> None:
-    monkeypatch.setattr(trials, "rehearse", lambda _: None)
+    monkeypatch.setattr(trials, "warm_up", lambda _: None)
     monkeypatch.setattr(trials, "open_engine", lambda *_, **__: engine())
     one = Trial("bullet", "game", "plank_tower", "x", {"levels": 3, "built": built}, policy, 0, 0)
     record = trials.run_trial(one, Limits(ratio=False), "abc", lambda _: None).record

@@ -551,8 +551,11 @@ def test_a_stack_in_place_is_adopted_at_once(port):
 def test_of_a_stack_that_cannot_stand_what_moves_stays_live(port, policy):
     """Planks each an eighth further: the ninth tips with all but the lowest."""
     column(port, 10, 0.1 / 8.5)
-    change = StabilityExtension(port, policy=policy).adopt()
+    extension = StabilityExtension(port, policy=policy)
+    change = extension.adopt()
     assert set(change.frozen) <= {0}
+    if policy == "equilibrium":
+        assert extension.why(9) == "touches live bodies only: none of them is frozen yet"
 
 
 def test_only_the_bodies_that_are_named_are_adopted(port):
@@ -611,6 +614,7 @@ def test_each_reason_for_which_a_body_stays_live_is_told(port):
     extension.update(DT)
     assert extension.why(7) == "touches nothing, and falls"
     assert extension.why(1) == "touches live bodies only: none of them is frozen yet"
+    assert extension.why(0) == "seen for the first time: its speed is not known yet"
     extension.update(DT)
     assert extension.why(0) == "at rest for 0.02 s of 0.1 s"
     port.center[0] = (0.0, 0.0, 0.006)

@@ -130,6 +130,9 @@ class RogueSimulation(Simulation):
     def _contacts(self):
         return Contacts.empty()
 
+    def _find_contacts(self):
+        return Contacts.empty()
+
     def _freeze(self, body) -> None: ...
 
     def _thaw(self, body) -> None: ...

@@ -1,0 +1,108 @@
+"""Kernels are compiled when an extension is made, never while a simulation runs; and the user is told."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import pkgutil
+
+import numpy as np
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+import stability_core
+from stability_core import POLICIES, StabilityExtension, compiled, compiling, warm_up
+from stability_core.lookup import UnknownNameError
+from tests.stability_core.still_world import StillWorld
+
+
+def compiled_versions() -> dict[str, int]:
+    """For how many types of arguments each kernel is compiled in this process."""
+    found = {}
+    for module in pkgutil.walk_packages(stability_core.__path__, "stability_core."):
+        for name, kernel in vars(importlib.import_module(module.name)).items():
+            if isinstance(kernel, Dispatcher) and kernel.py_func.__module__ == module.name:
+                found[f"{module.name}.{name}"] = len(kernel.signatures)
+    return found
+
+
+@pytest.fixture
+def cold(monkeypatch):
+    """As if no policy had been compiled in this process yet."""
+    monkeypatch.setattr(compiling, "_COMPILED", set())
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+def test_nothing_is_compiled_inside_update(policy):
+    """Planks are laid, leant and taken at random, and held and let go: no kernel meets types that it does not know."""
+    warm_up(policy)
+    before = compiled_versions()
+    assert sum(before.values()) > 50
+    for seed in range(4):
+        random = np.random.default_rng([20261127, seed])
+        world = StillWorld(random, friction=0.6)
+        extension = StabilityExtension(world, policy=policy)
+        for _ in range(25):
+            if random.random() < 0.8 or not world.center:
+                world.lay() if random.random() < 0.7 else world.lean()
+            else:
+                world.take(int(random.choice(list(world.center))))
+            extension.adopt()
+            for _ in range(8):
+                extension.update(1 / 60)
+            if world.center:
+                body = int(random.choice(list(world.center)))
+                extension.disturb([body])
+                extension.update(1 / 60)
+                extension.release([body])
+    assert compiled_versions() == before
+
+
+def test_an_engine_that_gives_frozen_arrays_costs_no_compilation(port):
+    """Arrays that cannot be written, or of single precision, as engines hand them out."""
+    port.add(0, (0.0, 0.0, 0.05))
+    port.lay(0, -1, (-0.05, 0.05), (-0.05, 0.05), 0.0)
+    extension = StabilityExtension(port)
+    extension.update(1 / 60)
+    before = compiled_versions()
+    contacts = port.contacts()
+    for item in ("point", "normal", "separation"):
+        array = getattr(contacts, item).astype(np.float32)
+        array.flags.writeable = False
+        object.__setattr__(contacts, item, array)
+    contacts.body_a.flags.writeable = False
+    port.contacts = lambda: contacts
+    extension.update(1 / 60)
+    assert compiled_versions() == before
+
+
+def test_a_policy_is_compiled_once_and_an_unknown_one_is_refused(cold):
+    assert warm_up("paper") > 0.0
+    assert warm_up("paper") == 0.0
+    with pytest.raises(UnknownNameError, match="papre"):
+        warm_up("papre")
+
+
+def test_what_takes_long_is_told(cold, monkeypatch, caplog):
+    monkeypatch.setattr(compiling, "_SILENT_S", 0.0)
+    monkeypatch.setattr(compiling, "_is_kept", lambda _: False)
+    with caplog.at_level(logging.WARNING, "stability_core"):
+        warm_up("paper")
+    first, last = caplog.messages
+    assert first == "compiling for policy 'paper': a minute or two, once per version"
+    assert last.startswith("compiled for policy 'paper' in ")
+
+
+def test_where_nothing_can_be_written_kernels_are_compiled_and_the_user_is_told_what_to_set(cold, monkeypatch, caplog):
+    def without_a_folder(**options):
+        if options.get("cache"):
+            raise RuntimeError("cannot cache function: no locator available")
+        return lambda function: function
+
+    monkeypatch.setattr(compiled, "njit", without_a_folder)
+    monkeypatch.setattr(compiled, "NOT_KEPT", [])
+    monkeypatch.setattr(compiling, "NOT_KEPT", compiled.NOT_KEPT)
+    assert compiled.compiled(abs)(-1) == 1
+    with caplog.at_level(logging.WARNING, "stability_core"):
+        warm_up("paper")
+    assert "set NUMBA_CACHE_DIR to a folder that can be written" in caplog.messages[0]
