@@ -72,6 +72,27 @@ PUBLICATIONS: dict[str, Publication] = {
         "truth",
         Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier")),
     ),
+    "any_stack": Publication(
+        "stacks of other people's bug reports, and each at three times the size, profile `game`, five 3-D engines, "
+        "without the extension and with `equilibrium`",
+        "any_stack",
+        Selection(policies=("none", "equilibrium")),
+        gallery=Gallery(
+            "bullet",
+            "game",
+            (
+                "own_scene-issue_atonce10-0eb37ace",
+                "own_scene-issue_box3d_tiny_pyramid-d397f3ed",
+                "own_scene-issue_pallet-a191f233",
+                "own_scene-issue_peel_mass_ratio_300-389a84e3",
+            ),
+        ),
+    ),
+    "at_once": Publication(
+        "prebuilt stacks in pairs, profile `game`, five 3-D engines, without the extension and with `equilibrium`",
+        "at_once",
+        Selection(profiles=("game",)),
+    ),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",
         "paper",
