@@ -144,6 +144,7 @@ class RapierSimulation(Simulation):
         self._views: dict[int, rapier3d.RigidBody] = {}
         self._colliders: dict[int, rapier3d.ColliderHandle] = {}
         self._body_of: dict[rapier3d.ColliderHandle, int] = {}
+        self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
         self._before: Motions | None = None
         self._has_diverged = False
         for name, knob in profile.knobs.items():
@@ -181,10 +182,14 @@ class RapierSimulation(Simulation):
     # -- driven by the harness ---------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
+        free = rapier3d.RigidBody.dynamic().position((brick.position, _to_rapier(brick.quaternion)))
+        self._insert(body, brick, free)
+
+    def _insert(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
+        """Add the body that ``builder`` describes to Rapier's world, with the brick's box."""
         half_x, half_y, half_z = (edge / 2 for edge in brick.size)
         box = rapier3d.Collider.cuboid(half_x, half_y, half_z).mass(brick.mass).friction(self.world.friction)
-        free = rapier3d.RigidBody.dynamic().position((brick.position, _to_rapier(brick.quaternion)))
-        handle = self._engine.add_body(free.can_sleep(self.info.sleeping != "off"), [box])
+        handle = self._engine.add_body(builder.can_sleep(self.info.sleeping != "off"), [box])
         view = self._engine.rigid_bodies[handle]
         if self.info.sleeping == "raised":
             view.activation = self._raised(view.activation)
@@ -192,12 +197,20 @@ class RapierSimulation(Simulation):
         self._handles[body], self._views[body], self._colliders[body] = handle, view, collider
         self._body_of[collider] = body
 
+    def _replace_by_fixed(self, body: int) -> None:
+        """Replace a frozen body by a fixed copy at the same pose, which Rapier does not visit in each step."""
+        position = self._views[body].position
+        self._remove(body)
+        self._insert(body, self.bricks[body], rapier3d.RigidBody.fixed().position(position))
+        _settle_rotation(self._views[body])
+
     def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
         for name, knob in _SLEEP_KNOBS["raised"].items():
             setattr(activation, name.rpartition(".")[2], knob.value)
         return activation
 
     def _remove(self, body: int) -> None:
+        self._still_active.discard(body)
         del self._views[body]
         del self._body_of[self._colliders.pop(body)]
         self._engine.remove_body(self._handles.pop(body))
@@ -218,12 +231,15 @@ class RapierSimulation(Simulation):
         view.linvel = view.angvel = rapier3d.Vec3.zeros()
 
     def _step(self, seconds: float) -> None:
+        if not self._live:
+            for body in sorted(self._still_active):
+                self._replace_by_fixed(body)
         substeps = self.info.profile.substeps
         self._engine.integration_parameters.dt = seconds / substeps
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        bodies, _ = self._live_bodies()
         before = []
         for _ in range(substeps):
-            if self.is_observed:
+            if self.is_observed and self._live:
                 before.append((self._positions(bodies), *self._velocities(bodies)))
             self._engine.step()
             self._has_diverged |= not self._engine.quarantine.is_empty()
@@ -256,8 +272,10 @@ class RapierSimulation(Simulation):
         self._stop(view)  # a fixed body that still has a velocity flies on
         view.body_type = rapier3d.RigidBodyType.FIXED
         _settle_rotation(view)
+        self._still_active.add(body)
 
     def _thaw(self, body: int) -> None:
+        self._still_active.discard(body)
         view = self._views[body]
         view.body_type = rapier3d.RigidBodyType.DYNAMIC
         view.wake_up()

@@ -21,6 +21,7 @@ from adapters import EngineNotInstalledError, ProfileError
 from bench.catalogue import print_catalogue
 from bench.compare import showing
 from bench.compare.baseline import BaselineError, read_baseline, write_baseline
+from bench.compare.benchmarks import are_benchmarks, compare_benchmarks, read_benchmarks
 from bench.compare.checkouts import CheckoutError, prepare
 from bench.compare.comparison import NothingInCommonError, compare_runs
 from bench.compare.findings import GATES, chosen_gates
@@ -249,7 +250,10 @@ def baseline(
 @app.command()
 def compare(
     base: Annotated[
-        str, typer.Argument(help="What is expected: a results folder, a baseline file; a version (--run).")
+        str,
+        typer.Argument(
+            help="What is expected: a results folder, a baseline file or a file of pytest-benchmark; a version (--run)."
+        ),
     ],
     head: Annotated[str, typer.Argument(help="What is judged: the same.")],
     fail_on: Annotated[str, typer.Option(help="Gates whose alarms end with status 1, or 'none'.")] = ",".join(GATES),
@@ -277,9 +281,14 @@ def compare(
             check_folder(folder)
             versions = prepare(base, base_with or (), _err), prepare(head, head_with or (), _err)
             sides = run_interleaved(versions, plan, rounds, folder, _err)
+            comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
+        elif are_benchmarks(Path(base), Path(head)):
+            gates = tuple(gate for gate in gates if gate == "time")
+            frame_times = read_benchmarks(Path(base)), read_benchmarks(Path(head))
+            comparison = compare_benchmarks(*frame_times, across_versions=across_versions)
         else:
             sides = read_baseline(Path(base)), read_baseline(Path(head))
-        comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
+            comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
         if markdown is not None:
             write_whole(markdown, showing.markdown(comparison, gates).encode())
         if junit is not None:

@@ -13,6 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from adapters import open_engine
+from adapters.base import Simulation
 from bench.builder import at_pose
 from bench.measure import Plan, intact
 from bench.play import Snapshot
@@ -55,17 +56,23 @@ def time_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Awak
     return AwakeTime(statistics.fmean(times_ms))
 
 
+def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:
+    """Open a world of the engine alone that holds the stack at its actual poses, every brick awake."""
+    unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)
+    bricks = [at_pose(*row) for row in zip(stack.bricks, stack.position, unit, strict=True)]
+    simulation = open_engine(engine, profile, world=world, expected=bricks)
+    for brick in bricks:
+        simulation.spawn(brick)
+    return simulation
+
+
 def _time_while_it_stands(
     engine: str, profile: str, world: World, stack: Snapshot, wanted: int, deadline: float
 ) -> list[float]:
     """Times [ms] of up to ``wanted`` frames after the warm-up, as long as every brick is in place."""
-    unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)
-    bricks = [at_pose(*row) for row in zip(stack.bricks, stack.position, unit, strict=True)]
     plan = Plan.of(stack.bricks)
-    simulation = open_engine(engine, profile, world=world, expected=bricks)
+    simulation = open_awake(engine, profile, world, stack)
     try:
-        for brick in bricks:
-            simulation.spawn(brick)
         frames = PlainFrames(simulation)
         times_ms = []
         for _ in range(WARM_UP_FRAMES + wanted):

@@ -44,6 +44,8 @@ class Comparison:
     findings: Sequence[Finding]
     notes: Sequence[str] = ()
     """What differs between the runs as a whole, such as their machines."""
+    about_times: str = ""
+    """What the figures of the time gate are, where they are not parts of frames."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
         """The findings that fail one of ``gates``."""

@@ -51,19 +51,20 @@ def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
             *(f"Not the same: {plain(note)}" for note in comparison.notes),
         ),
     )
+    ratio = comparison.about_times or _RATIO
     lists = [
-        _listed("Worse or changed", [finding for finding in comparison.findings if finding.is_alarm]),
-        _listed("Better", [finding for finding in comparison.findings if finding.judgement == "better"]),
-        _listed("Not decided", [f for f in comparison.findings if f.judgement == "open"], (_ASIDE,)),
-        _listed("Times", [f for f in comparison.findings if f.gate == "time" and f.judgement == "same"]),
+        _listed("Worse or changed", [finding for finding in comparison.findings if finding.is_alarm], (), ratio),
+        _listed("Better", [finding for finding in comparison.findings if finding.judgement == "better"], (), ratio),
+        _listed("Not decided", [f for f in comparison.findings if f.judgement == "open"], (_ASIDE,), ratio),
+        _listed("Times", [f for f in comparison.findings if f.gate == "time" and f.judgement == "same"], (), ratio),
     ]
     return [counted, *(table for table in lists if table.rows)]
 
 
-def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...] = ()) -> Table:
+def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...], ratio: str) -> Table:
     rows = tuple((finding.gate, plain(finding.trial), plain(finding.told)) for finding in findings)
     if any(gate == "time" for gate, _, _ in rows):
-        notes += (_RATIO,)
+        notes += (ratio,)
     return Table(title, ("gate", "trial", "what"), rows, notes, folds=True)
 
 

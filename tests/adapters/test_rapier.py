@@ -40,6 +40,58 @@ def test_no_rotation_creeps_while_frozen() -> None:
     simulation.close()
 
 
+def test_frozen_bodies_are_not_visited_once_nothing_is_live() -> None:
+    """They are then fixed copies: Rapier keeps a body whose type is changed among its active ones."""
+    simulation = opened()
+    bodies = frozen_column(simulation, 3)
+    before = simulation.poses()
+    advance(simulation, 0.5)
+    assert not simulation._engine.active_bodies()
+    assert not list(simulation._engine.narrow_phase.contact_pairs())
+    for now, then in zip(simulation.poses(), before, strict=True):
+        np.testing.assert_array_equal(now, then)
+    top = place_on(simulation, 3)
+    advance(simulation, 0.5)
+    assert len(simulation._engine.active_bodies()) == 1
+    assert pairs(simulation.port.contacts()) == {(bodies[-1], top)}
+    simulation.close()
+
+
+def test_a_fixed_copy_that_thaws_finds_its_contacts_again() -> None:
+    simulation = opened()
+    frozen_column(simulation, 3)
+    bodies = list(simulation.bricks)
+    advance(simulation, 0.1)
+    before = simulation.poses()[1]
+    simulation.port.wake(bodies)
+    advance(simulation, 1.0)
+    assert pairs(simulation.port.contacts()) == {(GROUND, bodies[0]), (bodies[0], bodies[1]), (bodies[1], bodies[2])}
+    np.testing.assert_allclose(simulation.poses()[1], before, atol=1e-3)
+    simulation.port.sleep(bodies)
+    advance(simulation, 0.1)
+    simulation.remove(bodies[0])
+    simulation.move(bodies[2], (0.2, 0.0, 0.1), (1.0, 0.0, 0.0, 0.0))
+    simulation.port.wake(bodies[1:])
+    advance(simulation, 1.0)
+    assert pose(simulation, bodies[1])[2] == pytest.approx(THICKNESS / 2, abs=1e-3)
+    assert pose(simulation, bodies[2])[2] == pytest.approx(THICKNESS / 2, abs=1e-3)
+    simulation.close()
+
+
+def test_a_live_body_keeps_its_contacts_while_what_carries_it_freezes() -> None:
+    """A copy made meanwhile would take the impulses from them that the solver starts from."""
+    simulation = opened()
+    (support,) = frozen_column(simulation, 1)
+    body = place_on(simulation, 1)
+    handle = simulation._handles[support]
+    simulation.port.wake([support])
+    simulation.port.sleep([support])
+    advance(simulation, 0.5)
+    assert simulation._handles[support] == handle
+    assert pairs(simulation.port.contacts()) == {(support, body)}
+    simulation.close()
+
+
 def test_inertia_is_that_of_a_plank_also_after_a_freeze() -> None:
     x, y, z = PLANK
     expected = [MASS / 12 * (y * y + z * z), MASS / 12 * (x * x + z * z), MASS / 12 * (x * x + y * y)]

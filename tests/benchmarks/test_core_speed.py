@@ -1,4 +1,4 @@
-"""What the core costs: run with ``uv run pytest tests/benchmarks --benchmark-enable``.
+"""What the core costs: run with ``uv run pytest --benchmark-only``.
 
 The clock is the thread's own: on a machine that others share, the wall clock tells how busy they are. The targets are
 those of ``tests.benchmarks.core_speed``, which writes the published page.
@@ -22,7 +22,7 @@ from tests.benchmarks.worlds import (
     quiet,
 )
 
-pytestmark = pytest.mark.benchmark(timer=time.thread_time, disable_gc=True)
+pytestmark = pytest.mark.benchmark(group="the core", timer=time.thread_time, disable_gc=True)
 POLICIES = ["paper", "equilibrium"]
 
 

@@ -1,4 +1,4 @@
-"""What an adapter costs: run with ``uv run pytest tests/benchmarks --benchmark-enable``."""
+"""What an adapter costs: run with ``uv run pytest --benchmark-only``."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import pytest
 from adapters import ENGINES, Simulation, open_engine
 from scenarios.model import Brick, World
 
+pytestmark = pytest.mark.benchmark(group="an adapter")
 SIZE = (117.0e-3, 23.4e-3, 7.8e-3)
 FROZEN = 100
 SETTLING_FRAMES = 30

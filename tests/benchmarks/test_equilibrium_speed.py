@@ -1,4 +1,4 @@
-"""What exact statics costs: run with ``uv run pytest tests/benchmarks --benchmark-enable``.
+"""What exact statics costs: run with ``uv run pytest --benchmark-only``.
 
 The clock is the process' own, so that what else the machine does counts for nobody.
 """
@@ -14,7 +14,7 @@ from stability_core import GROUND, Contacts, Masses, solve_equilibrium
 from tests.benchmarks.peers import PEERS, four_stack, pyramid
 from tests.benchmarks.worlds import ACROSS, LENGTH, MASS, THICKNESS, UP, contacts_of
 
-pytestmark = pytest.mark.benchmark(timer=time.process_time)
+pytestmark = pytest.mark.benchmark(group="exact statics", timer=time.process_time)
 
 
 def row_of_vs(pairs: int) -> tuple[Contacts, Masses]:

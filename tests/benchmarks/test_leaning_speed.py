@@ -1,4 +1,4 @@
-"""What one plank more costs where planks lean: ``uv run pytest tests/benchmarks --benchmark-enable -m slow``."""
+"""What one plank more costs where planks lean: ``uv run pytest --benchmark-only -m slow``."""
 
 from __future__ import annotations
 

@@ -1,0 +1,289 @@
+"""Two files of pytest-benchmark: did a frame with the extension become dearer, counted in frames without it?
+
+``tests/benchmarks/test_frame_speed.py`` times both on the same stack, in turns. Only their ratio is compared, because
+times of two runs tell of the machine. Each second of frames gives one figure:
+
+    frame ratio            r_k = mean frame time of the k-th second with the extension
+                                 / median frame time of the frames without it just before
+    head against base      r_k of the head / r_k of the base, for every k and every stack of an engine
+
+``times.judge_times`` judges the interval of the mean of the last. A frame counts for at most ``MOST`` times the median
+of the frames at the same place of all seconds, because a longer one was interrupted.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from bench.compare.baseline import BaselineError
+from bench.compare.careful_json import JsonError, parse, read_file
+from bench.compare.comparison import NothingInCommonError
+from bench.compare.findings import Comparison, Finding
+from bench.compare.times import CONFIDENCE, judge_times
+from bench.compare.tolerance import Tolerance
+from stability_core.port import FloatArray
+
+FORMAT = "stillstack-frame-1"
+"""Marks the benchmarks of a file that are frame times; others, such as those of kernels, are passed over."""
+ALONE = "none"
+"""The policy of frames without the extension."""
+MOST = 2.0
+"""What a frame counts for at most, in medians of the frames at the same place of all seconds."""
+TOLERANCE = Tolerance(time_share=0.25)
+"""Of one run against another. Their ratios also differ by what no spread within a run shows, such as where memory lies:
+on two shared cores runs of the same code were up to 1.23 apart."""
+ABOUT = (
+    "Frame ratio: time of a frame with the extension over that of one without it, both on the same stack in the same "
+    f"run; the ratio of head to base, and its {CONFIDENCE:.0%} interval."
+)
+_Time: TypeAlias = Annotated[float, Field(gt=0)]
+
+
+class _Read(BaseModel):
+    """A part of what pytest-benchmark wrote, as far as a comparison needs it."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+
+
+class _Stats(_Read):
+    data: list[_Time] = []
+    """Time of each round [s]; missing if the file was saved without them."""
+
+
+class _Frame(_Read):
+    format: Literal["stillstack-frame-1"]
+    engine: str
+    version: str
+    profile: str
+    scene: str
+    levels: int = Field(gt=0)
+    policy: str
+    frames_per_second: int = Field(gt=0)
+    alone_ms: list[_Time] = []
+    """Median time of a frame without the extension before each second [ms]; missing in benchmarks without it."""
+
+
+class _Benchmark(_Read):
+    fullname: str
+    stats: _Stats
+    extra_info: _Frame
+
+
+class _Cpu(_Read):
+    brand_raw: str | None = None
+
+
+class _Machine(_Read):
+    python_version: str = "unknown"
+    cpu: _Cpu = _Cpu()
+
+
+class _Commit(_Read):
+    id: str | None = None
+    dirty: bool = False
+
+
+class _File(_Read):
+    machine_info: _Machine
+    commit_info: _Commit = _Commit()
+    benchmarks: list[_Benchmark]
+
+
+class Cell(NamedTuple):
+    """What is timed with the extension."""
+
+    engine: str
+    profile: str
+    stack: str
+    """Scene and levels."""
+    policy: str
+
+    def __str__(self) -> str:
+        return ".".join(self)
+
+    @property
+    def group(self) -> str:
+        """Name of the cells that are judged together: all stacks of an engine."""
+        return f"{self.engine}.{self.profile}.{self.policy} / {ALONE}"
+
+
+@dataclass(frozen=True, slots=True)
+class FrameTimes:
+    """One side of a comparison."""
+
+    name: str
+    """As the user named it."""
+    processor: str | None
+    circumstances: Mapping[str, str]
+    versions: Mapping[Cell, str]
+    """Of the engine."""
+    ratios: Mapping[Cell, FloatArray]
+    """Frame ratio of each second, shape (s,)."""
+
+
+def are_benchmarks(base: Path, head: Path) -> bool:
+    """Whether pytest-benchmark wrote both sides of a comparison, judged by their content.
+
+    Raises:
+        BaselineError: if it wrote one of them.
+    """
+    written = [_is_benchmark_file(path) for path in (base, head)]
+    if any(written) and not all(written):
+        benchmarks, trials = (base, head) if written[0] else (head, base)
+        raise BaselineError(
+            f"{benchmarks} is a file of pytest-benchmark and {trials} is not: name two such files, or two sides that "
+            "'bench run' or 'bench baseline' made"
+        )
+    return all(written)
+
+
+def read_benchmarks(path: Path) -> FrameTimes:
+    """Read the frame times of a file that pytest-benchmark wrote.
+
+    Raises:
+        BaselineError: if it holds none, or is not whole.
+    """
+    try:
+        content = parse(read_file(path), str(path))
+        file = _File.model_validate({**content, "benchmarks": list(_frame_benchmarks(content))})
+    except JsonError as error:
+        raise BaselineError(str(error)) from error
+    except (ValidationError, TypeError, AttributeError) as error:
+        raise BaselineError(f"{path}: not as pytest-benchmark writes its files: {_first(error)}") from error
+    versions: dict[Cell, str] = {}
+    ratios: dict[Cell, FloatArray] = {}
+    for one in file.benchmarks:
+        told = one.extra_info
+        cell = Cell(told.engine, told.profile, f"{told.scene}-{told.levels}", told.policy)
+        if told.policy == ALONE:
+            continue
+        if cell in ratios:
+            raise BaselineError(f"{path}: {one.fullname[:200]!r} is there twice")
+        versions[cell], ratios[cell] = told.version, _ratios(path, one)
+    if not ratios:
+        raise BaselineError(
+            f"{path}: holds no frame times with the extension; 'uv run pytest --benchmark-only' makes a file that does"
+        )
+    commit = (file.commit_info.id or "unknown")[:12] + (" with changes" if file.commit_info.dirty else "")
+    processor = file.machine_info.cpu.brand_raw
+    circumstances = {
+        "processor": processor or "unknown",
+        "Python": file.machine_info.python_version,
+        "commit": commit,
+    }
+    return FrameTimes(str(path), processor, circumstances, versions, ratios)
+
+
+def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: bool = False) -> Comparison:
+    """Compare the frame ratios of two files.
+
+    Args:
+        base: what is expected.
+        head: what is judged.
+        across_versions: whether different versions of an engine are compared.
+
+    Raises:
+        NothingInCommonError: if no stack is timed with the extension in both.
+    """
+    if not base.ratios.keys() & head.ratios.keys():
+        raise NothingInCommonError(
+            f"{base.name} and {head.name} have no frame with the extension in common: were both made by "
+            "'uv run pytest --benchmark-only'?"
+        )
+    findings = [
+        Finding("time", str(cell), "open", "missing in the head") for cell in base.ratios if cell not in head.ratios
+    ]
+    findings += [
+        Finding("time", str(cell), "open", "new: not in the base") for cell in head.ratios if cell not in base.ratios
+    ]
+    groups: dict[str, list[Cell]] = defaultdict(list)
+    for cell in head.ratios:
+        if cell in base.ratios:
+            why = _incomparable(base, head, cell, across_versions)
+            if why is None:
+                groups[cell.group].append(cell)
+            else:
+                findings.append(Finding("time", str(cell), "open", why))
+    findings += [_judged(base, head, name, cells) for name, cells in groups.items()]
+    notes = tuple(
+        f"{what}: {are}, was {base.circumstances[what]}"
+        for what, are in head.circumstances.items()
+        if are != base.circumstances[what]
+    )
+    return Comparison(base.name, head.name, findings, notes, ABOUT)
+
+
+def _incomparable(base: FrameTimes, head: FrameTimes, cell: Cell, across_versions: bool) -> str | None:
+    """Why the frame ratios of a cell cannot be compared; None if they can."""
+    if base.processor is None or head.processor is None:
+        return "on which processor it ran was not kept"
+    if base.processor != head.processor:
+        return f"on {head.processor}, was on {base.processor}"
+    was, now = base.versions[cell], head.versions[cell]
+    if was != now and not across_versions:
+        return f"{cell.engine} {now}, was {was} (--across-versions compares them)"
+    return None
+
+
+def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Cell]) -> Finding:
+    """Judge the frame ratios of all stacks of an engine."""
+    pairs: list[tuple[float, float]] = []
+    figures = []
+    for cell in cells:
+        was, now = base.ratios[cell], head.ratios[cell]
+        pairs += zip(was.tolist(), now.tolist(), strict=False)
+        figures.append(f"{cell.stack} {_middle(now):.3f}, was {_middle(was):.3f}")
+    judgement, told = judge_times(pairs, TOLERANCE.time_share)
+    return Finding("time", name, judgement, f"{told} ({'; '.join(figures)})")
+
+
+def _middle(ratios: FloatArray) -> float:
+    """Geometric mean."""
+    return float(np.exp(np.log(ratios).mean()))
+
+
+def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
+    """Frame ratio of each whole second, shape (s,)."""
+    told, times = benchmark.extra_info, np.array(benchmark.stats.data)
+    if not len(times):
+        raise BaselineError(f"{path}: saved without its rounds; save it with --benchmark-save-data")
+    count = min(len(times) // told.frames_per_second, len(told.alone_ms))
+    if not count:
+        raise BaselineError(
+            f"{path}: {benchmark.fullname[:200]!r} holds no second of frames with those without beside it"
+        )
+    frames = times[: count * told.frames_per_second].reshape(count, told.frames_per_second)
+    means = np.minimum(frames, MOST * np.median(frames, axis=0)).mean(axis=1)
+    ratios: FloatArray = 1e3 * means / np.array(told.alone_ms[:count])
+    return ratios
+
+
+def _is_benchmark_file(path: Path) -> bool:
+    if path.is_dir():
+        return False
+    try:
+        content = parse(read_file(path), str(path))
+    except JsonError:  # told in full by whoever reads it as something else
+        return False
+    return isinstance(content, dict) and {"machine_info", "benchmarks"} <= content.keys()
+
+
+def _frame_benchmarks(content: Any) -> Iterator[Any]:
+    for one in content["benchmarks"]:
+        if one["extra_info"].get("format") == FORMAT:
+            yield one
+
+
+def _first(error: Exception) -> str:
+    """The first complaint, without what was in the file."""
+    if not isinstance(error, ValidationError):
+        return "'benchmarks' is not a list of benchmarks"
+    first = error.errors(include_url=False, include_input=False)[0]
+    return f"field '{'.'.join(map(str, first['loc']))[:200]}': {first['msg']}"
