@@ -22,7 +22,8 @@ from reports.records import Status
 from scenarios.model import Brick, Scene
 
 SEATING_S = 1.0
-"""The last brick's share of time [s], as every other has a second before the next one comes; watching starts then."""
+"""The last brick's share of time [s], as every other has a second before the next one comes; watching starts then.
+Times the scene's pace."""
 _ROUNDING_S = 1e-9
 """Frame times are rounded sums [s]."""
 
@@ -76,10 +77,12 @@ class Play:
         self._wall_limit_s = wall_limit_s
         self._tell = tell
         self._last_action_s = scene.done_s
+        self._seated_s = self._last_action_s + SEATING_S * scene.pace
         self._hash = blake2b(digest_size=16)
         self.builder = Builder(scene, simulation, self._frames)
-        watch_from_s = self._last_action_s + SEATING_S
-        self.watch = HeapWatch(self._last_action_s, watch_from_s) if scene.poured else StackWatch(watch_from_s)
+        self.watch = (
+            HeapWatch(self._last_action_s, self._seated_s) if scene.poured else StackWatch(self._seated_s, scene.pace)
+        )
         self.sleepers = Sleepers()
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
@@ -119,7 +122,7 @@ class Play:
 
     def frames_of(self, level: int) -> list[FrameRow]:
         """The frames in which ``level`` was placed, each brick's second included."""
-        until = self._last_action_s + SEATING_S + _ROUNDING_S
+        until = self._seated_s + _ROUNDING_S
         return [row for row in self.rows if row.level == level and row.time_s <= until]
 
     def _adopt(self, bodies: Sequence[int]) -> None:
@@ -144,7 +147,7 @@ class Play:
         self.watch.see(now, builder.plan, position, quaternion, builder.placed)
         if steering is not None:
             self.sleepers.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
-        if now <= self._last_action_s + SEATING_S + _ROUNDING_S:
+        if now <= self._seated_s + _ROUNDING_S:
             self.at_level[builder.level] = Snapshot(builder.bricks, position, quaternion)
         self._tell(Progress(builder.level, self._scene.levels, len(bodies), now))
         return True

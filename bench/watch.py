@@ -15,7 +15,7 @@ from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
 """A level counts once its last brick was let go so long ago [s]: just before the next brick comes, a second
-after it, so that a level that falls when its last brick lands never counts as reached."""
+after it, so that a level that falls when its last brick lands never counts as reached. Times the scene's pace."""
 AFTERMATH_S = 1.0
 """How long [s] a trial of standard planks goes on after a collapse is first seen: time enough to tell a topple from a
 slide. Larger bricks fall as slowly as the root of their size."""
@@ -47,8 +47,12 @@ class Collapse:
 class StackWatch:
     """Takes in the poses after every frame. Everything here is simulated time."""
 
-    def __init__(self, watch_from_s: float) -> None:
-        """Creep is measured from ``watch_from_s`` [s] on: the last action, and time for it to land."""
+    def __init__(self, watch_from_s: float, pace: float = 1.0) -> None:
+        """Creep is measured from ``watch_from_s`` [s] on: the last action, and time for it to land.
+
+        ``pace`` is that of the scene: levels land so much more slowly.
+        """
+        self._landing_s = LANDING_S * pace
         self._watch_from_s = watch_from_s
         self._first: tuple[float, FloatArray] | None = None
         self._latest: tuple[float, FloatArray] | None = None
@@ -93,7 +97,7 @@ class StackWatch:
             self._first = time, position
         self._judge(plan, position, quaternion)
         if self._kind is None and self.collapse is None:
-            landed = [level for level, released in placed.items() if time - released >= LANDING_S]
+            landed = [level for level, released in placed.items() if time - released >= self._landing_s]
             level = measure.levels_standing(plan, self._out_of_place, landed)
             is_highest = self.standing is None or level > self.standing.level or level == plan.level.max()
             if level and is_highest and level != self._measured:

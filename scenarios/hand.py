@@ -1,6 +1,7 @@
 """A hand that is not quite steady: seed 0 is exact, every other seed lays each brick a little off.
 
-Off by a normal deviate, 0.3 mm in x and y and 0.3 deg in yaw, cut at three standard deviations. A draw depends on the
+Off by a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three standard
+deviations. A draw depends on the
 scene's variant, the seed and the brick's index alone: not on the engine, the order of trials or what fell before. It
 comes straight from a hash, through the inverse of the normal distribution: the same on every machine, with any library.
 
@@ -24,7 +25,7 @@ from scenarios.geometry import BoolArray, Boxes, overlap_in_plan, side_by_side
 from scenarios.model import Brick, Place, Quaternion, Scene
 
 SHIFT = 0.3e-3
-"""Standard deviation [m] in x and in y."""
+"""Standard deviation [m] in x and in y, of a scene of size 1."""
 TURN = math.radians(0.3)
 """Standard deviation [rad] of the yaw."""
 CUT = 3.0
@@ -69,7 +70,7 @@ def _laid_by_hand(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequenc
     must_not_overlap = _beside(scene, group, laid)
     for draw in range(_DRAWS):
         dx, dy, turn = deviates(scene.variant, seed, len(laid), draw)
-        shift = SHIFT * (1 + draw // _WIDENED)
+        shift = scene.size * SHIFT * (1 + draw // _WIDENED)
         moved = (
             _moved(group, dx * shift, 0.0, 0.0) if scene.planar else _moved(group, dx * shift, dy * shift, turn * TURN)
         )
@@ -77,7 +78,7 @@ def _laid_by_hand(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequenc
             return moved
     raise NoRoomError(
         f"{scene.variant}, seed {seed}: brick {len(laid)} has no room for placement noise beside its neighbours; use "
-        f"seed 0, or leave more than {2 * CUT * SHIFT * 1e3:.1f} mm between planned bricks"
+        f"seed 0, or leave more than {2 * CUT * SHIFT * scene.size * 1e3:.2g} mm between planned bricks"
     )
 
 

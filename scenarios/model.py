@@ -5,6 +5,7 @@ SI units, z up; quaternions are (w, x, y, z). Nothing here knows an engine.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
@@ -152,6 +153,8 @@ class Scene:
     """True if bricks find their own places: none is ever out of place, and what is measured is the heap."""
     watch_s: float = 5.0
     """How long [s] the trial watches after the last action."""
+    size: float = 1.0
+    """Factor by which the scene was enlarged: see ``scenarios.transforms``. Placement noise grows with it."""
     bricks: tuple[Brick, ...] = field(init=False)
     """All bricks in the order of placement."""
     levels: int = field(init=False)
@@ -163,6 +166,20 @@ class Scene:
         object.__setattr__(self, "levels", max(brick.level for brick in placed))
 
     @property
+    def pace(self) -> float:
+        """Factor on all times: see ``pace_of``."""
+        return pace_of(self.size)
+
+    @property
     def done_s(self) -> float:
         """When [s] the last action is over: a pull takes its time."""
         return max(action.until if isinstance(action, Pull) else action.time for action in self.actions)
+
+
+def pace_of(size: float) -> float:
+    """Return the factor on all times of a scene whose lengths are ``size`` times as large.
+
+    Gravity stays, so that falls take the square root of ``size`` longer. Smaller bricks keep their times, because the
+    frames of an engine do not become shorter.
+    """
+    return max(1.0, math.sqrt(size))

@@ -18,8 +18,8 @@ the first, any other is one above the highest that it stands on or leans against
 several levels are a prebuilt stack: they are set down without a gap, and not dropped from ``CLEARANCE``.
 
 ``size``, ``mass`` and ``yaw`` change the whole: lengths, the clearance included, times a factor; masses times a factor;
-a turn about z. Statics does not depend on them, so neither may an answer. Falls take the root of ``size`` longer, and
-so does the watching.
+a turn about z. Statics does not depend on them, so neither may an answer. Falls take the root of ``size`` longer: for
+a ``size`` above 1 all times grow by its root, and so does the time of watching.
 
 Theory: ``scenarios.truth.first_fall``, under both conventions for the normal at a ridge; where they differ, or no
 proof is found, the scene is a study. Statics knows no energy: keep what decides 5 % away from its limit.
@@ -41,7 +41,19 @@ from typing import Any
 
 from scenarios.contact_patch import GROUND, contact_patches
 from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
-from scenarios.model import CLEARANCE, UPRIGHT, Action, Brick, Expectation, Place, Quaternion, Remove, Scene, World
+from scenarios.model import (
+    CLEARANCE,
+    UPRIGHT,
+    Action,
+    Brick,
+    Expectation,
+    Place,
+    Quaternion,
+    Remove,
+    Scene,
+    World,
+    pace_of,
+)
 from scenarios.parameters import Value, defaults, real, variant_of
 from scenarios.planks import MU
 from scenarios.transforms import transformed
@@ -72,7 +84,7 @@ def own_scene(*, file: str = "lintel.toml", size: float = 1.0, mass: float = 1.0
 
     Args:
         file: where it lies, or the name of one of ``scenarios/examples``.
-        size: factor of all lengths; masses stay.
+        size: factor of all lengths; its root is that of all times if it is above 1. Masses stay.
         mass: factor of all masses.
         yaw: turn of the whole about the z axis [deg].
     """
@@ -122,11 +134,12 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
         variant=_variant(text, parameters),
         parameters=parameters,
         world=World(friction=friction, fixed=fixed),
-        actions=_actions(bricks, laid, CLEARANCE * size),
+        actions=_actions(bricks, laid, size),
         expectation=Expectation("study", "not yet judged"),
         look_for="does it stand or fall as exact statics says, and when?",
         planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
-        watch_s=WATCH_S * max(1.0, math.sqrt(size)),
+        watch_s=WATCH_S * pace_of(size),
+        size=size,
     )
     return replace(scene, expectation=_judged(scene))
 
@@ -247,11 +260,12 @@ def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[B
 
 
 def _actions(
-    bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[str, Any]]], clearance: float
+    bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[str, Any]]], size: float
 ) -> tuple[Action, ...]:
+    pace = pace_of(size)
     placed = [(time, brick) for (time, _, _), brick in zip(laid, bricks, strict=True)]
     actions: list[Action] = [
-        _placed(time, tuple(brick for _, brick in group), clearance)
+        _placed(time * pace, tuple(brick for _, brick in group), CLEARANCE * size)
         for time, group in groupby(placed, key=lambda entry: entry[0])
     ]
     for index, (time, n, told) in enumerate(laid):
@@ -259,7 +273,7 @@ def _actions(
             removed = _number(f"brick[{n}].removed", told["removed"], 0, _LARGEST)
             if removed <= time:
                 raise ValueError(f"brick[{n}].removed must be after its time {time:g}, got {removed:g}")
-            actions.append(Remove(removed, index))
+            actions.append(Remove(removed * pace, index))
     return tuple(sorted(actions, key=attrgetter("time")))
 
 

@@ -60,12 +60,12 @@ def variant_of(builder: Callable[..., Scene], parameters: Mapping[str, Value]) -
     parts = [builder.__name__]
     for index, (name, default) in enumerate(defaults(builder).items()):
         if parameters[name] != default:
-            parts.append(("" if index == 0 else name) + _short(parameters[name]))
+            parts.append(("" if index == 0 else name) + short(parameters[name]))
     return "-".join(parts)
 
 
-def _short(value: Value) -> str:
-    """A value in the fewest characters that tell it from any other."""
+def short(value: Value) -> str:
+    """Return a value in the fewest characters that tell it from any other."""
     if isinstance(value, float) and math.isfinite(value) and value.is_integer():
         return str(int(value))
     return str(value)

@@ -38,6 +38,7 @@ from scenarios.random_tower import random_tower
 from scenarios.robbed_stack import robbed_stack
 from scenarios.seesaw import seesaw
 from scenarios.table import table
+from scenarios.transforms import resized
 from scenarios.wall_plank import wall_plank
 from stability_core.lookup import look_up
 
@@ -48,7 +49,8 @@ class Scenario:
 
     builder: Callable[..., Scene]
     is_static: bool = True
-    """Whether it can be prebuilt (parameter ``built``): bricks are laid and taken, not poured, pushed or dropped."""
+    """Whether it can be prebuilt and resized (parameters ``built`` and ``size``): bricks are laid and taken, not
+    poured, pushed or dropped."""
 
     @property
     def description(self) -> str:
@@ -58,11 +60,12 @@ class Scenario:
     @property
     def parameters(self) -> Mapping[str, Value]:
         """The parameters' names and defaults."""
-        return {**defaults(self.builder), **({"built": BUILT[0]} if self.is_static else {})}
+        return {**defaults(self.builder), **({"built": BUILT[0], "size": 1.0} if self.is_static else {})}
 
 
 _DYNAMIC = (character, pushed_plank, pulled_plank, dropped_plank, poured_pile, own_scene)
-"""Scenarios without the parameter ``built``. A scene of one's own says in its file which bricks come together."""
+"""Scenarios without the parameters ``built`` and ``size``. A scene of one's own says in its file which bricks come
+together, and has a ``size`` of its own."""
 SCENARIOS: Mapping[str, Scenario] = {
     builder.__name__: Scenario(builder, builder not in _DYNAMIC)
     for builder in (
@@ -112,11 +115,14 @@ def build(name: str, **parameters: Value) -> Scene:
     try:
         if not scenario.is_static:
             return scenario.builder(**parameters)
+        size = parameters.pop("size", 1.0)
         built = choice("built", parameters.pop("built", BUILT[0]), BUILT)
         if built == BUILT[0]:
             scene = scenario.builder(**parameters)
-            return replace(scene, parameters={**scene.parameters, "built": built})
-        return _prebuilt(scenario.builder, built, **parameters)
+            scene = replace(scene, parameters={**scene.parameters, "built": built})
+        else:
+            scene = _prebuilt(scenario.builder, built, **parameters)
+        return resized(scene, size)
     except ValueError as error:
         raise ValueError(f"scenario {name}: {error}") from error
 
