@@ -15,7 +15,7 @@ from dataclasses import replace
 from scenarios.at_once import is_static
 from scenarios.hand import turned
 from scenarios.model import Action, Brick, Place, Remove, Scene, pace_of
-from scenarios.parameters import real, short
+from scenarios.parameters import Value, real, short
 
 SMALLEST, LARGEST = 0.01, 1000.0
 """Range of the factor on lengths: planks from 1 mm to 117 m long."""
@@ -36,7 +36,7 @@ def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
     )
 
 
-def resized(scene: Scene, size: float) -> Scene:
+def resized(scene: Scene, size: Value) -> Scene:
     """Return a scene of statics with all lengths times ``size``; the scene itself if that is 1.
 
     Raises:
