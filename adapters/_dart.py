@@ -56,7 +56,8 @@ _MATRIX_FREE_OPTIONS = {
 """Knob -> field of ``MatrixFreeContactSolverOptions``."""
 
 _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
-"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier bricks they are as much larger."""
+"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier or lighter bricks they are larger or smaller
+alike."""
 _PLANK_MASS = 0.0119
 """Mass [kg] of the planks for which they were chosen."""
 
@@ -114,7 +115,8 @@ class DartSimulation(Simulation):
                         5000, "the shipped 30 end in the dense solver, which costs more than any number of sweeps"
                     ),
                     "matrix_free_delta_tolerance": Knob(
-                        3e-7, "1/400 of a plank's impulse a step on one of 4 points; as much larger as the bricks weigh"
+                        3e-7,
+                        "1/400 of a plank's impulse a step on one of 4 points; larger or smaller as the bricks weigh",
                     ),
                     "matrix_free_relative_tolerance": Knob(
                         3e-7, "the shipped 1e-3 N s is eight times that whole impulse: the 4-stack collapses at level 3"
@@ -132,7 +134,8 @@ class DartSimulation(Simulation):
                         20_000, "stacks of tens of levels need thousands of sweeps from a cold start"
                     ),
                     "matrix_free_delta_tolerance": Knob(
-                        1e-7, "1/600 of a plank's impulse a step on one of 4 points; as much larger as the bricks weigh"
+                        1e-7,
+                        "1/600 of a plank's impulse a step on one of 4 points; larger or smaller as the bricks weigh",
                     ),
                     "matrix_free_relative_tolerance": Knob(1e-7, "as the delta tolerance: the larger of the two rules"),
                 },
@@ -173,7 +176,7 @@ class DartSimulation(Simulation):
                 setattr(options, option, knobs[knob])
         for knob in _IMPULSE_TOLERANCES:
             if knob in knobs:
-                setattr(options, _MATRIX_FREE_OPTIONS[knob], float(knobs[knob]) * self._least_mass_in_planks())
+                setattr(options, _MATRIX_FREE_OPTIONS[knob], float(knobs[knob]) * self._mass_in_planks())
         solver.setMatrixFreeContactSolverOptions(options)
 
         deactivation = self._world.getDeactivationOptions()
@@ -189,12 +192,17 @@ class DartSimulation(Simulation):
             self._room = max(bricks, 2 * self._room)
             raise_limit(self._world.getConstraintSolver(), contacts_for(self._room))
 
-    def _least_mass_in_planks(self) -> float:
-        """By how much the lightest expected brick is heavier than a plank; at least 1, for bits of planks are few.
+    def _mass_in_planks(self) -> float:
+        """Return the mass that the impulse tolerances suit, over that of a plank.
 
-        Blocks of 4 kg, solved to the 1e-7 N s of planks of 12 g, take all iterations, and then the dense solver.
+        - The lightest expected brick is heavier than a plank: that brick. Blocks of 4 kg, solved to the 1e-7 N s of
+          planks of 12 g, take all iterations, and then the dense solver.
+        - The heaviest one is lighter than a plank: that brick. Planks of 12 mg, whose weight is 5e-7 N s a step, fall
+          through the ground if solved to 3e-7 N s.
+        - Otherwise a plank: pieces of planks are few.
         """
-        return max(1.0, min((brick.mass for brick in self.expected), default=_PLANK_MASS) / _PLANK_MASS)
+        masses = [brick.mass for brick in self.expected] or [_PLANK_MASS]
+        return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)
 
     def _add_fixed(self, body: int, size: Vector, position: Vector, quaternion: Quaternion) -> None:
         """Add the ground or a fixed box, which contacts name ``body``."""

@@ -20,6 +20,8 @@ Stiffness: contacts are springs whose sag under load falls with the square of th
 follow a frequency of up to a quarter of its substeps' rate, which is ``num_solver_iterations`` a step.
 
 Traps: tolerances are multiples of ``length_unit``, among them the distance of predicted contacts and the top speed.
+Parry keeps a pair's points while they moved by less than 1 mm, a constant that nobody can set: planks of 0.78 mm topple
+from the second level on, and stand with ``scale=10``.
 A state that is not finite is silently put back and the body disabled: poses are then reported as NaN. A view of a
 removed body raises.
 """

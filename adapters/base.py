@@ -252,9 +252,9 @@ class Simulation(ABC):
         A host calls it before the first step, so that the extension judges stacks that start in place. Until the next
         step ``port.contacts()`` returns the contacts that this call found:
 
-        - Pairs whose faces or parallel edges touch within 0.1 mm have the corners of their contact area, from the
-          bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of exactly zero, or list normals
-          there that are rounding.
+        - Pairs whose faces or parallel edges touch within 0.1 mm (planks; other bricks in proportion) have the corners
+          of their contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of
+          exactly zero, or list normals there that are rounding.
         - Deeper overlaps and edges that cross are those that the engine finds at the present poses.
         - Separations are measured at the present poses; relative velocities are those that the bodies have now.
         - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or woken afterwards, and
@@ -298,7 +298,7 @@ class Simulation(ABC):
         return self._without_fixed_ids(contacts)
 
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
-        """Replace contacts of pairs that touch within 0.1 mm by those of their geometry."""
+        """Replace contacts of pairs that nearly touch by those of their geometry."""
         return self._boxes.with_exact_faces(contacts, self._live_bodies()[0], self.world.friction)
 
     def _completed(self, contacts: Contacts, live: IntArray) -> Contacts:

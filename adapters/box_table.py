@@ -116,7 +116,7 @@ class BoxTable:
         return _joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
 
     def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
-        """Return the corners of all pairs that touch within 0.1 mm, and behind them the contacts of all other pairs.
+        """Return the corners of all pairs that nearly touch, and behind them the contacts of all other pairs.
 
         An engine may miss a gap of exactly zero, and its normal between corners that coincide may be rounding: there
         the boxes' geometry is more exact. Deeper overlaps and edges that cross are the engine's.

@@ -5,6 +5,8 @@ All in one file, for Numba's cache does not notice a change of a kernel from ano
 
 from __future__ import annotations
 
+import math
+
 import numba
 import numpy as np
 
@@ -16,12 +18,27 @@ SLACK = 1e-6
 """Distance [m] by which edges that meet may miss each other sideways: rounding of poses in single precision."""
 SAME = 1e-3
 """Distance [m] within which a corner is one that the engine has listed."""
+PLANK = math.sqrt(58.5e-3 * 58.5e-3 + 11.7e-3 * 11.7e-3 + 3.9e-3 * 3.9e-3)
+"""Half the diagonal [m] of the plank for which these lengths are given. For a pair of boxes they are multiplied by the
+size of the smaller box over that of the plank, as the core multiplies its tolerances."""
 
 CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and how far it reaches along x, y, z [m]."""
 
 _MOST_CORNERS = 8
 """Of a face that is clipped by another: each of four cuts adds one at most."""
+
+
+@numba.njit(cache=True)
+def _half_diagonal(half: FloatArray) -> float:
+    """Half the diagonal [m] of a box of half edges (3,)."""
+    return math.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
+
+
+@numba.njit(cache=True)
+def _pair_size(box_a: FloatArray, box_b: FloatArray) -> float:
+    """Size of the smaller of two boxes over that of the plank."""
+    return min(_half_diagonal(box_a[HALF]), _half_diagonal(box_b[HALF])) / PLANK
 
 
 @numba.njit(cache=True)
@@ -176,14 +193,15 @@ def missing_corners(
         while last < n and a[last] == a[first] and b[last] == b[first]:
             last += 1
         points, separations = _face_corners(boxes[a[first]], boxes[b[first]], normal[first], 0.0)
+        pair_size = _pair_size(boxes[a[first]], boxes[b[first]])
         for i in range(len(points)):
             listed = False
             for j in range(first, last):
                 distance2 = 0.0
                 for k in range(3):
                     distance2 += (points[i, k] - point[j, k]) ** 2
-                listed = listed or distance2 < SAME**2
-            if not listed and abs(separations[i]) <= NEAR:
+                listed = listed or distance2 < (SAME * pair_size) ** 2
+            if not listed and abs(separations[i]) <= NEAR * pair_size:
                 row[size], corner[size], gap[size] = first, points[i], separations[i]
                 size += 1
         first = last
@@ -205,8 +223,9 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tup
     for one in live:
         for other in range(len(boxes)):
             near = other != one
+            gap = NEAR * _pair_size(boxes[one], boxes[other])
             for k in range(3):  # written so that NaN, a row without a body, fails
-                reach = boxes[one, REACH][k] + boxes[other, REACH][k] + NEAR
+                reach = boxes[one, REACH][k] + boxes[other, REACH][k] + gap
                 near = near and abs(boxes[one, k] - boxes[other, k]) <= reach
             if not near:
                 continue
@@ -226,8 +245,8 @@ def near_corners(
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
     """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
 
-    See ``_neighbours``. With a ``slack`` [m], edges that miss each other sideways by as much count as well, and corners
-    that are closer together than four times the slack are one.
+    See ``_neighbours``. With a ``slack`` [m], given for the plank, edges that miss each other sideways by as much count
+    as well, and corners that are closer together than four times the slack are one.
     """
     pairs = _neighbours(boxes, live, listed)
     room = _MOST_CORNERS * len(pairs)
@@ -236,9 +255,10 @@ def near_corners(
     normal = np.empty(3)
     size = 0
     for first, second in pairs:
-        if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR:
+        pair_size = _pair_size(boxes[first], boxes[second])
+        if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR * pair_size:
             continue
-        points, separations = _face_corners(boxes[first], boxes[second], normal, slack)
+        points, separations = _face_corners(boxes[first], boxes[second], normal, slack * pair_size)
         start = size
         for i in range(len(points)):
             is_new = True
@@ -246,8 +266,8 @@ def near_corners(
                 distance2 = 0.0
                 for k in range(3):
                     distance2 += (points[i, k] - corner[j, k]) ** 2
-                is_new = is_new and distance2 >= (4 * slack) ** 2
-            if is_new and abs(separations[i]) <= NEAR:
+                is_new = is_new and distance2 >= (4 * slack * pair_size) ** 2
+            if is_new and abs(separations[i]) <= NEAR * pair_size:
                 a[size], b[size], gap[size] = first, second, separations[i]
                 corner[size], normals[size] = points[i], normal
                 size += 1

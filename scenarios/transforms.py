@@ -15,7 +15,7 @@ from dataclasses import replace
 from scenarios.at_once import is_static
 from scenarios.hand import turned
 from scenarios.model import Action, Brick, Place, Remove, Scene, pace_of
-from scenarios.parameters import Value, real, short
+from scenarios.parameters import real, short
 
 SMALLEST, LARGEST = 0.01, 1000.0
 """Range of the factor on lengths: planks from 1 mm to 117 m long."""
@@ -36,27 +36,27 @@ def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
     )
 
 
-def resized(scene: Scene, size: Value) -> Scene:
+def resized(scene: Scene, size: object) -> Scene:
     """Return a scene of statics with all lengths times ``size``; the scene itself if that is 1.
 
     Raises:
         ValueError: if the scene is dynamic, or ``size`` is out of range.
     """
-    size = real("size", size, least=SMALLEST, most=LARGEST)
-    if size == 1.0:
-        return replace(scene, parameters={**scene.parameters, "size": size})
+    factor = real("size", size, least=SMALLEST, most=LARGEST)
+    if factor == 1.0:
+        return replace(scene, parameters={**scene.parameters, "size": factor})
     if not is_static(scene):
         raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it has one size only; leave out size")
-    told = f"-size{short(size)}"
-    pace = pace_of(size)
+    told = f"-size{short(factor)}"
+    pace = pace_of(factor)
     expectation, within = scene.expectation, scene.expectation.within_s
-    changed = f"all lengths times {size:g}, all times of the scene times {pace:.3g}"
+    changed = f"all lengths times {factor:g}, all times of the scene times {pace:.3g}"
     return replace(
         scene,
         variant=scene.variant + told,
-        parameters={**scene.parameters, "size": size},
-        world=replace(scene.world, fixed=tuple(_enlarged(box, size) for box in scene.world.fixed)),
-        actions=tuple(_resized_action(action, size, pace) for action in scene.actions),
+        parameters={**scene.parameters, "size": factor},
+        world=replace(scene.world, fixed=tuple(_enlarged(box, factor) for box in scene.world.fixed)),
+        actions=tuple(_resized_action(action, factor, pace) for action in scene.actions),
         expectation=replace(
             expectation,
             theory=f"{expectation.theory}; {changed}",
@@ -66,7 +66,7 @@ def resized(scene: Scene, size: Value) -> Scene:
         look_for=f"{scene.look_for}; {changed}",
         pair=scene.pair and scene.pair + told,
         watch_s=scene.watch_s * pace,
-        size=size,
+        size=factor,
     )
 
 

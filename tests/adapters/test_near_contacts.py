@@ -1,4 +1,4 @@
-"""What nearly touches, by geometry alone: boxes of 2 x 1 x 0.2 m, so that a tenth of a millimetre is a hair."""
+"""What nearly touches, by geometry alone: boxes of 2 x 1 x 0.2 m, for which 1.9 mm is a hair."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from adapters import near_contacts
 from adapters.box_table import BoxTable
-from adapters.near_contacts import NEAR
 from stability_core.port import GROUND, Contacts
 
 HALF = (1.0, 0.5, 0.1)
+NEAR = near_contacts.NEAR * math.hypot(*HALF) / near_contacts.PLANK
+"""Gap [m] up to which two of these boxes nearly touch."""
 UP = (0.0, 0.0, 1.0)
 
 
@@ -194,3 +196,30 @@ def test_edges_that_meet_touch_in_two_points_also_by_rounding(aside):
     assert len(whole) == 2
     assert sorted(whole.point[:, 1].tolist()) == pytest.approx([-0.5, 0.5], abs=1e-5)
     assert np.abs(whole.point[:, [0, 2]] - (0.0, height)).max() < 1e-5
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0, 100.0])
+def test_lengths_follow_the_size_of_the_smaller_box_of_a_pair(size):
+    """For a pair of planks the constants are metres; for others they are as much larger or smaller."""
+    half = tuple(size * edge for edge in (58.5e-3, 11.7e-3, 3.9e-3))
+    slab = tuple(10 * edge for edge in half)
+
+    def corners(gap):
+        upper = (0.0, 0.0, slab[2] + half[2] + gap)
+        table = table_of({0: box((0, 0, 0), half=slab), 1: box(upper, half=half)})
+        live, nothing = np.array([1]), Contacts.empty()
+        return len(table.with_near_pairs(nothing, live, 0.45, lambda _, points: 0.0 * points))
+
+    hair = near_contacts.NEAR * size
+    assert (corners(0.9 * hair), corners(1.1 * hair)) == (4, 0)
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0, 100.0])
+def test_a_corner_near_a_listed_one_is_told_apart_at_any_size(size):
+    """Two planks that overlap by 2 mm have four corners; the engine lists two of them, on one side."""
+    half = tuple(size * edge for edge in (58.5e-3, 11.7e-3, 3.9e-3))
+    overlap = 2e-3 * size
+    upper = (2 * half[0] - overlap, 0.0, 2 * half[2])
+    listed = touch(*((half[0], y, half[2]) for y in (-half[1], half[1])))
+    whole = table_of({0: box((0, 0, 0), half=half), 1: box(upper, half=half)}).with_missing_corners(listed)
+    assert whole.point[2:, 0] == pytest.approx([half[0] - overlap] * 2)

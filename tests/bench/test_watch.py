@@ -98,3 +98,14 @@ def test_creep_is_measured_over_the_time_of_watching_only() -> None:
     for time, x in ((1.0, 5e-3), (2.0, 0.0), (4.0, 1e-3)):
         watch.see(time, plan, plan.position + np.array([x, 0, 0]), plan.quaternion, {1: 0.0})
     assert watch.creep_m_s == pytest.approx(0.5e-3)
+
+
+def test_levels_of_a_larger_scene_land_at_its_pace() -> None:
+    """A brick ten times as large is let go from ten times as high and lands later."""
+    for pace in (1.0, 3.0):
+        watch = StackWatch(99, pace)
+        plan = Plan.of(TOWER[:1])
+        watch.see(0.89 * pace, plan, plan.position, plan.quaternion, {1: 0.0})
+        assert watch.standing is None
+        watch.see(0.91 * pace, plan, plan.position, plan.quaternion, {1: 0.0})
+        assert watch.standing is not None
