@@ -37,7 +37,7 @@ def test_nothing_is_compiled_inside_update(policy):
     """Planks are laid, leant and taken at random, and held and let go: no kernel meets types that it does not know."""
     warm_up(policy)
     before = compiled_versions()
-    assert sum(before.values()) > 50
+    assert before["stability_core.frame.observe"] >= 1
     for seed in range(4):
         random = np.random.default_rng([20261127, seed])
         world = StillWorld(random, friction=0.6)
