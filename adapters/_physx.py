@@ -129,7 +129,7 @@ class PhysxSimulation(Simulation):
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         profile = replace(profile, knobs={**profile.knobs, **_SLEEP[sleeping]})
         super().__init__(profile, world, sleeping, expected)
-        knobs = {name: knob.value for name, knob in profile.knobs.items()}
+        knobs = {name: knob.value for name, knob in self.info.profile.knobs.items()}
         self._for_bodies = {name: knobs[name] for name in _BODY if name in knobs}
         self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
         scene = {name: knobs[name] for name in _SCENE if name in knobs}

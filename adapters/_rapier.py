@@ -149,7 +149,7 @@ class RapierSimulation(Simulation):
         self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
         self._before: Motions | None = None
         self._has_diverged = False
-        for name, knob in profile.knobs.items():
+        for name, knob in self.info.profile.knobs.items():
             self._configure(name, knob.value)
         ground_center = (0.0, 0.0, -self.ground_half_edges[2])
         ground = rapier3d.Collider.cuboid(*self.ground_half_edges).translation(ground_center)

@@ -8,6 +8,7 @@ import pytest
 from adapters import ENGINES, ProfileError, capabilities, open_engine, profile_named
 from adapters.conformance.rig import LENGTH, MASS, advance, frozen_column, place_on, plank, velocity
 from scenarios.model import World
+from scenarios.registry import build
 from stability_core.lookup import UnknownNameError
 
 WEIGHTLESS = World(gravity=(0.0, 0.0, 0.0))
@@ -114,3 +115,13 @@ def test_a_name_that_makes_no_profile_is_refused_with_the_fix(name: str, error: 
     with pytest.raises(error) as caught:
         open_engine("bullet", name)
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("scale", [1, 10])
+@pytest.mark.parametrize(("size", "fit"), [(0.1, 0.05), (0.2, 0.1), (0.3, 1.0), (1.0, 1.0), (100.0, 1.0)])
+def test_lengths_that_a_profile_chose_for_planks_shrink_with_small_bricks(size, fit, scale):
+    scene = build("four_stack", levels=1, size=size)
+    name = f"game@scale={scale}" if scale > 1 else "game"
+    simulation = open_engine("physx", name, world=scene.world, expected=scene.bricks)
+    assert simulation.info.profile.knobs["contact_offset"].value == pytest.approx(1e-3 * fit * scale)
+    simulation.close()
