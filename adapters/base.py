@@ -27,8 +27,8 @@ SMALL = 0.25
 those of a plank."""
 REACH_OF_SMALL = 0.5
 """Lengths for small bricks over those in proportion. PhysX, which looks for contacts from twice 1 mm on, held planks of
-0.78 mm that nothing carried between neighbours 0.2 mm apart; with half of the reach they fall. Found by trial, without a
-derivation: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
+0.78 mm that nothing carried between neighbours 0.2 mm apart; with half of the reach they fall. Found by trial, not
+derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
 GROUND_ROOM = 2.0
 """How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
