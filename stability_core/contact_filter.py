@@ -29,6 +29,9 @@ CONTACT = np.dtype(
 """A contact that counts, as ``Contacts`` has it."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
+_BEARS = 0.1
+"""Vertical share of a normal from which on a contact bears some weight, however steep its face: friction may not hold
+there, but a brick in a wedge of two such faces lies in it."""
 _NEAR = 0.1
 """Gap over the distance from a body's centre up to which a contact point lies on the body's surface."""
 
@@ -66,8 +69,19 @@ def upper_of(body_a: int, body_b: int, upward: float) -> int:
 
 
 @compiled
-def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stands: bool) -> None:
-    """Note a contact with ``other`` on a live body; penetration [m] counts where it ``stands`` on the other only."""
+def is_moving(body: Bodies, limits: Limits) -> bool:
+    """True if a live body is faster than ``moving_speed``."""
+    return bool(body.speed > limits.moving_speed * np.sqrt(limits.gravity * body.size))
+
+
+@compiled
+def _note(
+    bodies: Bodies, body: int, other: int, depth: float, slip: float, stands: bool, upward: float, limits: Limits
+) -> None:
+    """Note a contact with ``other`` on a live body.
+
+    Penetration [m] counts where it ``stands`` on the other only. What pushes it ``upward``, by the normal, bears it.
+    """
     if body == GROUND or bodies[body].state != LIVE:
         return
     row = bodies[body]
@@ -76,10 +90,12 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stan
     row.neighbours |= bit_of(other)
     if other == GROUND or bodies[other].state == FROZEN:
         row.frozen_neighbours |= bit_of(other)
-    if stands:
+    elif is_moving(bodies[other], limits) and np.isfinite(bodies[other].speed):
+        row.is_jostled = True
+    if stands or upward > _BEARS:
         row.supported_by |= bit_of(other)
-        if depth > row.depth:  # false for an unknown (NaN) depth
-            row.depth = depth
+    if stands and depth > row.depth:  # false for an unknown (NaN) depth
+        row.depth = depth
 
 
 @compiled
@@ -198,6 +214,6 @@ def keep_contacts(
             row.point[k], row.normal[k] = point[i, k], normal[i, k]
         row.level = level
         size += 1
-        _note(bodies, a, b, -separation[i], slip, level and upper == a)
-        _note(bodies, b, a, -separation[i], slip, level and upper == b)
+        _note(bodies, a, b, -separation[i], slip, level and upper == a, -normal[i, 2], limits)
+        _note(bodies, b, a, -separation[i], slip, level and upper == b, normal[i, 2], limits)
     return size, hits

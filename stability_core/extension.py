@@ -344,6 +344,7 @@ class StabilityExtension:
         for body in with_all_above(self._graph, roots).tolist():
             if self._graph.bodies["state"][body] == FROZEN:
                 self._wake(body)
+                self._graph.bodies["wakes"][body] += 1
                 if frozen.pop(body, None) is None:
                     woken[body] = reason if body in roots else f"rested on what was {reason}"
 

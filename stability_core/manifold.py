@@ -16,21 +16,40 @@ from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, axes_of, drop_supports, link
 from stability_core.watch import Watch, frame_before
 
+ENOUGH_VERTICES = 4
+"""Vertices that are always kept: a box stands on four."""
+NEGLIGIBLE = 1e-3
+"""Share of a patch's area below which a vertex does not count: the points of several frames tremble, and each costs."""
 _LOAD, _FILED = -1, -2
 """Beside SUPPORT and LEAN: the other body stands on this one; the contact is in a patch already."""
 
 
 @compiled
+def _twice_area(hull: FloatArray) -> float:
+    total = 0.0
+    for i in range(len(hull)):
+        a, b = hull[i - 1], hull[i]
+        total += a[0] * b[1] - a[1] * b[0]
+    return total
+
+
+@compiled
 def _thinned(hull: FloatArray) -> FloatArray:
-    """The hull with at most MAX_VERTICES vertices: those go first whose loss costs the least area."""
+    """The hull (k, 3) with fewer vertices: those go first whose loss costs the least area.
+
+    Not more than MAX_VERTICES stay, and of more than four none that adds less than ``NEGLIGIBLE`` of the area.
+    """
     size = len(hull)
-    while size > MAX_VERTICES:
+    negligible = NEGLIGIBLE * _twice_area(hull) if size > ENOUGH_VERTICES else 0.0
+    while size > ENOUGH_VERTICES:
         least, least_area = 0, np.inf
         for i in range(size):
             a, b, c = hull[(i - 1) % size], hull[i], hull[(i + 1) % size]
-            area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-            if area < least_area:
-                least, least_area = i, area
+            twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            if twice_area < least_area:
+                least, least_area = i, twice_area
+        if size <= MAX_VERTICES and least_area > negligible:
+            break
         for i in range(least, size - 1):
             hull[i] = hull[i + 1]
         size -= 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.contact_filter import is_moving
 from stability_core.port import FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import ABSENT, DOUBTED, FALLS, LIVE, NOT_REFUSED, PROVEN, Bodies
@@ -29,6 +30,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.rest_s = body.still_s = body.lean_s = body.load_s = 0.0
             body.steady_s, body.steady_neighbours = 0.0, 0
             body.doubt, body.refusal = PROVEN, NOT_REFUSED
+            body.wakes = 0
             body.size = body.depth = 0.0
         elif body.state == LIVE:
             moved = 0.0
@@ -43,7 +45,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.center[k] = center[i, k]
         body.depth_before = body.depth
         body.slip = body.depth = 0.0
-        body.touches = False
+        body.touches = body.is_jostled = False
         body.supported_by = body.neighbours = body.frozen_neighbours = 0
     return frozen
 
@@ -67,19 +69,21 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, dt: float) -
         for k in range(3):
             body.still_center[k] = body.center[k]
     is_steady = _squared_distance(body.center, body.steady_center) <= shift**2
-    if is_steady and body.neighbours == body.steady_neighbours and not body.held:
+    has_lost = False
+    body.lately |= body.neighbours
+    body.lately_s += dt
+    if body.lately_s >= limits.rest_s - ROUNDING_S:  # a contact that trembles is not lost
+        has_lost = (body.steady_neighbours & ~body.lately) != 0
+        body.lately, body.lately_s = body.neighbours, 0.0
+    has_gained = (body.neighbours & ~body.steady_neighbours) != 0
+    if is_steady and not has_lost and not has_gained and not body.held:
         body.steady_s += dt
         return
     body.steady_s, body.steady_neighbours = 0.0, body.neighbours
+    body.lately, body.lately_s = body.neighbours, 0.0
     body.refusal = NOT_REFUSED
     for k in range(3):
         body.steady_center[k] = body.center[k]
-
-
-@compiled
-def is_moving(body: Bodies, limits: Limits) -> bool:
-    """True if a live body is faster than ``moving_speed``."""
-    return bool(body.speed > limits.moving_speed * np.sqrt(limits.gravity * body.size))
 
 
 @compiled
@@ -95,14 +99,16 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
             continue
         fall_speed = np.sqrt(limits.gravity * body.size)
         _time_in_place(body, limits, fall_speed, dt)
-        free = body.touches and not body.held
+        free = body.touches and not body.held and not body.is_jostled
+        if body.speed > limits.flight_speed * fall_speed:
+            body.wakes = 0
         sinking = abs(body.depth - body.depth_before)
         is_deep = body.depth > limits.rest_penetration * body.size and sinking > limits.rest_sinking * fall_speed * dt
         slow = body.speed <= limits.rest_speed * fall_speed and body.slip <= limits.rest_slip * fall_speed
         leans = body.speed <= limits.lean_speed * fall_speed and body.depth <= limits.lean_penetration * body.size
         lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
         body.rest_s = body.rest_s + dt if free and slow and not is_deep else 0.0
-        body.lean_s = body.lean_s + dt if free and leans else 0.0
+        body.lean_s = body.lean_s + dt if body.touches and not body.held and leans else 0.0
         body.load_s = body.load_s + dt if lies else 0.0
         if body.unsettled and (is_moving(body, limits) or body.lean_s >= limits.calm_s - ROUNDING_S):
             body.unsettled = False
@@ -121,6 +127,17 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
     if times == int((late - dt) / again):
         return False
     return not rarely or (times & (times - 1)) == 0
+
+
+@compiled
+def _patience(body: Bodies, limits: Limits) -> float:
+    """For how long [s] a body must be at rest in addition: ``calm_s`` after the second wake, and twice that each time.
+
+    What was woken again and again in its place lies in a pile that still moves.
+    """
+    if body.wakes < 2:
+        return 0.0
+    return float(min(limits.calm_s * 2.0 ** (body.wakes - 2), limits.longest_calm_s))
 
 
 @compiled
@@ -143,19 +160,22 @@ def list_due(
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
+        body.is_resting = False
         if body.state != LIVE or body.unsettled or body.held or not body.touches:
             continue
         dwell = (
             body.rest_s if body.rest_s >= limits.rest_s - ROUNDING_S else body.still_s - limits.still_s + limits.rest_s
         )
+        patience = _patience(body, limits)
+        body.is_resting = dwell - patience >= limits.rest_s - ROUNDING_S
         is_as_refused = body.frozen_neighbours == body.refused_among
         if is_as_refused and body.refusal == DOUBTED and body.steady_s < limits.doubt_s - ROUNDING_S:
             continue
         rarely = is_as_refused and body.refusal == FALLS
-        if _is_asked(dwell, limits.rest_s, limits.rest_s, dt, rarely):
+        if _is_asked(dwell - patience, limits.rest_s, limits.rest_s, dt, rarely):
             at_rest[n] = ids[i]
             n += 1
-        if _is_asked(body.lean_s, limits.lean_s, limits.rest_s, dt, rarely):
+        if _is_asked(body.lean_s - patience, limits.lean_s, limits.rest_s, dt, rarely):
             leaning[m] = ids[i]
             m += 1
     return n, m

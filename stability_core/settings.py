@@ -124,6 +124,11 @@ class Settings:
         0.5, "s", "a woken brick that does not move may be at the start of a collapse, which takes half a second"
     )
 
+    longest_calm_s: float = _setting(
+        4.0, "s", "what is woken again and again waits twice as long each time, up to this: a pile that is built moves"
+    )
+    flight_speed: float = _speed(0.3, "0.3 m/s: a body this fast comes to rest elsewhere: its wakes are forgotten")
+
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)

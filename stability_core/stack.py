@@ -45,6 +45,7 @@ BODY = np.dtype(
         ("depth", "f8"),  # deepest penetration into a support [m]
         ("depth_before", "f8"),  # the same, in the frame before [m]
         ("touches", "?"),  # it touches the ground or a frozen body
+        ("is_jostled", "?"),  # it touches a live body that moves
         ("supported_by", "u8"),  # its supports as a set of 64 bits by id
         ("neighbours", "u8"),  # all that it touches, likewise
         ("frozen_neighbours", "u8"),  # those of them that are frozen, or the ground
@@ -55,10 +56,14 @@ BODY = np.dtype(
         ("lean_s", "f8"),  # at rest by the rule for leaning
         ("load_s", "f8"),  # slow enough to lie on its support
         ("unsettled", "?"),  # woken, and neither seen moving nor calm for long since then
+        ("is_resting", "?"),  # at rest for long enough to be frozen, if it stands
+        ("wakes", "i8"),  # how often it was woken since it was last in flight
         # for how long it has kept its place among the same neighbours
         ("steady_s", "f8"),  # [s]
         ("steady_center", "f8", (3,)),  # centre of mass when that began [m]
         ("steady_neighbours", "u8"),
+        ("lately", "u8"),  # all that it touched in the latest ``lately_s``
+        ("lately_s", "f8"),  # [s]
         # frozen though nothing proves that it stands: PROVEN, or IN_DOUBT and then NOTED
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED

@@ -12,7 +12,10 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
-from stability_core.stack import MAX_VERTICES, NONE, Graph
+from stability_core.stack import MAX_VERTICES, NONE, Graph, is_stack
+
+KEPT_BALANCED = 1e-8
+"""Imbalance, relative to the largest force on a body, up to which kept forces balance it: they did so to a tenth."""
 
 
 class Memory(NamedTuple):
@@ -36,6 +39,66 @@ def memory_for(patches: int, known: Memory | None = None) -> Memory:
 def _is_of(graph: Graph, at: int, pair: IntArray) -> bool:
     patch = graph.patches[at]
     return bool(patch.upper == pair[0] and patch.lower == pair[1] and patch.kind == pair[2])
+
+
+@compiled
+def is_known(graph: Graph, memory: Memory, at: int) -> bool:
+    """True if the forces kept in row ``at`` are those of the patch that lies there now."""
+    return _is_of(graph, at, memory.pair[at])
+
+
+@compiled
+def carries(memory: Memory, at: int) -> bool:
+    """True if any force is kept in row ``at``."""
+    return bool(memory.force[at].any())
+
+
+@compiled
+def is_held(graph: Graph, memory: Memory, body: int, gravity: float) -> bool:
+    """True if the kept forces lie in the Coulomb cones of a frozen body's contacts and balance its weight.
+
+    Of what touches it count the ground and frozen bodies. O(its patches).
+    """
+    bodies, patches = graph.bodies, graph.patches
+    row = bodies[body]
+    rest = np.zeros(6)
+    rest[2] = row.mass * gravity
+    largest, size = rest[2], row.size
+    for upwards in range(2):
+        at = row.first_load if upwards else row.first_support
+        while at != NONE:
+            patch = patches[at]
+            other = patch.upper if upwards else patch.lower
+            here, at = at, patch.next_load if upwards else patch.next_support
+            if not is_stack(bodies, other) or not is_known(graph, memory, here):
+                continue
+            sign = 1.0 if upwards else -1.0
+            for vertex in range(patch.vertices):
+                force = memory.force[here, vertex]
+                if not _is_in_cone(force, patch.normal, patch.friction):
+                    return False
+                x = patch.vertex[vertex, 0] - row.center[0]
+                y = patch.vertex[vertex, 1] - row.center[1]
+                z = patch.vertex[vertex, 2] - row.center[2]
+                rest[0] += sign * force[0]
+                rest[1] += sign * force[1]
+                rest[2] += sign * force[2]
+                rest[3] += sign * (y * force[2] - z * force[1]) / size
+                rest[4] += sign * (z * force[0] - x * force[2]) / size
+                rest[5] += sign * (x * force[1] - y * force[0]) / size
+                largest = max(largest, abs(force[0]), abs(force[1]), abs(force[2]))
+    return bool(np.abs(rest).max() <= KEPT_BALANCED * largest)
+
+
+@compiled
+def _is_in_cone(force: FloatArray, normal: FloatArray, friction: float) -> bool:
+    along, total = 0.0, 0.0
+    for k in range(3):
+        along += force[k] * normal[k]
+        total += force[k] ** 2
+    across = total - along**2
+    limit = friction * along
+    return bool(along >= 0.0 and across <= limit**2 + KEPT_BALANCED * total)
 
 
 @compiled

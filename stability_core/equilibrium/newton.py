@@ -41,6 +41,8 @@ STRONGEST = 1e6
 CONVERGED = 1e-14
 """Newton's decrement, relative to what is minimised, at which a proximal point is reached."""
 PROXIMAL_POINTS = 12
+ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
+"""Proximal points, steps and imbalance where an estimate of the forces is enough."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
 """A pile takes 5 to 20 steps in all; one that takes more lies at the very limit."""
@@ -82,6 +84,32 @@ def _minimise(
         imbalance(problem, force, rest)
         if decrement <= CONVERGED * size or greatest_imbalance(problem, force, rest) <= BALANCED:
             return
+
+
+@compiled
+def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Forces in the cones that hold the bodies, or as much of their load as contacts can, and what they leave.
+
+    Nothing is proven: the search ends at an imbalance of ``ROUGHLY_BALANCED``.
+
+    Args:
+        problem: n bodies and m contacts.
+        rows: as for ``solve``.
+        y: where the search begins, shape (n, 6): noughts, or what it came to for much the same problem; overwritten.
+
+    Returns:
+        The forces, shape (m, 3); what is left unbalanced, shape (n, 6).
+    """
+    n, m = len(problem.load), len(problem.normal)
+    space = workspace_for(problem, rows)
+    center, rest, force = y.copy(), np.zeros((n, 6)), np.zeros((m, 3))
+    for point in range(ROUGH_POINTS):
+        for _ in range(ROUGH_STEPS):
+            _minimise(problem, space, FIRST_RHO * 0.1**point, 1, center, y, force, rest)
+            if greatest_imbalance(problem, force, rest) <= ROUGHLY_BALANCED:
+                return force, rest
+        center[:] = y
+    return force, rest
 
 
 @compiled

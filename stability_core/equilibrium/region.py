@@ -251,6 +251,8 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
 def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
     """True if a body that nothing else holds has its centre of mass outside its contact area: friction cannot help.
 
+    A live body at rest below it may hold it, once both are frozen together.
+
     Args:
         graph: the stack.
         body: a body whose patches are laid.
@@ -261,7 +263,8 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
         return False
     at = row.first_support
     while at != NONE:
-        if patches[at].kind == LEAN:
+        lower = patches[at].lower
+        if patches[at].kind == LEAN or (lower != GROUND and graph.bodies[lower].is_resting):
             return False
         at = patches[at].next_support
     center = row.center

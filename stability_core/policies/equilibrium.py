@@ -14,14 +14,18 @@ place for ``doubt_s`` under the present contacts, and wakes at any change of con
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
-from stability_core.equilibrium.component import component, problem_of
+from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, part_of
+from stability_core.equilibrium.component import bearing, component
+from stability_core.equilibrium.live_loads import carriers, live_load, lying_on
 from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
-from stability_core.equilibrium.problem import relieved_of
+from stability_core.equilibrium.problem import Problem, relieved_of
 from stability_core.equilibrium.region import (
     REGION,
     Regions,
@@ -35,10 +39,10 @@ from stability_core.equilibrium.region import (
     topples_alone,
     topples_off,
 )
-from stability_core.equilibrium.verdict import decide, takes_part
+from stability_core.equilibrium.verdict import Answer, decide, takes_part
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import width
-from stability_core.port import FloatArray, IntArray
+from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Limits, Settings
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
 from stability_core.stack import (
@@ -53,6 +57,7 @@ from stability_core.stack import (
     Bodies,
     Graph,
     Patches,
+    sorted_ids,
     take_changed,
 )
 from stability_core.stack_mass import support_polygon
@@ -62,8 +67,10 @@ SAFE, LEFT, UNSOLVED = range(3)
 """Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
-STRAIGHT_DOWN = np.array([0.0, 0.0, 1.0])
-"""What topples off level contacts presses so: an eighth of the cost of any direction, see ``verdict``."""
+FEW_TOGETHER = 16
+"""Up to how many bodies the live ones are solved together with the stack that they press on."""
+FEW_BODIES = 64
+"""Up to how many bodies all of a part of the stack is solved where what bears the change does not decide."""
 
 
 @compiled
@@ -106,6 +113,34 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
             found[n] = body
             n += 1
     return found[:n]
+
+
+@compiled
+def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
+    """The ``candidates``, and the live bodies at rest that they touch, directly or through others, by rising id.
+
+    Bodies that hold each other can only be frozen together, whichever of them came to rest first.
+    """
+    bodies, patches = graph.bodies, graph.patches
+    reached = np.zeros(len(bodies), np.bool_)
+    found = np.empty(len(bodies), np.int64)
+    size = len(candidates)
+    found[:size] = candidates
+    reached[candidates] = True
+    done = 0
+    while done < size:
+        for upwards in range(2):
+            at = bodies[found[done]].first_load if upwards else bodies[found[done]].first_support
+            while at != NONE:
+                patch = patches[at]
+                other = patch.upper if upwards else patch.lower
+                at = patch.next_load if upwards else patch.next_support
+                if other != GROUND and not reached[other] and bodies[other].state == LIVE and bodies[other].is_resting:
+                    reached[other] = True
+                    found[size] = other
+                    size += 1
+        done += 1
+    return sorted_ids(found[:size])
 
 
 @compiled
@@ -181,8 +216,14 @@ def _settle_safely(
     on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
     safe = write_down(found[SAFE], frozen)
     if len(left) + len(on_edge) > 0:
-        return safe, write_down(found[LEFT], np.unique(np.concatenate((left, on_edge)))), 0
+        return safe, write_down(found[LEFT], _with_resting(graph, np.unique(np.concatenate((left, on_edge))))), 0
     return safe, 0, _finish(graph, regions, watch, limits, found[UNSOLVED])
+
+
+def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
+    """Return the ``ids`` (n,) that are ``among`` those wanted (n,), shape (k,)."""
+    chosen: IntArray = ids[among]
+    return chosen
 
 
 def _together(first: IntArray, second: IntArray) -> IntArray:
@@ -204,6 +245,8 @@ class Equilibrium(Policy):
         self._found = np.empty((3, 0), np.int64)
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
         """Displacements to which loading last came, by body: where it looks first for the next."""
+        self._lift = np.zeros((0, 6))
+        """Where the search for the loads of live bodies begins, by body."""
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
@@ -216,6 +259,7 @@ class Equilibrium(Policy):
             self._found = np.empty((3, len(graph.bodies)), np.int64)
             more = len(graph.bodies) - self._sag.shape[1]
             self._sag = np.concatenate([self._sag, np.zeros((len(STIFFNESSES), more, 6))], axis=1)
+            self._lift = np.concatenate([self._lift, np.zeros((more, 6))])
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
         safe, left, unsolved = _settle_safely(
@@ -245,7 +289,7 @@ class Equilibrium(Policy):
         reasons: dict[int, str] = {}
         solved = [group[:0]]
         while len(group):
-            ids = component(graph, group[:1], group, False)
+            ids = component(graph, group[:1], group)
             part = group[np.isin(group, ids)]
             group = group[~np.isin(group, ids)]
             frozen, reason, patches = self._freeze_part(graph, part)
@@ -253,80 +297,150 @@ class Equilibrium(Policy):
             solved.append(patches)
         return reasons, np.concatenate(solved)
 
-    def _freeze_part(self, graph: Graph, part: IntArray) -> tuple[IntArray, str, IntArray]:
-        """Freeze all of ``part``, less what would fall, until the rest stands.
+    def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
+        """The bodies to be solved for the ``seeds``: what bears them, the rest as it was; then all, if they are few.
+
+        Yields them with whether they are all.
+        """
+        near = bearing(graph, self._memory, seeds, members, self.gravity)
+        whole = component(graph, seeds, members)
+        if len(near) == len(whole):
+            yield near, True
+            return
+        yield near, False
+        if len(whole) <= FEW_BODIES:
+            yield whole, True
+
+    def _part(self, graph: Graph, ids: IntArray, outside: int, margin: float, grip: float) -> Part:
+        return part_of(graph, self._memory, ids, outside, self.gravity, margin, grip, self.settings.point_radius)
+
+    def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray) -> Answer:
+        """``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
+        start = recall(graph, self._memory, part.patches, len(part.level))
+        sag = np.ascontiguousarray(self._sag[:, part.ids])  # as the kernels are compiled for it
+        answer = decide(problem, part.level, start, changed, sag)
+        self._sag[:, part.ids] = sag
+        return answer
+
+    def _freeze_part(self, graph: Graph, group: IntArray) -> tuple[IntArray, str, IntArray]:
+        """Freeze all of ``group``, less what would fall, until the rest stands.
 
         What statics leaves in doubt is frozen too, without a proof, once the engine has held all of it for long enough.
-        Returns what was frozen, the reason, and the rows of the patches that were solved. O(component) a step of the
-        solve, for layers of bounded width: one to four steps if it stands; a few of the part alone if that falls.
+        Returns what was frozen, the reason, and the rows of the patches that were solved. One to four steps of a solve
+        of what bears the group if that stands; a few of the group alone if that falls.
         """
         bodies = graph.bodies
-        while len(part):
-            ids = component(graph, part, part, False)
-            problem, level, patches = problem_of(graph, ids, self.gravity, 0.0, 1.0, self.settings.point_radius)
-            start = recall(graph, self._memory, patches, len(level))
-            sag = np.ascontiguousarray(self._sag[:, ids])  # as the kernels are compiled for it
-            verdict, forces, rest, _ = decide(problem, level, start, np.isin(ids, part), sag)
-            self._sag[:, ids] = sag
+        while len(group):
+            for ids, is_whole in self._parts(graph, group, group):
+                part, joins = self._part(graph, ids, AS_BEFORE, 0.0, 1.0), np.isin(ids, group)
+                verdict, forces, rest, _ = self._decide(graph, part, part.problem, joins)
+                falls = takes_part(rest)
+                if verdict == "stable" or is_whole or (verdict == "unstable" and not (falls & ~joins).any()):
+                    break
             if verdict == "stable" and forces is not None:
-                remember(graph, self._memory, patches, forces)
-                bodies["state"][part] = FROZEN
-                bodies["leans"][part] = False
+                remember(graph, self._memory, part.patches, forces)
+                bodies["state"][group] = FROZEN
+                bodies["leans"][group] = False
                 self._prove(graph, ids)
-                return part, "equilibrium", patches
-            if verdict == "doubt" and (bodies["steady_s"][part] >= self.settings.doubt_s - ROUNDING_S).all():
-                bodies["state"][part] = FROZEN
-                bodies["leans"][part] = False
-                bodies["doubt"][part] = IN_DOUBT
-                return part, "held by the engine", patches[:0]
-            falls = np.isin(part, ids[takes_part(rest)])
-            refused = part[falls] if falls.any() else part
+                return group, "equilibrium", part.patches
+            if verdict == "doubt" and (bodies["steady_s"][group] >= self.settings.doubt_s - ROUNDING_S).all():
+                bodies["state"][group] = FROZEN
+                bodies["leans"][group] = False
+                bodies["doubt"][group] = IN_DOUBT
+                return group, "held by the engine", part.patches[:0]
+            goes = np.isin(group, ids[falls])
+            if verdict == "doubt":
+                goes |= bodies["steady_s"][group] < self.settings.doubt_s - ROUNDING_S
+            refused = group[goes] if goes.any() else group
             bodies["refusal"][refused] = DOUBTED if verdict == "doubt" else FALLS
             bodies["refused_among"][refused] = bodies["frozen_neighbours"][refused]
-            if not falls.any():
+            if not goes.any():
                 break
-            part = part[~falls]
-        return part[:0], "", part[:0]
+            group = group[~goes]
+        return group[:0], "", group[:0]
 
     def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
         """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
 
-        Live bodies may fall from what stands, or be in doubt, as may be those that the engine held before they were
-        frozen: they are taken away, and the rest must bear what they press on it. What stands with a live load is not
-        proven to stand without it. A body that was frozen in doubt goes at any change around it.
+        What stands with a live load is not proven to stand without it. A body that was frozen in doubt goes at any
+        change around it.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         doubtful: IntArray = unproven[in_doubt]
-        unproven = unproven[~in_doubt]
-        if len(unproven) == 0:
+        seeds = carriers(graph, unproven[~in_doubt])
+        if len(seeds) == 0:
             return doubtful
-        ids = component(graph, unproven, unproven[:0], True)
-        margin, radius = self.settings.wake_margin, self.settings.point_radius
-        problem, level, patches = problem_of(graph, ids, self.gravity, margin, WAKE_GRIP, radius)
-        force = recall(graph, self._memory, patches, len(level))
-        is_frozen = graph.bodies["state"][ids] == FROZEN
-        is_loaded = not is_frozen.all()
-        changed, rows = np.isin(ids, unproven), np.arange(len(level))
-        while True:
-            sag = np.ascontiguousarray(self._sag[:, ids])
-            verdict, forces, rest, _ = decide(problem, level[rows], force[rows], changed, sag)
-            self._sag[:, ids] = sag
-            if forces is not None:
-                force[rows] = forces
-            if verdict == "stable":
-                remember(graph, self._memory, patches, force)
-                if not is_loaded:
-                    self._prove(graph, ids[is_frozen])
+        for ids, is_whole in self._parts(graph, seeds, seeds[:0]):
+            goes = self._falls(graph, ids, seeds, AS_BEFORE)
+            if len(goes) == 0:
                 return doubtful
+            if is_whole:
+                return _together(doubtful, goes)
+        certain = self._falls(graph, ids, seeds, FIXED)
+        return _together(doubtful, certain if len(certain) else seeds)
+
+    def _falls(self, graph: Graph, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
+        """Which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
+
+        What live bodies press if the stack is rigid is one of many ways to share their weight. Where the stack does not
+        bear it, those that do not fall themselves are solved together with it.
+        """
+        live = lying_on(graph, ids)
+        for margin, grip in ((0.0, 1.0), (self.settings.wake_margin, WAKE_GRIP))[len(live) > 0 :]:
+            part = self._part(graph, ids, outside, margin, grip)
+            pressed, held = live_load(graph, self._memory, part, live, self.gravity, self._lift)
+            problem = part.problem._replace(load=part.problem.load - pressed)
+            answer = self._decide(graph, part, problem, np.isin(ids, seeds))
+            verdict, forces = answer[:2]
+            if verdict == "stable":
+                if margin == 0.0 and outside == AS_BEFORE and forces is not None and not pressed.any():
+                    remember(graph, self._memory, part.patches, forces)
+                    self._prove(graph, ids)
+                return ids[:0]
+        goes = self._moves(graph, part, problem, seeds, answer)
+        if outside == AS_BEFORE and len(goes) and held.any():
+            return self._falls_together(graph, ids, seeds, live, held, goes)
+        return goes
+
+    def _falls_together(
+        self, graph: Graph, ids: IntArray, seeds: IntArray, live: IntArray, held: BoolArray, goes: IntArray
+    ) -> IntArray:
+        """Which frozen bodies fall if the live ones that are ``held`` (k,) share their weight as the stack needs it.
+
+        Those of the ``live`` (k,) that fall press as estimated. ``goes``: the answer if the problem is too large.
+        """
+        joint = live[held]
+        borne = bearing(graph, self._memory, _together(seeds, carriers(graph, joint)), joint, self.gravity)
+        together = _together(_together(ids, borne), joint)
+        if len(together) > FEW_TOGETHER:
+            return goes
+        part = self._part(graph, together, AS_BEFORE, self.settings.wake_margin, WAKE_GRIP)
+        others = np.setdiff1d(lying_on(graph, together), together)
+        pressed, _ = live_load(graph, self._memory, part, others, self.gravity, self._lift)
+        problem = part.problem._replace(load=part.problem.load - pressed)
+        answer = self._decide(graph, part, problem, np.isin(together, seeds))
+        return self._moves(graph, part, problem, seeds, answer)
+
+    def _moves(self, graph: Graph, part: Part, problem: Problem, seeds: IntArray, answer: Answer) -> IntArray:
+        """The frozen bodies that move in the mechanism of an ``answer``, shape (k,); if nothing is known, the seeds.
+
+        Live bodies may fall from what stands, or be in doubt, as may be those that the engine held before they were
+        frozen: they are taken away, and the rest must bear what they press on it.
+        """
+        bodies, ids, level = graph.bodies, part.ids, part.level
+        may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)
+        verdict, forces, rest, _ = answer
+        while verdict != "stable":
             falls = takes_part(rest)
-            goes = falls & is_frozen & (graph.bodies["doubt"][ids] == PROVEN)
+            goes = falls & may_move
             if forces is None:  # no equilibrium was found, nor a proof that there is none
-                goes |= changed & is_frozen
+                goes |= np.isin(ids, seeds) & may_move
             if goes.any() or forces is None:
-                return _together(doubtful, ids[goes])
-            pressed = force[rows] * (STRAIGHT_DOWN if level[rows].all() else 1.0)
-            problem, kept = relieved_of(problem, falls, pressed)
-            ids, is_frozen, changed, rows = ids[~falls], is_frozen[~falls], changed[~falls], rows[kept]
+                return _chosen(ids, goes)
+            problem, kept = relieved_of(problem, falls, forces)
+            ids, may_move, level = ids[~falls], may_move[~falls], level[kept]
+            verdict, forces, rest, _ = decide(problem, level, forces[kept], np.isin(ids, seeds))
+        return ids[:0]
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
         """Note that the frozen bodies ``ids`` stand together, lowest first, as regions rest on those below."""

@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.motion import is_moving
+from stability_core.contact_filter import is_moving
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import convex_hull, inside_distance
 from stability_core.port import GROUND, FloatArray, IntArray

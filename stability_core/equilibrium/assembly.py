@@ -1,0 +1,192 @@
+"""A part of the stack as a problem of statics, and how the rest of the stack acts on it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.contact_filter import size_of_pair
+from stability_core.equilibrium.memory import Memory, is_known
+from stability_core.equilibrium.problem import Problem
+from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
+from stability_core.stack import NONE, SUPPORT, Graph, is_stack
+
+ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
+"""What the rest of the stack does: nothing, as if it were not there; it presses with the kept forces; or it is as rigid
+as the ground, so that what falls falls whatever the rest does."""
+
+
+class Part(NamedTuple):
+    """A problem and where its rows come from."""
+
+    problem: Problem
+    """Its bodies are in the order of ``ids``."""
+    ids: IntArray
+    """The bodies, shape (n,)."""
+    level: BoolArray
+    """Which contacts can carry a vertical force, shape (m,)."""
+    patches: IntArray
+    """Rows of the patches, each of whose vertices is a contact, in this order, shape (p,)."""
+    size: FloatArray
+    """Size of each body [m], by which moments are divided, shape (n,)."""
+
+
+@compiled
+def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> tuple[IntArray, int, IntArray]:
+    """The patches that join the bodies ``ids`` to each other, to the ground, and to the rest of the stack.
+
+    Returns:
+        Rows of those whose forces are wanted, shape (p,); their number of vertices; rows of those whose forces are
+        kept, shape (q,).
+    """
+    bodies, patches = graph.bodies, graph.patches
+    found, kept = np.empty(len(patches), np.int64), np.empty(len(patches), np.int64)
+    size, vertices, border = 0, 0, 0
+    for body in ids:
+        at = bodies[body].first_support
+        while at != NONE:
+            lower = patches[at].lower
+            if lower == GROUND or index[lower] >= 0 or (outside == FIXED and is_stack(bodies, lower)):
+                found[size] = at
+                size += 1
+                vertices += patches[at].vertices
+            elif outside == AS_BEFORE and is_stack(bodies, lower):
+                kept[border] = at
+                border += 1
+            at = patches[at].next_support
+        at = bodies[body].first_load if outside != ABSENT_OUTSIDE else NONE
+        while at != NONE:
+            upper = patches[at].upper
+            if index[upper] < 0 and is_stack(bodies, upper):
+                if outside == FIXED:
+                    found[size] = at
+                    size += 1
+                    vertices += patches[at].vertices
+                else:
+                    kept[border] = at
+                    border += 1
+            at = patches[at].next_load
+    return found[:size], vertices, kept[:border]
+
+
+@compiled
+def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: FloatArray) -> float:
+    """From a body's centre to a vertex of patch ``at``, moved outwards by ``margin`` [sizes]; returns its length."""
+    patch = graph.patches[at]
+    outward = np.hypot(patch.vertex[vertex, 0] - patch.center[0], patch.vertex[vertex, 1] - patch.center[1])
+    stretch = margin * size_of_pair(graph.bodies, patch.upper, patch.lower) / outward if outward > 0.0 else 0.0
+    for k in range(3):
+        moved = stretch * (patch.vertex[vertex, k] - patch.center[k]) if k < 2 else 0.0
+        lever[k] = patch.vertex[vertex, k] + moved - graph.bodies[body].center[k]
+    return float(np.sqrt(lever[0] ** 2 + lever[1] ** 2 + lever[2] ** 2))
+
+
+@compiled
+def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: float) -> FloatArray:
+    """One for each of the ``n`` bodies that touch in points and lines alone, zero for the others, shape (n,).
+
+    Args:
+        graph: the stack.
+        patches: rows of the patches that touch the bodies, shape (p,).
+        index: of each body, or negative.
+        n: number of bodies.
+        radius: width [sizes] up to which a patch is a point or a line.
+    """
+    found = np.ones(n)
+    for at in patches:
+        patch = graph.patches[at]
+        if patch.width > radius * size_of_pair(graph.bodies, patch.upper, patch.lower):
+            for body in (patch.upper, patch.lower):
+                if body != GROUND and index[body] >= 0:
+                    found[index[body]] = 0.0
+    return found
+
+
+@compiled
+def _add_kept_forces(
+    graph: Graph, memory: Memory, kept: IntArray, index: IntArray, size: FloatArray, load: FloatArray
+) -> None:
+    """Take the kept forces of the patches ``kept`` (q,) off what the other contacts must exert."""
+    lever = np.empty(3)
+    for at in kept:
+        if not is_known(graph, memory, at):
+            continue
+        patch = graph.patches[at]
+        for body, sign in ((patch.upper, -1.0), (patch.lower, 1.0)):
+            if body == GROUND or index[body] < 0:
+                continue
+            i = index[body]
+            for vertex in range(patch.vertices):
+                _lever(graph, at, vertex, 0.0, body, lever)
+                add_wrench(load[i], sign, memory.force[at, vertex], lever, size[i])
+
+
+@compiled
+def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArray, size: float) -> None:
+    """Add ``sign`` times a force [N] at a ``lever`` [m] to a force and moment over ``size`` [m], shape (6,)."""
+    load[0] += sign * force[0]
+    load[1] += sign * force[1]
+    load[2] += sign * force[2]
+    load[3] += sign * (lever[1] * force[2] - lever[2] * force[1]) / size
+    load[4] += sign * (lever[2] * force[0] - lever[0] * force[2]) / size
+    load[5] += sign * (lever[0] * force[1] - lever[1] * force[0]) / size
+
+
+@compiled
+def part_of(
+    graph: Graph,
+    memory: Memory,
+    ids: IntArray,
+    outside: int,
+    gravity: float,
+    margin: float,
+    grip: float,
+    radius: float,
+) -> Part:
+    """The statics of the bodies ``ids``: O(bodies + patches).
+
+    Args:
+        graph: the stack.
+        memory: the kept forces.
+        ids: the bodies, shape (n,).
+        outside: what the rest of the stack does: ABSENT_OUTSIDE, AS_BEFORE or FIXED.
+        gravity: gravitational acceleration [m/s2], positive.
+        margin: by how much [sizes of the smaller body] each vertex of a patch is moved outwards.
+        grip: by what each friction coefficient is multiplied.
+        radius: by how much [sizes] a contact in a point or a line may be off: see ``Problem.slack``.
+    """
+    n = len(ids)
+    index = np.full(len(graph.bodies), -1)
+    for i in range(n):
+        index[ids[i]] = i
+    patches, m, kept = _patches_of(graph, ids, index, outside)
+    body_a, body_b, level = np.full(m, -1), np.full(m, -1), np.empty(m, np.bool_)
+    lever_a, lever_b, normal = np.zeros((m, 3)), np.zeros((m, 3)), np.empty((m, 3))
+    friction, load, size = np.empty(m), np.zeros((n, 6)), np.zeros(n)
+    c = 0
+    for at in patches:
+        patch = graph.patches[at]
+        i, j = index[patch.upper], index[patch.lower] if patch.lower != GROUND else -1
+        for vertex in range(patch.vertices):
+            body_a[c], body_b[c], level[c] = j, i, patch.kind == SUPPORT
+            friction[c] = patch.friction * grip
+            for k in range(3):
+                normal[c, k] = patch.normal[k]
+            if i >= 0:
+                size[i] = max(size[i], _lever(graph, at, vertex, margin, patch.upper, lever_b[c]))
+            if j >= 0:
+                size[j] = max(size[j], _lever(graph, at, vertex, margin, patch.lower, lever_a[c]))
+            c += 1
+    for i in range(n):
+        size[i] = size[i] if size[i] > 0.0 else 1.0
+        load[i, 2] = graph.bodies[ids[i]].mass * gravity
+    for c in range(m):
+        if body_b[c] >= 0:
+            lever_b[c] /= size[body_b[c]]
+        if body_a[c] >= 0:
+            lever_a[c] /= size[body_a[c]]
+    slack = radius * load[:, 2] * _rolling(graph, np.concatenate((patches, kept)), index, n, radius)
+    _add_kept_forces(graph, memory, kept, index, size, load)
+    return Part(Problem(body_a, body_b, lever_a, lever_b, normal, friction, load, slack), ids, level, patches, size)

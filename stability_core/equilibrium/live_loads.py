@@ -1,0 +1,127 @@
+"""What live bodies press on the stack: loads, and not bodies of the problem.
+
+Whether a live body stands does not matter. All that lie on a part of the stack are looked at together, with the stack
+below them as rigid as the ground. The forces that hold them, or hold them as far as contacts can, are their loads: a
+brick that topples presses where it turns, with no more than its weight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.equilibrium.assembly import FIXED, Part, add_wrench, part_of
+from stability_core.equilibrium.memory import Memory
+from stability_core.equilibrium.newton import nearest_forces
+from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
+from stability_core.stack import FROZEN, LIVE, NONE, Graph, sorted_ids
+
+_VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
+_HELD = 1e-2
+"""Share of its weight that may be left of a live body which counts as held: an estimate leaves a thousandth."""
+
+
+@compiled
+def lying_on(graph: Graph, ids: IntArray) -> IntArray:
+    """The live bodies that lie on the bodies ``ids``, directly or on each other, and their like beside, shape (k,)."""
+    bodies, patches = graph.bodies, graph.patches
+    reached = np.zeros(len(bodies), np.bool_)
+    found = np.empty(len(bodies), np.int64)
+    size = 0
+    for begin in range(2):
+        done = 0
+        while done < (len(ids) if begin == 0 else size):
+            body = ids[done] if begin == 0 else found[done]
+            done += 1
+            for upwards in range(2):
+                at = bodies[body].first_load if upwards else bodies[body].first_support
+                while at != NONE:
+                    patch = patches[at]
+                    other = patch.upper if upwards else patch.lower
+                    at = patch.next_load if upwards else patch.next_support
+                    if other == GROUND or reached[other] or bodies[other].state != LIVE or not bodies[other].is_load:
+                        continue
+                    reached[other] = True
+                    found[size] = other
+                    size += 1
+    return found[:size]
+
+
+@compiled
+def carriers(graph: Graph, ids: IntArray) -> IntArray:
+    """The frozen among ``ids``, and those that bear the live ones, directly or through other live ones, shape (k,)."""
+    bodies, patches = graph.bodies, graph.patches
+    reached = np.zeros(len(bodies), np.bool_)
+    found, waiting = np.empty(len(bodies), np.int64), np.empty(len(bodies), np.int64)
+    size, left = 0, 0
+    for body in ids:
+        if not reached[body]:
+            reached[body] = True
+            waiting[left] = body
+            left += 1
+    while left > 0:
+        left -= 1
+        body = waiting[left]
+        if bodies[body].state == FROZEN:
+            found[size] = body
+            size += 1
+            continue
+        at = bodies[body].first_support
+        while at != NONE:
+            lower = patches[at].lower
+            at = patches[at].next_support
+            if lower != GROUND and not reached[lower]:
+                reached[lower] = True
+                waiting[left] = lower
+                left += 1
+    return sorted_ids(found[:size])
+
+
+@compiled
+def live_load(
+    graph: Graph, memory: Memory, part: Part, live: IntArray, gravity: float, y: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """What the ``live`` bodies (k,) that lie on the bodies of ``part`` press on them: O(k) and some factorisations.
+
+    Args:
+        graph: the stack.
+        memory: the kept forces.
+        part: what they lie on.
+        live: all of them, shape (k,).
+        gravity: gravitational acceleration [m/s2], positive.
+        y: where the search begins, by body; overwritten (see ``nearest_forces``).
+
+    Returns:
+        Force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6); which of the live bodies
+        are held, (k,), were the stack as rigid as the ground.
+    """
+    pressed = np.zeros((len(part.ids), 6))
+    held = np.ones(len(live), np.bool_)
+    if len(live) == 0:
+        return pressed, held
+    above = part_of(graph, memory, live, FIXED, gravity, 0.0, 1.0, 0.0)
+    problem, upright = above.problem, above.level.all()
+    if upright:  # what topples off level contacts presses straight down, and so does what stands on them
+        problem.normal[:, :2] = 0.0
+        problem.normal[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
+        problem.friction[:] = 0.0
+    begin = y[live]
+    force, rest = nearest_forces(problem, _VERTICAL if upright else _ALL, begin)
+    y[live] = begin
+    for i in range(len(live)):
+        held[i] = np.abs(rest[i]).max() <= _HELD * problem.load[i, 2]
+    index = np.full(len(graph.bodies), -1)
+    for i in range(len(part.ids)):
+        index[part.ids[i]] = i
+    lever = np.empty(3)
+    c = 0
+    for at in above.patches:
+        patch = graph.patches[at]
+        i = index[patch.lower] if patch.lower != GROUND else -1
+        for vertex in range(patch.vertices):
+            if i >= 0:
+                for k in range(3):
+                    lever[k] = patch.vertex[vertex, k] - graph.bodies[patch.lower].center[k]
+                add_wrench(pressed[i], -1.0, force[c], lever, part.size[i])
+            c += 1
+    return pressed, held
