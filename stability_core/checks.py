@@ -150,7 +150,10 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
         return ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
     pair = f"contact {row} joins bodies {contacts.body_a[row]} and {contacts.body_b[row]}"
     if fault == UNKNOWN_BODY:
-        return ValueError(f"{pair}, one of which masses() has never listed, or which was removed")
+        return ValueError(
+            f"{pair}, one of which masses() has never listed, or which was removed: list every body before its "
+            "contacts; if an earlier extension on this port froze it, close() that extension first"
+        )
     if fault == FLIPPED:
         return ValueError(
             f"{pair}, and like every contact with the ground it pushes its body down from below: "

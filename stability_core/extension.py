@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class Change(NamedTuple):
 
 IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 UNCHANGED = Change((), (), {})
+CLOSED = "this extension is closed: make a new StabilityExtension for the port"
 MOMENT_S = 1e-9
 """Time [s] that passes where none does: what has moved at all since the last update is fast."""
 
@@ -120,6 +121,7 @@ class StabilityExtension:
         """Bodies that the latest update forgot: an engine that lags a frame may still list them."""
         self._dt = math.inf
         """Length of the latest frame [s]."""
+        self._is_closed = False
         self._reasons: dict[int, str] = {}
         """For what each body was frozen or woken last."""
         self.dropped = 0
@@ -129,6 +131,47 @@ class StabilityExtension:
     def frozen(self) -> IntArray:
         """Ids of all frozen bodies, shape (n,)."""
         return np.flatnonzero(self._graph.bodies["state"] == FROZEN)
+
+    def __enter__(self) -> Self:
+        """Return the extension, which is closed at the end of the ``with`` block."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        self.close()
+
+    def close(self) -> None:
+        """Unfreeze every body and refuse further use, so that another extension can take over the port.
+
+        Do nothing if it is closed already.
+        """
+        if self._is_closed:
+            return
+        frozen = self.frozen
+        if len(frozen):
+            self.port.wake(tuple(frozen.tolist()))
+        for body in frozen.tolist():
+            self._wake(body)
+        self._is_closed = True
+
+    def wake(self, bodies: Iterable[int]) -> Change:
+        """Unfreeze ``bodies`` and the frozen bodies that rest on them, at once, as an impact on them would.
+
+        Call it before an impulse or an explosion is applied, so that it moves them in the same frame. Call it also
+        where the port cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name
+        the belt. A woken body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
+
+        Raises:
+            KeyError: for a body that no update has seen.
+            RuntimeError: if the extension is closed.
+        """
+        self._check_open()
+        roots = np.array(self._seen(bodies), np.int64)
+        woken: dict[int, str] = {}
+        self._wake_above(roots, "woken by the host", {}, woken)
+        for body in woken:
+            self._news.pop(body, None)
+        return self._tell({}, woken)
 
     def disturb(self, bodies: Iterable[int]) -> None:
         """A user holds or pushes ``bodies``: they stay live until released; what rests on them is re-examined.
@@ -170,7 +213,9 @@ class StabilityExtension:
 
         Raises:
             ValueError: if dt is not positive, or the port gives malformed contacts or masses.
+            RuntimeError: if the extension is closed.
         """
+        self._check_open()
         if not 0.0 < dt < math.inf:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         self._dt = dt
@@ -197,7 +242,9 @@ class StabilityExtension:
         Raises:
             KeyError: for a body that the port does not list.
             ValueError: if the port gives malformed contacts or masses.
+            RuntimeError: if the extension is closed.
         """
+        self._check_open()
         if not self.policy.judges_statics:
             return UNCHANGED
         seen = self._look(MOMENT_S)
@@ -208,6 +255,10 @@ class StabilityExtension:
         self._make_due(wanted[self._is_in_place(table[wanted])])
         self._is_pending = False
         return self._settle(seen[1])
+
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise RuntimeError(CLOSED)
 
     def _is_in_place(self, rows: Bodies) -> BoolArray:
         """Tell which live bodies neither move, as far as is known, nor slide at a contact, nor are held, shape (k,)."""
