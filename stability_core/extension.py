@@ -34,6 +34,8 @@ from stability_core.stack import (
     note_change,
     with_all_above,
 )
+from stability_core.turning import turn_memory
+from stability_core.upright import Upright, checked_gravity
 from stability_core.watch import AT_REST, LEANING, LYING, STRUCK, skip_frame, watch_for
 
 
@@ -93,23 +95,27 @@ class StabilityExtension:
         Args:
             port: the engine, as the core sees it.
             policy: a name of ``POLICIES``, or a policy of your own.
-            gravity: [m/s2], straight down.
+            gravity: [m/s2], in any direction; it may change at any time, see ``StabilityExtension.gravity``.
             settings: the tolerances.
 
         Raises:
             UnknownNameError: if there is no such policy.
-            ValueError: if gravity does not point straight down: turn the world so that z is up.
+            ValueError: if gravity is not a finite vector, or zero.
         """
-        x, y, z = gravity
-        if x != 0.0 or y != 0.0 or not (np.isfinite(z) and z < 0.0):
-            raise ValueError(f"gravity must be (0, 0, -g), got {tuple(gravity)}: turn the world so that z is up")
+        self._gravity = checked_gravity(gravity)
+        self._upright = Upright(self._gravity)
+        strength = self._upright.strength
         if isinstance(policy, str):
             warm_up(policy)
         self.port = port
         self.settings = settings or Settings()
-        self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
+        self.policy = (
+            look_up("policy", policy, POLICIES)(strength, self.settings) if isinstance(policy, str) else policy
+        )
+        if self.policy.gravity != strength:
+            self.policy.set_gravity(strength)
         self._graph: Graph = empty_graph()
-        self._limits = self.settings.limits(-z)
+        self._limits = self.settings.limits(strength)
         self._watch = watch_for(self.settings.longest_dwell, 32)
         self._news: dict[int, str] = {}
         """Bodies woken by the host's words since the last update, with the reason."""
@@ -131,6 +137,24 @@ class StabilityExtension:
     def frozen(self) -> IntArray:
         """Ids of all frozen bodies, shape (n,)."""
         return np.flatnonzero(self._graph.bodies["state"] == FROZEN)
+
+    @property
+    def gravity(self) -> tuple[float, float, float]:
+        """Gravity [m/s2], in the coordinates of the port; set it whenever it changes, before ``update``.
+
+        Once it has changed by ``gravity_tilt`` or ``gravity_change`` in all, the next update judges every frozen body
+        again: O(bodies). Smaller changes add up.
+        """
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, gravity: Sequence[float]) -> None:
+        """Set it.
+
+        Raises:
+            ValueError: if it is not a finite vector, or zero.
+        """
+        self._gravity = checked_gravity(gravity)
 
     def __enter__(self) -> Self:
         """Return the extension, which is closed at the end of the ``with`` block."""
@@ -202,7 +226,7 @@ class StabilityExtension:
         """
         self._seen([body])
         row = self._graph.bodies[body]
-        return explain(row, self.settings, self._limits.item(0)[-1], self._dt, self._reasons.get(body, ""))
+        return explain(row, self.settings, self.policy.gravity, self._dt, self._reasons.get(body, ""))
 
     def update(self, dt: float) -> Change:
         """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
@@ -283,6 +307,8 @@ class StabilityExtension:
         Raises:
             ValueError: if the port gives malformed contacts or masses.
         """
+        if self._gravity is not self._upright.gravity:
+            self._follow_gravity()
         contacts, masses = self.port.contacts(), self.port.masses()
         if len(masses.removed):
             self._leaving += checked_removals(masses.removed)
@@ -295,6 +321,17 @@ class StabilityExtension:
             self._forget(self._leaving)
         self._left, self._leaving = frozenset(self._leaving), []
         return due, rows
+
+    def _follow_gravity(self) -> None:
+        """Turn all that is remembered, and have it judged again, if gravity has changed by more than its tolerances."""
+        settings, before = self.settings, self._upright
+        if not before.differs(self._gravity, settings.gravity_tilt, settings.gravity_change):
+            return
+        self._upright = Upright(self._gravity)
+        self._limits = settings.limits(self._upright.strength)
+        self.policy.set_gravity(self._upright.strength)
+        turn_memory(self._graph, self._watch, self._upright.rotation @ before.rotation.T, settings.level_tilt)
+        self._is_pending = True
 
     def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
         """What the port gave, less the rows of bodies that were removed in this frame or the last; these are counted.
@@ -325,6 +362,9 @@ class StabilityExtension:
         room = max(2 * len(contacts), len(masses.body))
         if room >= self._watch.due.shape[1]:
             self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
+        if not self._upright.is_world:
+            check_shapes(contacts, masses)
+        seen, bodies = self._upright.turn(contacts, masses)
         while True:
             try:
                 fault, row, due, rows = observe(
@@ -332,16 +372,16 @@ class StabilityExtension:
                     *self._watch,
                     self._limits,
                     dt,
-                    _laid_out(masses.body, IDS),
-                    _laid_out(contacts.body_a, IDS),
-                    _laid_out(contacts.body_b, IDS),
-                    _laid_out(masses.mass, NUMBERS),
-                    _laid_out(masses.center_of_mass, NUMBERS),
-                    _laid_out(contacts.point, NUMBERS),
-                    _laid_out(contacts.normal, NUMBERS),
-                    _laid_out(contacts.separation, NUMBERS),
-                    _laid_out(contacts.relative_velocity, NUMBERS),
-                    _laid_out(contacts.friction, NUMBERS),
+                    _laid_out(bodies.body, IDS),
+                    _laid_out(seen.body_a, IDS),
+                    _laid_out(seen.body_b, IDS),
+                    _laid_out(bodies.mass, NUMBERS),
+                    _laid_out(bodies.center_of_mass, NUMBERS),
+                    _laid_out(seen.point, NUMBERS),
+                    _laid_out(seen.normal, NUMBERS),
+                    _laid_out(seen.separation, NUMBERS),
+                    _laid_out(seen.relative_velocity, NUMBERS),
+                    _laid_out(seen.friction, NUMBERS),
                 )
             except WrongTypeError:  # an array has more or fewer dimensions
                 check_shapes(contacts, masses)
@@ -354,7 +394,7 @@ class StabilityExtension:
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
         if row > 0:
-            self._follow_frozen(masses)
+            self._follow_frozen(bodies)
         return due, rows
 
     def _follow_frozen(self, masses: Masses) -> None:

@@ -202,8 +202,21 @@ class Equilibrium(Policy):
         self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
+        self._wake_grip = WAKE_GRIP
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
         """Displacements to which loading last came, by body: where it looks first for the next."""
+
+    def set_gravity(self, gravity: float) -> None:
+        """Forget proofs, regions and forces.
+
+        The next frame judges without hysteresis in friction: contacts of frozen bodies do not change while gravity
+        turns, so that bodies wake at their exact angle of friction.
+        """
+        super().set_gravity(gravity)
+        self._wake_grip = 1.0
+        self._regions["vertices"] = self._regions["links"] = 0
+        self._memory.pair[:] = NONE
+        self._sag[:] = 0.0
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
@@ -235,7 +248,9 @@ class Equilibrium(Policy):
             reasons.update(together)
             unsolved = _finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
-        return Decision(reasons, self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY)
+        unbalanced = self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY
+        self._wake_grip = WAKE_GRIP
+        return Decision(reasons, unbalanced)
 
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray]:
         """Freeze of the candidates ``group`` what stands, each part of the stack by itself.
@@ -302,7 +317,7 @@ class Equilibrium(Policy):
             return doubtful
         ids = component(graph, unproven, unproven[:0], True)
         margin, radius = self.settings.wake_margin, self.settings.point_radius
-        problem, level, patches = problem_of(graph, ids, self.gravity, margin, WAKE_GRIP, radius)
+        problem, level, patches = problem_of(graph, ids, self.gravity, margin, self._wake_grip, radius)
         force = recall(graph, self._memory, patches, len(level))
         is_frozen = graph.bodies["state"][ids] == FROZEN
         is_loaded = not is_frozen.all()

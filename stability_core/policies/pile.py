@@ -167,6 +167,11 @@ class Pile(Policy):
         super().__init__(gravity, settings)
         self._supports = NOBODY
 
+    def set_gravity(self, gravity: float) -> None:
+        """Wake every pile: its shape was compared with the angle of repose about another vertical."""
+        super().set_gravity(gravity)
+        self._supports[:] = np.iinfo(np.int64).max
+
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """Lowest first, so that each body sees those on which it stands asleep. O(heap) a body at rest."""
         if len(graph.bodies) > len(self._supports):

@@ -443,12 +443,6 @@ def test_unknown_policy_names_the_nearest():
         StabilityExtension(None, "papr")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("gravity", [(0, 0, 9.81), (0, 1, -9.81), (0, 0, 0), (0, 0, np.nan)])
-def test_gravity_must_point_down(port, gravity):
-    with pytest.raises(ValueError, match="z is up"):
-        StabilityExtension(port, gravity=gravity)
-
-
 @pytest.mark.parametrize("dt", [0.0, -1.0, np.nan, np.inf])
 def test_time_must_pass(port, dt):
     with pytest.raises(ValueError, match="positive time"):
