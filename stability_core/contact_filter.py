@@ -13,7 +13,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
-from stability_core.stack import FROZEN, LIVE, Bodies
+from stability_core.stack import FROZEN, LIVE, Bodies, is_immovable, is_stack
 
 CONTACT = np.dtype(
     [
@@ -72,9 +72,9 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stan
         return
     row = bodies[body]
     row.slip = max(row.slip, slip)
-    row.touches = row.touches or other == GROUND or bodies[other].state == FROZEN
+    row.touches = row.touches or is_stack(bodies, other)
     row.neighbours |= bit_of(other)
-    if other == GROUND or bodies[other].state == FROZEN:
+    if is_stack(bodies, other):
         row.frozen_neighbours |= bit_of(other)
     if stands:
         row.supported_by |= bit_of(other)
@@ -188,8 +188,8 @@ def keep_contacts(
                     struck[hits] = body
                     hits += 1
             continue
-        upper = upper_of(a, b, normal[i, 2])
-        level = is_level(normal[i, 2], friction[i], limits.level_tilt) and upper != GROUND  # a ceiling carries nothing
+        upper = upper_of(a, b, normal[i, 2])  # a ceiling carries nothing
+        level = is_level(normal[i, 2], friction[i], limits.level_tilt) and not is_immovable(bodies, upper)
         if not level and separation[i] > limits.touch_gap * size_of:
             continue
         row = kept[size]

@@ -24,6 +24,7 @@ from stability_core.stack import (
     ABSENT,
     FROZEN,
     LIVE,
+    MOVING,
     PROVEN,
     Bodies,
     Graph,
@@ -36,7 +37,7 @@ from stability_core.stack import (
 )
 from stability_core.turning import turn_memory
 from stability_core.upright import Upright, checked_gravity
-from stability_core.watch import AT_REST, LEANING, LYING, STRUCK, skip_frame, watch_for
+from stability_core.watch import AT_REST, LEANING, LYING, MOVED, STRUCK, skip_frame, watch_for
 
 
 class Change(NamedTuple):
@@ -359,7 +360,7 @@ class StabilityExtension:
         for name, ids in (("masses.body", masses.body), ("contacts.body_a", contacts.body_a)):
             check_ids(name, ids)
         check_ids("contacts.body_b", contacts.body_b)
-        room = max(2 * len(contacts), len(masses.body))
+        room = 2 * len(contacts) + len(masses.body)
         if room >= self._watch.due.shape[1]:
             self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
         if not self._upright.is_world:
@@ -404,7 +405,10 @@ class StabilityExtension:
         for row in rows:
             body = int(masses.body[row])
             moved = float(np.linalg.norm(masses.center_of_mass[row] - bodies["center"][body]))
-            if moved > self.settings.steady_shift * bodies["size"][body]:
+            if np.isinf(masses.mass[row]):
+                self._detach(body)
+                self._news[body] = "moved by the host"
+            elif moved > self.settings.steady_shift * bodies["size"][body]:
                 self._detach(body)
                 self._news[body] = "moved"
             elif masses.mass[row] != bodies["mass"][body]:
@@ -420,6 +424,9 @@ class StabilityExtension:
         woken, self._news = self._news, {}
         for body in woken:
             self._wake(body)
+        moved = self._watch.due.item(MOVED, 0)
+        if moved:
+            self._leave_moved(self._watch.due[MOVED, 1 : 1 + moved], woken)
         if 4 * rows > self._graph.spare.item(0):
             self._graph = grown(self._graph, 0, 4 * rows)
         frozen, unbalanced = self.policy.settle(self._graph, self._watch)
@@ -429,6 +436,13 @@ class StabilityExtension:
         if len(unbalanced):
             self._wake_above(unbalanced, "unbalanced", frozen, woken)
         return self._tell(frozen, woken)
+
+    def _leave_moved(self, moved: IntArray, woken: dict[int, str]) -> None:
+        """Wake what rested on kinematic bodies that began to move, and what they touch; these rest on nothing."""
+        self._wake_above(moved, "moved by the host", {}, woken)
+        for body in moved.tolist():
+            if self._graph.bodies["state"][body] == MOVING:
+                drop_supports(self._graph, body)
 
     def _wake_above(self, roots: IntArray, reason: str, frozen: dict[int, str], woken: dict[int, str]) -> None:
         """Wake the ``roots`` and what rests on them; what was frozen and woken at once never slept."""

@@ -5,6 +5,8 @@ It is all that a quiet frame costs, in one compiled call.
 
 from __future__ import annotations
 
+import numpy as np
+
 from stability_core.checks import (
     BAD_CONTACT,
     BAD_MASS,
@@ -21,11 +23,12 @@ from stability_core.checks import (
 )
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
+from stability_core.kinematic import follow_host, list_carried
 from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
-from stability_core.stack import ABSENT, Bodies
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, STRUCK, next_frame
+from stability_core.stack import ABSENT, Bodies, is_immovable
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, MOVED, STRUCK, next_frame
 
 
 @compiled
@@ -67,20 +70,27 @@ def _first_unknown(bodies: Bodies, ids: IntArray, named: IntArray) -> int:
 def _first_flipped(
     bodies: Bodies,
     ids: IntArray,
+    mass: FloatArray,
     center: FloatArray,
     body_a: IntArray,
     body_b: IntArray,
     point: FloatArray,
     normal: FloatArray,
 ) -> int:
-    """A contact with the ground if the normals of all such contacts are flipped, else -1."""
+    """A contact with the ground if the normals of all such contacts are flipped, else -1.
+
+    Kinematic bodies do not count: they need not be convex, nor rest on anything.
+    """
     found = -1
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
         if a != GROUND and b != GROUND:
             continue
         body, sign = (b, 1.0) if a == GROUND else (a, -1.0)
-        if _is_listed(bodies, ids, body):
+        is_listed = _is_listed(bodies, ids, body)
+        if is_immovable(bodies, body) or (is_listed and not np.isfinite(mass[bodies[body].place])):
+            continue
+        if is_listed:
             is_flipped = presses_down_from_below(center[bodies[body].place], point[i], normal[i], sign)
         else:
             is_flipped = presses_down_from_below(bodies[body].center, point[i], normal[i], sign)
@@ -122,7 +132,7 @@ def observe(
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (2,).
-        due: with room for 2 n and m bodies.
+        due: with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
         body: the live bodies, shape (m,).
@@ -158,14 +168,18 @@ def observe(
     row = max(_first_unknown(bodies, body, body_a), _first_unknown(bodies, body, body_b))
     if row >= 0:
         return UNKNOWN_BODY, row, 0, 0
-    row = _first_flipped(bodies, body, center, body_a, body_b, point, normal)
+    row = _first_flipped(bodies, body, mass, center, body_a, body_b, point, normal)
     if row >= 0:
         return FLIPPED, row, 0, 0
 
-    frozen = track(bodies, body, mass, center, dt)
     limit = limits[0]
+    kinematic, moved = follow_host(bodies, body, mass, center, limit, dt, due[MOVED, 1:])
+    frozen = track(bodies, body, mass, center, dt)
     next_frame(sizes, latest, clock, dt)
     note_sizes(bodies, body_a, body_b, point, separation)
+    if kinematic > 0:
+        moved = list_carried(bodies, body_a, body_b, separation, relative_velocity, limit, due[MOVED, 1:], moved)
+    due[MOVED, 0] = moved
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
     sizes[latest[0]], due[STRUCK, 0] = keep_contacts(
         bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit, dt, kept, due[STRUCK, 1:]

@@ -16,7 +16,6 @@ from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import (
     FROZEN,
     LEAN,
-    LIVE,
     MAX_VERTICES,
     NONE,
     SUPPORT,
@@ -24,6 +23,7 @@ from stability_core.stack import (
     Patches,
     axes_of,
     drop_supports,
+    is_stack,
     link,
 )
 from stability_core.upright import turned
@@ -153,7 +153,7 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
                 kinds[i] = _FILED
                 rows[size] = mine[i]
                 size += 1
-        other_is_live = other != GROUND and bodies[other].state == LIVE
+        other_is_live = not is_stack(bodies, other)
         if other_is_live or kind == _LOAD:
             row.provisional = True
         if kind != _LOAD and not (is_kept and other_is_live):

@@ -14,7 +14,8 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 
-ABSENT, LIVE, FROZEN = 0, 1, 2
+ABSENT, LIVE, FROZEN, FIXED, MOVING = range(5)
+"""A body's ``state``; FIXED and MOVING are those of kinematic bodies."""
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
 """A body's ``doubt``: NOTED as soon as what surrounds it is recorded, so that any change is seen."""
@@ -34,11 +35,12 @@ Patches: TypeAlias = Any
 
 BODY = np.dtype(
     [
-        ("state", "i1"),  # ABSENT, LIVE or FROZEN
+        ("state", "i1"),  # ABSENT, LIVE, FROZEN, FIXED or MOVING
         ("held", "?"),  # a user holds it: it stays live
-        ("mass", "f8"),  # [kg]
+        ("mass", "f8"),  # [kg], infinite for kinematic bodies
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
         ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
+        ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
         # how it moves and what it touches, in the latest frame
         ("speed", "f8"),  # of the centre of mass [m/s]
         ("slip", "f8"),  # fastest sliding at a contact [m/s]
@@ -124,9 +126,21 @@ def hull_of(patch: Patches) -> FloatArray:
 
 
 @compiled
+def is_ground(bodies: Bodies, body: int) -> bool:
+    """True for the ground and for kinematic bodies that keep their place: no force moves them."""
+    return bool(body == GROUND or bodies[body].state == FIXED)
+
+
+@compiled
+def is_immovable(bodies: Bodies, body: int) -> bool:
+    """True for the ground and for kinematic bodies: no force moves them, but the host may."""
+    return bool(body == GROUND or bodies[body].state == FIXED or bodies[body].state == MOVING)
+
+
+@compiled
 def is_stack(bodies: Bodies, body: int) -> bool:
-    """True for the ground and for frozen bodies: what others may be built on."""
-    return bool(body == GROUND or bodies[body].state == FROZEN)
+    """True for the ground, fixed and frozen bodies: what others may be built on."""
+    return bool(body == GROUND or bodies[body].state == FROZEN or bodies[body].state == FIXED)
 
 
 @compiled

@@ -12,7 +12,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.contact_filter import is_level, upper_of
 from stability_core.manifold import lift, shape_patch
-from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.port import FloatArray, IntArray
 from stability_core.stack import (
     ABSENT,
     FROZEN,
@@ -22,6 +22,7 @@ from stability_core.stack import (
     SUPPORT,
     Bodies,
     Graph,
+    is_immovable,
     link,
     note_change,
     unlink,
@@ -50,7 +51,7 @@ def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
 
 
 @compiled
-def _turn_contacts(watch: Watch, turn: FloatArray, level_tilt: float) -> None:
+def _turn_contacts(bodies: Bodies, watch: Watch, turn: FloatArray, level_tilt: float) -> None:
     """Turn the contacts of the dwell frames, and tell anew which are load-bearing."""
     contacts, sizes = watch.contacts, watch.sizes
     room = len(contacts) // len(sizes)
@@ -60,7 +61,7 @@ def _turn_contacts(watch: Watch, turn: FloatArray, level_tilt: float) -> None:
             _turn_vector(row.point, turn)
             _turn_vector(row.normal, turn)
             upper = upper_of(row.body_a, row.body_b, row.normal[2])
-            row.level = is_level(row.normal[2], row.friction, level_tilt) and upper != GROUND
+            row.level = is_level(row.normal[2], row.friction, level_tilt) and not is_immovable(bodies, upper)
 
 
 @compiled
@@ -92,7 +93,7 @@ def _turn_patch(graph: Graph, at: int, turn: FloatArray, level_tilt: float) -> N
     _turn_vector(normal, turn)
     kind = SUPPORT if is_level(normal[2], friction, level_tilt) else LEAN
     if kind == SUPPORT and normal[2] < 0.0:
-        if lower == GROUND:
+        if is_immovable(graph.bodies, lower):
             kind = LEAN  # a ceiling carries nothing
         else:
             unlink(graph, at)
@@ -119,6 +120,6 @@ def turn_memory(graph: Graph, watch: Watch, turn: FloatArray, level_tilt: float)
         level_tilt: slope [rad] up to which a contact is load-bearing whatever its friction.
     """
     _turn_bodies(graph.bodies, turn)
-    _turn_contacts(watch, turn, level_tilt)
+    _turn_contacts(graph.bodies, watch, turn, level_tilt)
     for at in _patches_of_frozen(graph):
         _turn_patch(graph, at, turn, level_tilt)

@@ -20,9 +20,10 @@ FRAME_S = 1 / 60
 """Least time [s] that a dwell frame covers. Of a host at 1 kHz the last of 17 frames is kept: six of them span the true
 contact area as they do at 60 Hz, at the same cost."""
 
-STRUCK, AT_REST, LEANING, LYING, GONE = range(5)
+STRUCK, AT_REST, LEANING, LYING, GONE, MOVED = range(6)
 """Rows of ``Watch.due``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning test; live
-bodies that lie on the stack anew, and those that do so no more."""
+bodies that lie on the stack anew, and those that do so no more; kinematic bodies that began to move, and frozen bodies
+that one of them moves."""
 
 
 class Watch(NamedTuple):
@@ -37,7 +38,7 @@ class Watch(NamedTuple):
     clock: FloatArray
     """For how long [s] the latest frame has stood there, and how long one stands at least, shape (2,)."""
     due: IntArray
-    """A list of bodies in each row: how many, then their ids, shape (5, 1 + room)."""
+    """A list of bodies in each row: how many, then their ids, shape (6, 1 + room)."""
 
 
 def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
@@ -51,7 +52,7 @@ def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
         np.zeros(frames, np.int64),
         np.zeros(1, np.int64),
         np.array([0.0, FRAME_S]),
-        np.zeros((5, 1 + room), np.int64),
+        np.zeros((6, 1 + room), np.int64),
     )
     if known is not None:
         fresh.contacts.reshape(frames, room)[:, : len(known.contacts) // frames] = known.contacts.reshape(frames, -1)

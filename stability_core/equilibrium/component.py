@@ -8,7 +8,7 @@ from stability_core.compiled import compiled
 from stability_core.contact_filter import size_of_pair
 from stability_core.equilibrium.problem import Problem
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
-from stability_core.stack import FROZEN, LIVE, NONE, SUPPORT, Graph
+from stability_core.stack import FROZEN, LIVE, NONE, SUPPORT, Graph, is_ground
 
 
 @compiled
@@ -60,7 +60,7 @@ def _inner_patches(graph: Graph, ids: IntArray, index: IntArray) -> tuple[IntArr
         at = graph.bodies[body].first_support
         while at != NONE:
             lower = graph.patches[at].lower
-            if lower == GROUND or index[lower] >= 0:
+            if is_ground(graph.bodies, lower) or index[lower] >= 0:
                 found[size] = at
                 size += 1
                 vertices += graph.patches[at].vertices
@@ -96,7 +96,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
         patch = graph.patches[at]
         if patch.width > radius * size_of_pair(graph.bodies, patch.upper, patch.lower):
             found[index[patch.upper]] = 0.0
-            if patch.lower != GROUND:
+            if patch.lower != GROUND and index[patch.lower] >= 0:
                 found[index[patch.lower]] = 0.0
     return found
 

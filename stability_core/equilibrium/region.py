@@ -29,6 +29,7 @@ from stability_core.stack import (
     Patches,
     count_patches,
     hull_of,
+    is_ground,
     is_stack,
 )
 from stability_core.stack_mass import support_polygon
@@ -110,7 +111,7 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
         patch = patches[at]
         if patch.kind == SUPPORT and is_stack(bodies, patch.lower):
             area = hull_of(patch)
-            if patch.lower != GROUND:
+            if not is_ground(bodies, patch.lower):
                 below = known_region(regions, patch.lower)
                 area = cut(area, below) if len(below) > 2 else area[:0]
             for vertex in range(len(area)):

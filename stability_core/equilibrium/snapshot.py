@@ -107,6 +107,12 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     row = first_bad_mass(masses.body, masses.mass, masses.center_of_mass)
     if row >= 0:
         raise fault_of(BAD_MASS, row, contacts, masses)
+    kinematic = np.flatnonzero(np.isinf(masses.mass))
+    if len(kinematic):
+        raise ValueError(
+            f"masses row {kinematic[0]}: body {masses.body[kinematic[0]]} has infinite mass: leave it out, and give "
+            f"its contacts the id {GROUND} of the ground"
+        )
     order = np.argsort(masses.body, kind="stable")
     listed = masses.body[order]
     twice = np.flatnonzero(listed[1:] == listed[:-1])
