@@ -11,9 +11,6 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
-MAX_BODY = 10_000_000
-"""Greatest body id: tables have one row an id, so ids must be counted from 0, not be addresses."""
-
 FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLIPPED = range(8)
 
 
@@ -52,7 +49,7 @@ def first_bad_contact(
         for k in range(3):
             total += point[i, k]
             length2 += normal[i, k] ** 2
-        fine = min(a, b) >= GROUND and max(a, b) <= MAX_BODY and a != b
+        fine = min(a, b) >= GROUND and a != b
         if not (fine and np.isfinite(total) and abs(length2 - 1.0) < 1e-3 and friction[i] >= 0.0):
             return i
     return -1
@@ -63,7 +60,7 @@ def first_bad_mass(body: IntArray, mass: FloatArray, center: FloatArray) -> int:
     """First row with an impossible id, a mass that is not positive, or a centre that is not finite; -1 if none is."""
     for i in range(len(body)):
         total = center[i, 0] + center[i, 1] + center[i, 2]
-        fine = 0 <= body[i] <= MAX_BODY and np.isfinite(total)
+        fine = body[i] >= 0 and np.isfinite(total)
         if not (fine and mass[i] > 0.0):  # false for NaN
             return i
     return -1
@@ -143,8 +140,8 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
     """The error for a malformed row, which names what was got and what is needed."""
     if fault == BAD_MASS:
         return ValueError(
-            f"masses row {row}: body {masses.body[row]} needs an id from 0 to {MAX_BODY}, a positive mass and a "
-            f"finite centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
+            f"masses row {row}: body {masses.body[row]} needs an id from 0, a positive mass and a finite "
+            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
         )
     if fault == LISTED_TWICE:
         return ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
@@ -160,7 +157,7 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
             f"normals must point from body_a to body_b, flip their sign (got {contacts.normal[row]})"
         )
     return ValueError(
-        f"{pair}: it needs two different ids (-1 for the ground, or 0 to {MAX_BODY}), a finite point, a unit normal "
-        f"and a friction >= 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, "
+        f"{pair}: it needs two different ids (-1 for the ground, or from 0), a finite point, a unit normal and "
+        f"a friction >= 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, "
         f"friction {contacts.friction[row]}"
     )

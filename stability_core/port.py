@@ -1,7 +1,8 @@
 """What the core sees of a physics engine: contacts, sleep and mass. Nothing else.
 
-SI units, z up, float64, struct of arrays. Body ids are integers from 0, never reused; gaps after a
-removal are fine. "Sleep" means an exact freeze: a frozen body does not move at all, whatever hits it.
+SI units, float64, struct of arrays, in the coordinates of the engine: gravity tells which way is up. Body ids are
+integers from 0, never reused, however large: memory follows the bodies that live. "Sleep" means an exact freeze: a
+frozen body does not move at all, whatever hits it.
 """
 
 from __future__ import annotations

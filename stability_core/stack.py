@@ -29,13 +29,14 @@ MAX_VERTICES = 16
 """Vertices kept of a contact patch; box on box gives at most 8 a frame."""
 
 Bodies: TypeAlias = Any
-"""Structured array of ``BODY``, one row a body id."""
+"""Structured array of ``BODY``, one row a body: see ``rows``. In the kernels a body's number is its row."""
 Patches: TypeAlias = Any
 """Structured array of ``PATCH``, one row a contact patch."""
 
 BODY = np.dtype(
     [
         ("state", "i1"),  # ABSENT, LIVE, FROZEN, FIXED or MOVING
+        ("id", "i8"),  # by which the port knows it
         ("held", "?"),  # a user holds it: it stays live
         ("mass", "f8"),  # [kg], infinite for kinematic bodies
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
@@ -115,7 +116,7 @@ class Graph(NamedTuple):
     spare: IntArray
     """Free rows of ``patches``: their number, then the rows, shape (1 + len(patches),)."""
     changed: IntArray
-    """Bodies whose patches changed since they were last asked for: their number, then ids, shape (1 + len(bodies),)."""
+    """Bodies whose patches changed since the last ``take_changed``: their number, then rows, shape (1 + bodies,)."""
 
 
 @compiled
@@ -182,7 +183,7 @@ def sorted_ids(ids: IntArray) -> IntArray:
 
 @compiled
 def take_changed(graph: Graph) -> IntArray:
-    """The bodies whose patches changed since the last call, by rising id, shape (k,): O(k log k), not O(bodies)."""
+    """The bodies whose patches changed since the last call, by rising row, shape (k,): O(k log k), not O(bodies)."""
     bodies, listed = graph.bodies, graph.changed
     changed = sorted_ids(listed[1 : 1 + listed[0]])
     listed[0] = 0
@@ -330,7 +331,7 @@ def empty_graph() -> Graph:
 
 
 def grown(graph: Graph, bodies: int, spare: int) -> Graph:
-    """The graph with rows for ids below ``bodies`` and at least ``spare`` free patches.
+    """The graph with so many rows for ``bodies`` and at least ``spare`` free patches.
 
     Tables double, so that growing costs O(1) a row in the long run.
     """

@@ -64,10 +64,10 @@ class Upright:
         angle = np.arctan2(np.linalg.norm(np.cross(vector, self.up)), -(vector @ self.up))
         return bool(angle > tilt or abs(np.linalg.norm(vector) / self.strength - 1.0) > share)
 
-    def turn(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
-        """Contacts and masses of the world in the upright frame."""
+    def turn_contacts(self, contacts: Contacts) -> Contacts:
+        """Contacts of the world in the upright frame."""
         if self.is_world:
-            return contacts, masses
+            return contacts
         return Contacts(
             contacts.body_a,
             contacts.body_b,
@@ -76,7 +76,13 @@ class Upright:
             contacts.separation,
             self._turn(contacts.relative_velocity),
             contacts.friction,
-        ), Masses(masses.body, masses.mass, self._turn(masses.center_of_mass), masses.removed)
+        )
+
+    def turn_masses(self, masses: Masses) -> Masses:
+        """Masses of the world in the upright frame."""
+        if self.is_world:
+            return masses
+        return Masses(masses.body, masses.mass, self._turn(masses.center_of_mass), masses.removed)
 
     def _turn(self, vectors: FloatArray) -> FloatArray:
         result: FloatArray = turned(np.array(vectors, np.float64, order="C"), self.rotation)

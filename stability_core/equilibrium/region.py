@@ -25,6 +25,7 @@ from stability_core.stack import (
     NOTED,
     PROVEN,
     SUPPORT,
+    Bodies,
     Graph,
     Patches,
     count_patches,
@@ -52,11 +53,11 @@ REGION = np.dtype(
 )
 """The safe region of a frozen body."""
 Regions: TypeAlias = Any
-"""Structured array of ``REGION``, one row a body id."""
+"""Structured array of ``REGION``, one row a body."""
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
-    """A table with rows for ids below ``bodies``, with what is ``known`` taken over."""
+    """A table with so many rows for ``bodies``, with what is ``known`` taken over."""
     fresh = np.zeros(bodies, REGION)
     fresh[: len(known)] = known
     return fresh
@@ -132,6 +133,12 @@ def _trait(patch: Patches, other: int, factor: int) -> int:
 
 
 @compiled
+def _id_of(bodies: Bodies, body: int) -> int:
+    """The id of a body, which no other ever has, while its row passes to others."""
+    return int(GROUND) if body == GROUND else int(bodies[body].id)
+
+
+@compiled
 def fingerprint(graph: Graph, body: int) -> int:
     """A number that changes with the mass of ``body`` and with what it touches, whatever the order.
 
@@ -146,13 +153,13 @@ def fingerprint(graph: Graph, body: int) -> int:
     while at != NONE:
         patch = patches[at]
         if is_in_doubt or is_stack(bodies, patch.lower):
-            total += _trait(patch, patch.lower, 0x9E3779B97F4A7C1)
+            total += _trait(patch, _id_of(bodies, patch.lower), 0x9E3779B97F4A7C1)
         at = patch.next_support
     at = row.first_load
     while at != NONE:
         patch = patches[at]
         if is_in_doubt or bodies[patch.upper].state == FROZEN:
-            total += _trait(patch, patch.upper, 0x5851F42D4C957F3)
+            total += _trait(patch, _id_of(bodies, patch.upper), 0x5851F42D4C957F3)
         at = patch.next_load
     return total
 
