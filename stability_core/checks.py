@@ -11,6 +11,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
+_IDS = np.dtype(np.int64)
 FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLIPPED = range(8)
 
 
@@ -90,7 +91,10 @@ def check_ids(name: str, ids: object) -> None:
     Raises:
         ValueError: naming the array and what it must hold.
     """
-    kind = getattr(getattr(ids, "dtype", None), "kind", None)
+    dtype = getattr(ids, "dtype", None)
+    if dtype is _IDS:
+        return
+    kind = getattr(dtype, "kind", None)
     if kind is None:
         raise ValueError(f"{name} must be a NumPy array of integers, got {type(ids).__name__}")
     if kind not in "iu" and len(ids):  # type: ignore[arg-type]  # an empty list makes an array of floats

@@ -397,7 +397,7 @@ class StabilityExtension:
         if not reasons:
             return {}
         ids = self._world.ids
-        return dict(sorted((ids.item(row), reason) for row, reason in reasons.items()))
+        return dict(sorted([(ids.item(row), reason) for row, reason in reasons.items()]))
 
     def _take_back(self, asleep: Iterable[int], woken: Mapping[int, str]) -> None:
         """Undo a batch that the port did not carry out: what should sleep is live, what should wake is asked again."""

@@ -43,12 +43,8 @@ class World:
         self.graph = empty_graph()
         self.watch = watch_for(settings.longest_dwell, 32)
         self._rows = rows_for(0)
-
-    @property
-    def ids(self) -> IntArray:
-        """The body of each row, shape (rows,); rows that are free keep that of before."""
-        ids: IntArray = self.graph.bodies["id"]
-        return ids
+        self.ids: IntArray = self.graph.bodies["id"]
+        """The body of each row, shape (rows,): a view of the table."""
 
     def rows_of(self, bodies: Iterable[int]) -> IntArray:
         """The rows of bodies that an update has seen, shape (k,).
@@ -74,8 +70,8 @@ class World:
         Raises:
             ValueError: for what the port gave, if it is malformed: nothing changes.
         """
-        for name, ids in (("masses.body", masses.body), ("contacts.body_a", contacts.body_a)):
-            check_ids(name, ids)
+        check_ids("masses.body", masses.body)
+        check_ids("contacts.body_a", contacts.body_a)
         check_ids("contacts.body_b", contacts.body_b)
         room = 2 * len(contacts) + len(masses.body)
         if room >= self.watch.due.shape[1]:
@@ -111,6 +107,7 @@ class World:
                 break
             self.graph = grown(self.graph, len(self.graph.bodies) + row, 0)
             self._rows = rows_for(len(self.graph.bodies), self._rows)
+            self.ids = self.graph.bodies["id"]
         if fault == BAD_SHAPE:
             check_shapes(contacts, masses)
         if fault != FINE:

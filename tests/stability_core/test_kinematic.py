@@ -188,3 +188,15 @@ def test_a_frozen_body_that_grows_heavier_is_judged_again(port, policy, woken):
     port.show_frozen = True
     port.mass[2] = 5.0
     assert extension.update(DT).woken == woken
+
+
+@pytest.mark.parametrize("policy", ["paper", "equilibrium"])
+def test_a_column_slides_off_a_fixed_lift_as_off_the_ground(port, policy):
+    """Gravity turns: arctan(0.45) = 24.23 deg."""
+    lift_with_column(port)
+    extension = StabilityExtension(port, policy)
+    settle(extension)
+    for degrees, woken in ((24.2, ()), (24.26, (0, 1))):
+        angle = math.radians(degrees)
+        extension.gravity = (9.81 * math.sin(angle), 0.0, -9.81 * math.cos(angle))
+        assert extension.update(DT).woken == woken
