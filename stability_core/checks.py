@@ -11,9 +11,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
-MAX_BODY = 10_000_000
-"""Greatest body id: tables have one row an id, so ids must be counted from 0, not be addresses."""
-
+_IDS = np.dtype(np.int64)
 FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLIPPED = range(8)
 
 
@@ -52,7 +50,7 @@ def first_bad_contact(
         for k in range(3):
             total += point[i, k]
             length2 += normal[i, k] ** 2
-        fine = min(a, b) >= GROUND and max(a, b) <= MAX_BODY and a != b
+        fine = min(a, b) >= GROUND and a != b
         if not (fine and np.isfinite(total) and abs(length2 - 1.0) < 1e-3 and friction[i] >= 0.0):
             return i
     return -1
@@ -63,8 +61,8 @@ def first_bad_mass(body: IntArray, mass: FloatArray, center: FloatArray) -> int:
     """First row with an impossible id, a mass that is not positive, or a centre that is not finite; -1 if none is."""
     for i in range(len(body)):
         total = center[i, 0] + center[i, 1] + center[i, 2]
-        fine = 0 <= body[i] <= MAX_BODY and np.isfinite(total)
-        if not (fine and np.isfinite(mass[i]) and mass[i] > 0.0):
+        fine = body[i] >= 0 and np.isfinite(total)
+        if not (fine and mass[i] > 0.0):  # false for NaN
             return i
     return -1
 
@@ -93,7 +91,10 @@ def check_ids(name: str, ids: object) -> None:
     Raises:
         ValueError: naming the array and what it must hold.
     """
-    kind = getattr(getattr(ids, "dtype", None), "kind", None)
+    dtype = getattr(ids, "dtype", None)
+    if dtype is _IDS:
+        return
+    kind = getattr(dtype, "kind", None)
     if kind is None:
         raise ValueError(f"{name} must be a NumPy array of integers, got {type(ids).__name__}")
     if kind not in "iu" and len(ids):  # type: ignore[arg-type]  # an empty list makes an array of floats
@@ -143,21 +144,24 @@ def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueE
     """The error for a malformed row, which names what was got and what is needed."""
     if fault == BAD_MASS:
         return ValueError(
-            f"masses row {row}: body {masses.body[row]} needs an id from 0 to {MAX_BODY}, a positive mass and a "
-            f"finite centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
+            f"masses row {row}: body {masses.body[row]} needs an id from 0, a positive mass and a finite "
+            f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
         )
     if fault == LISTED_TWICE:
         return ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
     pair = f"contact {row} joins bodies {contacts.body_a[row]} and {contacts.body_b[row]}"
     if fault == UNKNOWN_BODY:
-        return ValueError(f"{pair}, one of which masses() has never listed, or which was removed")
+        return ValueError(
+            f"{pair}, one of which masses() has never listed, or which was removed: list every body before its "
+            "contacts; if an earlier extension on this port froze it, close() that extension first"
+        )
     if fault == FLIPPED:
         return ValueError(
             f"{pair}, and like every contact with the ground it pushes its body down from below: "
             f"normals must point from body_a to body_b, flip their sign (got {contacts.normal[row]})"
         )
     return ValueError(
-        f"{pair}: it needs two different ids (-1 for the ground, or 0 to {MAX_BODY}), a finite point, a unit normal "
-        f"and a friction >= 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, "
+        f"{pair}: it needs two different ids (-1 for the ground, or from 0), a finite point, a unit normal and "
+        f"a friction >= 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, "
         f"friction {contacts.friction[row]}"
     )

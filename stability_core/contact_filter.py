@@ -13,7 +13,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
-from stability_core.stack import FROZEN, LIVE, Bodies
+from stability_core.stack import FROZEN, LIVE, Bodies, is_immovable, is_stack
 
 CONTACT = np.dtype(
     [
@@ -29,7 +29,7 @@ CONTACT = np.dtype(
 """A contact that counts, as ``Contacts`` has it."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
-_BEARS = 0.1
+BEARS = 0.1
 """Vertical share of a normal from which on a contact bears some weight, however steep its face: friction may not hold
 there, but a brick in a wedge of two such faces lies in it."""
 _NEAR = 0.1
@@ -86,13 +86,13 @@ def _note(
         return
     row = bodies[body]
     row.slip = max(row.slip, slip)
-    row.touches = row.touches or other == GROUND or bodies[other].state == FROZEN
+    row.touches = row.touches or is_stack(bodies, other)
     row.neighbours |= bit_of(other)
-    if other == GROUND or bodies[other].state == FROZEN:
+    if is_stack(bodies, other):
         row.frozen_neighbours |= bit_of(other)
     elif is_moving(bodies[other], limits) and np.isfinite(bodies[other].speed):
         row.is_jostled = True
-    if stands or upward > _BEARS:
+    if stands or upward > BEARS:
         row.supported_by |= bit_of(other)
     if stands and depth > row.depth:  # false for an unknown (NaN) depth
         row.depth = depth
@@ -204,8 +204,8 @@ def keep_contacts(
                     struck[hits] = body
                     hits += 1
             continue
-        upper = upper_of(a, b, normal[i, 2])
-        level = is_level(normal[i, 2], friction[i], limits.level_tilt) and upper != GROUND  # a ceiling carries nothing
+        upper = upper_of(a, b, normal[i, 2])  # a ceiling carries nothing
+        level = is_level(normal[i, 2], friction[i], limits.level_tilt) and not is_immovable(bodies, upper)
         if not level and separation[i] > limits.touch_gap * size_of:
             continue
         row = kept[size]

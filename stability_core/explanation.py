@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stability_core.settings import ROUNDING_S, Settings
-from stability_core.stack import DOUBTED, FALLS, FROZEN, TOPPLES
+from stability_core.stack import DOUBTED, FALLS, FIXED, FROZEN, MOVING, TOPPLES
 
 
 def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
@@ -22,6 +22,10 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
     """
     if row["state"] == FROZEN:
         return f"frozen: {reason}"
+    if row["state"] == FIXED:
+        return "moved by the host: it keeps its place, and counts as ground"
+    if row["state"] == MOVING:
+        return f"moved by the host: nothing freezes on it until it has kept its place for {settings.still_s:g} s"
     if row["held"]:
         return "held by the user: it may freeze once it is released"
     if not row["touches"]:

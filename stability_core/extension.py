@@ -6,35 +6,22 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, checked_removals, fault_of
-from stability_core.compiled import WrongTypeError
+from stability_core.checks import check_shapes, checked_removals
 from stability_core.compiling import compile_policy
 from stability_core.explanation import explain
-from stability_core.frame import observe
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import BoolArray, Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
-from stability_core.stack import (
-    ABSENT,
-    FROZEN,
-    LIVE,
-    PROVEN,
-    Bodies,
-    Graph,
-    drop_loads,
-    drop_supports,
-    empty_graph,
-    grown,
-    note_change,
-    with_all_above,
-)
-from stability_core.watch import AT_REST, LEANING, LYING, STRUCK, skip_frame, watch_for
+from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, Bodies, drop_supports, note_change, with_all_above
+from stability_core.upright import checked_gravity
+from stability_core.watch import AT_REST, LEANING, LYING, MOVED, STRUCK, skip_frame
+from stability_core.world import World
 
 
 class Change(NamedTuple):
@@ -48,8 +35,8 @@ class Change(NamedTuple):
     """Why, for each of them."""
 
 
-IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 UNCHANGED = Change((), (), {})
+CLOSED = "this extension is closed: make a new StabilityExtension for the port"
 MOMENT_S = 1e-9
 """Time [s] that passes where none does: what has moved at all since the last update is fast."""
 
@@ -69,12 +56,6 @@ def warm_up(policy: str = "equilibrium") -> float:
     return compile_policy(policy, partial(StabilityExtension, policy=policy))
 
 
-def _laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
-    """Return an array as the kernels are compiled for it, whatever an adapter reads; copied only if it must be."""
-    contiguous = np.ascontiguousarray(array, dtype)
-    return contiguous if contiguous.flags.writeable else contiguous.copy()
-
-
 class StabilityExtension:
     """Thomsen and Kraus' stability extension over any engine that shows contacts, sleep and mass."""
 
@@ -92,26 +73,27 @@ class StabilityExtension:
         Args:
             port: the engine, as the core sees it.
             policy: a name of ``POLICIES``, or a policy of your own.
-            gravity: [m/s2], straight down.
+            gravity: [m/s2], in any direction; it may change at any time, see ``StabilityExtension.gravity``.
             settings: the tolerances.
 
         Raises:
             UnknownNameError: if there is no such policy.
-            ValueError: if gravity does not point straight down: turn the world so that z is up.
+            ValueError: if gravity is not a finite vector, or zero.
         """
-        x, y, z = gravity
-        if x != 0.0 or y != 0.0 or not (np.isfinite(z) and z < 0.0):
-            raise ValueError(f"gravity must be (0, 0, -g), got {tuple(gravity)}: turn the world so that z is up")
+        self._gravity = checked_gravity(gravity)
         if isinstance(policy, str):
             warm_up(policy)
         self.port = port
         self.settings = settings or Settings()
-        self.policy = look_up("policy", policy, POLICIES)(-z, self.settings) if isinstance(policy, str) else policy
-        self._graph: Graph = empty_graph()
-        self._limits = self.settings.limits(-z)
-        self._watch = watch_for(self.settings.longest_dwell, 32)
+        self._world = World(self.settings, self._gravity)
+        strength = self._world.upright.strength
+        self.policy = (
+            look_up("policy", policy, POLICIES)(strength, self.settings) if isinstance(policy, str) else policy
+        )
+        if self.policy.gravity != strength:
+            self.policy.set_gravity(strength)
         self._news: dict[int, str] = {}
-        """Bodies woken by the host's words since the last update, with the reason."""
+        """Rows of bodies woken by the host's words since the last update, with the reason."""
         self._is_pending = False
         """True if something changed since the last update that no contact tells of."""
         self._leaving: list[int] = []
@@ -120,6 +102,7 @@ class StabilityExtension:
         """Bodies that the latest update forgot: an engine that lags a frame may still list them."""
         self._dt = math.inf
         """Length of the latest frame [s]."""
+        self._is_closed = False
         self._reasons: dict[int, str] = {}
         """For what each body was frozen or woken last."""
         self.dropped = 0
@@ -128,7 +111,67 @@ class StabilityExtension:
     @property
     def frozen(self) -> IntArray:
         """Ids of all frozen bodies, shape (n,)."""
-        return np.flatnonzero(self._graph.bodies["state"] == FROZEN)
+        table = self._world.graph.bodies
+        ids: IntArray = np.sort(table["id"][table["state"] == FROZEN])
+        return ids
+
+    @property
+    def gravity(self) -> tuple[float, float, float]:
+        """Gravity [m/s2], in the coordinates of the port; set it whenever it changes, before ``update``.
+
+        Once it has changed by ``gravity_tilt`` or ``gravity_change`` in all, the next update judges every frozen body
+        again: O(bodies). Smaller changes add up.
+        """
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, gravity: Sequence[float]) -> None:
+        """Set it.
+
+        Raises:
+            ValueError: if it is not a finite vector, or zero.
+        """
+        self._gravity = checked_gravity(gravity)
+
+    def __enter__(self) -> Self:
+        """Return the extension, which is closed at the end of the ``with`` block."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        self.close()
+
+    def close(self) -> None:
+        """Unfreeze every body and refuse further use, so that another extension can take over the port.
+
+        Do nothing if it is closed already.
+        """
+        if self._is_closed:
+            return
+        frozen = tuple(self.frozen.tolist())
+        if frozen:
+            self.port.wake(frozen)
+        for row in self._world.rows_of(frozen).tolist():
+            self._wake(row)
+        self._is_closed = True
+
+    def wake(self, bodies: Iterable[int]) -> Change:
+        """Unfreeze ``bodies`` and the frozen bodies that rest on them, at once, as an impact on them would.
+
+        Call it before an impulse or an explosion is applied, so that it moves them in the same frame. Call it also
+        where the port cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name
+        the belt. A woken body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
+
+        Raises:
+            KeyError: for a body that no update has seen.
+            RuntimeError: if the extension is closed.
+        """
+        self._check_open()
+        woken: dict[int, str] = {}
+        self._wake_above(self._world.rows_of(bodies), "woken by the host", {}, woken)
+        for row in woken:
+            self._news.pop(row, None)
+        return self._tell({}, woken)
 
     def disturb(self, bodies: Iterable[int]) -> None:
         """A user holds or pushes ``bodies``: they stay live until released; what rests on them is re-examined.
@@ -136,11 +179,12 @@ class StabilityExtension:
         Raises:
             KeyError: for a body that no update has seen.
         """
-        for body in self._seen(bodies):
-            self._detach(body)
-            self._graph.bodies["held"][body] = True
-            if self._graph.bodies["state"][body] == FROZEN:
-                self._news[body] = "disturbed"
+        table = self._world.graph.bodies
+        for row in self._world.rows_of(bodies).tolist():
+            self._detach(row)
+            table["held"][row] = True
+            if table["state"][row] == FROZEN:
+                self._news[row] = "disturbed"
 
     def release(self, bodies: Iterable[int]) -> None:
         """The user lets go: ``bodies`` may freeze again once they are at rest.
@@ -148,8 +192,7 @@ class StabilityExtension:
         Raises:
             KeyError: for a body that no update has seen.
         """
-        for body in self._seen(bodies):
-            self._graph.bodies["held"][body] = False
+        self._world.graph.bodies["held"][self._world.rows_of(bodies)] = False
 
     def why(self, body: int) -> str:
         """Say in words why a body is not frozen, such as "0.31 mm deep in its support", or what it was frozen for.
@@ -157,9 +200,8 @@ class StabilityExtension:
         Raises:
             KeyError: for a body that no update has seen.
         """
-        self._seen([body])
-        row = self._graph.bodies[body]
-        return explain(row, self.settings, self._limits.item(0)[-1], self._dt, self._reasons.get(body, ""))
+        row = self._world.graph.bodies[self._world.rows_of([body])[0]]
+        return explain(row, self.settings, self.policy.gravity, self._dt, self._reasons.get(body, ""))
 
     def update(self, dt: float) -> Change:
         """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
@@ -170,13 +212,15 @@ class StabilityExtension:
 
         Raises:
             ValueError: if dt is not positive, or the port gives malformed contacts or masses.
+            RuntimeError: if the extension is closed.
         """
+        self._check_open()
         if not 0.0 < dt < math.inf:
             raise ValueError(f"dt must be a positive time in seconds, got {dt}")
         self._dt = dt
         seen = self._look(dt)
         if seen is None:
-            skip_frame(self._watch, dt)
+            skip_frame(self._world.watch, dt)
             return UNCHANGED
         due, rows = seen
         if due == 0 and not self._is_pending:
@@ -197,21 +241,27 @@ class StabilityExtension:
         Raises:
             KeyError: for a body that the port does not list.
             ValueError: if the port gives malformed contacts or masses.
+            RuntimeError: if the extension is closed.
         """
+        self._check_open()
         if not self.policy.judges_statics:
             return UNCHANGED
         seen = self._look(MOMENT_S)
         if seen is None:
             return UNCHANGED
-        table = self._graph.bodies
-        wanted = np.flatnonzero(table["state"] == LIVE) if bodies is None else np.array(self._seen(bodies), np.int64)
+        table = self._world.graph.bodies
+        wanted = np.flatnonzero(table["state"] == LIVE) if bodies is None else self._world.rows_of(bodies)
         self._make_due(wanted[self._is_in_place(table[wanted])])
         self._is_pending = False
         return self._settle(seen[1])
 
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise RuntimeError(CLOSED)
+
     def _is_in_place(self, rows: Bodies) -> BoolArray:
         """Tell which live bodies neither move, as far as is known, nor slide at a contact, nor are held, shape (k,)."""
-        fall_speed = np.sqrt(self._limits["gravity"] * rows["size"])
+        fall_speed = np.sqrt(self._world.limits["gravity"] * rows["size"])
         moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
         slides = rows["slip"] > self.settings.rest_slip * fall_speed
         in_place: BoolArray = (rows["state"] == LIVE) & ~rows["held"] & ~moves & ~slides
@@ -219,7 +269,7 @@ class StabilityExtension:
 
     def _make_due(self, wanted: IntArray) -> None:
         """Let the live bodies ``wanted`` be decided now, by every rule, shape (k,)."""
-        table, due = self._graph.bodies, self._watch.due
+        table, due = self._world.graph.bodies, self._world.watch.due
         table["unsettled"][wanted] = False
         table["load_s"][wanted] = self.settings.load_s
         for rule in (AT_REST, LEANING, LYING):
@@ -232,6 +282,8 @@ class StabilityExtension:
         Raises:
             ValueError: if the port gives malformed contacts or masses.
         """
+        if self._gravity is not self._world.upright.gravity:
+            self._follow_gravity()
         contacts, masses = self.port.contacts(), self.port.masses()
         if len(masses.removed):
             self._leaving += checked_removals(masses.removed)
@@ -239,11 +291,19 @@ class StabilityExtension:
             contacts, masses = self._without_removed(contacts, masses)
         if len(masses.body) == 0 and len(contacts) == 0 and not (self._is_pending or self._leaving):
             return None
-        due, rows = self._observe(contacts, masses, dt)
+        due, kept, frozen = self._world.observe(contacts, masses, dt)
+        if frozen:
+            self._follow_frozen(masses)
         if self._leaving:
             self._forget(self._leaving)
         self._left, self._leaving = frozenset(self._leaving), []
-        return due, rows
+        return due, kept
+
+    def _follow_gravity(self) -> None:
+        """Have all judged again if gravity has changed by more than its tolerances."""
+        if self._world.turn(self._gravity):
+            self.policy.set_gravity(self._world.upright.strength)
+            self._is_pending = True
 
     def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
         """What the port gave, less the rows of bodies that were removed in this frame or the last; these are counted.
@@ -262,150 +322,113 @@ class StabilityExtension:
         kept = {item.name: getattr(contacts, item.name)[stays] for item in fields(contacts)}
         return Contacts(**kept), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
-    def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int]:
-        """``observe`` with room for every body and contact; returns how many bodies are due, and contacts kept.
-
-        Raises:
-            ValueError: for what the port gave, if it is malformed.
-        """
-        for name, ids in (("masses.body", masses.body), ("contacts.body_a", contacts.body_a)):
-            check_ids(name, ids)
-        check_ids("contacts.body_b", contacts.body_b)
-        room = max(2 * len(contacts), len(masses.body))
-        if room >= self._watch.due.shape[1]:
-            self._watch = watch_for(self.settings.longest_dwell, 2 * room, self._watch)
-        while True:
-            try:
-                fault, row, due, rows = observe(
-                    self._graph.bodies,
-                    *self._watch,
-                    self._limits,
-                    dt,
-                    _laid_out(masses.body, IDS),
-                    _laid_out(contacts.body_a, IDS),
-                    _laid_out(contacts.body_b, IDS),
-                    _laid_out(masses.mass, NUMBERS),
-                    _laid_out(masses.center_of_mass, NUMBERS),
-                    _laid_out(contacts.point, NUMBERS),
-                    _laid_out(contacts.normal, NUMBERS),
-                    _laid_out(contacts.separation, NUMBERS),
-                    _laid_out(contacts.relative_velocity, NUMBERS),
-                    _laid_out(contacts.friction, NUMBERS),
-                )
-            except WrongTypeError:  # an array has more or fewer dimensions
-                check_shapes(contacts, masses)
-                raise
-            if fault != NO_ROOM:
-                break
-            self._graph = grown(self._graph, row + 1, 0)
-        if fault == BAD_SHAPE:
-            check_shapes(contacts, masses)
-        if fault != FINE:
-            raise fault_of(fault, row, contacts, masses)
-        if row > 0:
-            self._follow_frozen(masses)
-        return due, rows
-
     def _follow_frozen(self, masses: Masses) -> None:
         """Take over what the port tells of frozen bodies: another mass is judged anew, one that has moved is live."""
-        bodies = self._graph.bodies
-        rows = np.flatnonzero(bodies["state"][masses.body] == FROZEN)
-        for row in rows:
-            body = int(masses.body[row])
-            moved = float(np.linalg.norm(masses.center_of_mass[row] - bodies["center"][body]))
-            if moved > self.settings.steady_shift * bodies["size"][body]:
-                self._detach(body)
-                self._news[body] = "moved"
-            elif masses.mass[row] != bodies["mass"][body]:
-                bodies["mass"][body] = masses.mass[row]
-                note_change(self._graph, body)
+        bodies = self._world.graph.bodies
+        for row, mass, moved in self._world.frozen_listed(masses):
+            if math.isinf(mass) or moved > self.settings.steady_shift * bodies["size"][row]:
+                self._detach(row)
+                self._news[row] = "moved by the host" if math.isinf(mass) else "moved"
+            elif mass != bodies["mass"][row]:
+                bodies["mass"][row] = mass
+                note_change(self._world.graph, row)
                 self._is_pending = True
 
-    def _settle(self, rows: int) -> Change:
+    def _settle(self, contacts: int) -> Change:
         """Let the policy freeze what is stable, and wake what is not, with all that rests on it.
 
-        Each of the ``rows`` of contacts may lay a patch for either body, before and after that is frozen.
+        Each of so many ``contacts`` may lay a patch for either body, before and after that is frozen.
         """
         woken, self._news = self._news, {}
-        for body in woken:
-            self._wake(body)
-        if 4 * rows > self._graph.spare.item(0):
-            self._graph = grown(self._graph, 0, 4 * rows)
-        frozen, unbalanced = self.policy.settle(self._graph, self._watch)
-        struck = self._watch.due.item(STRUCK, 0)
+        for row in woken:
+            self._wake(row)
+        moved = self._world.watch.due.item(MOVED, 0)
+        if moved:
+            self._leave_moved(self._world.watch.due[MOVED, 1 : 1 + moved], woken)
+        self._world.make_room(4 * contacts)
+        frozen, unbalanced = self.policy.settle(self._world.graph, self._world.watch)
+        struck = self._world.watch.due.item(STRUCK, 0)
         if struck:
-            self._wake_above(self._watch.due[STRUCK, 1 : 1 + struck], "struck", frozen, woken)
+            self._wake_above(self._world.watch.due[STRUCK, 1 : 1 + struck], "struck", frozen, woken)
         if len(unbalanced):
             self._wake_above(unbalanced, "unbalanced", frozen, woken)
         return self._tell(frozen, woken)
 
+    def _leave_moved(self, moved: IntArray, woken: dict[int, str]) -> None:
+        """Wake what rested on kinematic bodies that began to move, and what they touch; these rest on nothing."""
+        self._wake_above(moved, "moved by the host", {}, woken)
+        graph = self._world.graph
+        for row in moved.tolist():
+            if graph.bodies["state"][row] == MOVING:
+                drop_supports(graph, row)
+
     def _wake_above(self, roots: IntArray, reason: str, frozen: dict[int, str], woken: dict[int, str]) -> None:
         """Wake the ``roots`` and what rests on them; what was frozen and woken at once never slept."""
-        for body in with_all_above(self._graph, roots).tolist():
-            if self._graph.bodies["state"][body] == FROZEN:
-                self._wake(body)
-                self._graph.bodies["wakes"][body] += 1
-                if frozen.pop(body, None) is None:
-                    woken[body] = reason if body in roots else f"rested on what was {reason}"
+        graph = self._world.graph
+        for row in with_all_above(graph, roots).tolist():
+            if graph.bodies["state"][row] == FROZEN:
+                self._wake(row)
+                graph.bodies["wakes"][row] += 1
+                if frozen.pop(row, None) is None:
+                    woken[row] = reason if row in roots else f"rested on what was {reason}"
 
     def _tell(self, frozen: dict[int, str], woken: dict[int, str]) -> Change:
-        """One sleep and one wake batch for the engine."""
+        """One sleep and one wake batch for the engine; rows become ids here."""
         if not frozen and not woken:
             return UNCHANGED
-        asleep, awake = tuple(sorted(frozen)), tuple(sorted(woken))
+        asleep, awake = self._by_id(frozen), self._by_id(woken)
         try:
             if asleep:
-                self.port.sleep(asleep)
+                self.port.sleep(tuple(asleep))
         except BaseException:
-            self._take_back(asleep, woken)
+            self._take_back(frozen, woken)
             raise
         try:
             if awake:
-                self.port.wake(awake)
+                self.port.wake(tuple(awake))
         except BaseException:
             self._take_back((), woken)
             raise
-        reasons = frozen | woken if awake else frozen
+        reasons = asleep | awake if awake else asleep
         self._reasons.update(reasons)
-        return Change(asleep, awake, reasons)
+        return Change(tuple(asleep), tuple(awake), reasons)
+
+    def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
+        """Return what is said of rows as said of bodies, by rising id."""
+        if not reasons:
+            return {}
+        ids = self._world.ids
+        return dict(sorted([(ids.item(row), reason) for row, reason in reasons.items()]))
 
     def _take_back(self, asleep: Iterable[int], woken: Mapping[int, str]) -> None:
         """Undo a batch that the port did not carry out: what should sleep is live, what should wake is asked again."""
-        for body in asleep:
-            self._wake(body)
-            self._graph.bodies["unsettled"][body] = False
-        for body, reason in woken.items():
-            self._graph.bodies["state"][body] = FROZEN
-            self._news[body] = reason
+        table = self._world.graph.bodies
+        for row in asleep:
+            self._wake(row)
+            table["unsettled"][row] = False
+        for row, reason in woken.items():
+            table["state"][row] = FROZEN
+            self._news[row] = reason
             self._is_pending = True
 
-    def _wake(self, body: int) -> None:
+    def _wake(self, number: int) -> None:
         """Hand a frozen body back; until it moves it goes on to load what it rests on."""
-        row = self._graph.bodies[body]
+        row = self._world.graph.bodies[number]
         row["state"], row["unsettled"], row["leans"], row["doubt"] = LIVE, True, False, PROVEN
         row["rest_s"] = row["still_s"] = row["lean_s"] = row["steady_s"] = 0.0
         row["load_s"] = self.settings.load_s
         row["is_load"], row["load_center"] = True, row["center"]
-        row["load_supported_by"] = supports_as_bits(self._graph, body)
+        row["load_supported_by"] = supports_as_bits(self._world.graph, number)
 
-    def _detach(self, body: int) -> None:
+    def _detach(self, row: int) -> None:
         self._is_pending = True
-        drop_supports(self._graph, body)
-        drop_loads(self._graph, body)
+        self._world.detach(row)
 
     def _forget(self, removed: Sequence[int]) -> None:
-        """Drop bodies that left the world; one that was never seen leaves nothing behind."""
+        """Drop bodies that left the world."""
+        rows = self._world.forget(removed)
+        self._is_pending |= len(rows) > 0
+        for row in rows.tolist():
+            self._news.pop(row, None)
         for body in removed:
-            if body < len(self._graph.bodies):
-                self._detach(body)
-                self._graph.bodies["state"][body] = ABSENT
-                self._news.pop(body, None)
-                self._reasons.pop(body, None)
-
-    def _seen(self, bodies: Iterable[int]) -> list[int]:
-        wanted = list(bodies)
-        states = self._graph.bodies["state"]
-        unknown = [body for body in wanted if not 0 <= body < len(states) or states[body] == ABSENT]
-        if unknown:
-            raise KeyError(f"unknown body {', '.join(map(str, unknown))}: no update has seen it")
-        return wanted
+            self._reasons.pop(body, None)

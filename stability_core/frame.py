@@ -5,6 +5,8 @@ It is all that a quiet frame costs, in one compiled call.
 
 from __future__ import annotations
 
+import numpy as np
+
 from stability_core.checks import (
     BAD_CONTACT,
     BAD_MASS,
@@ -21,19 +23,13 @@ from stability_core.checks import (
 )
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
+from stability_core.kinematic import follow_host, list_carried
 from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
 from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.rows import find_rows, give_rows, take_row
 from stability_core.settings import Limits
-from stability_core.stack import ABSENT, Bodies
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, STRUCK, next_frame
-
-
-@compiled
-def _greatest(ids: IntArray) -> int:
-    greatest = GROUND
-    for body in ids:
-        greatest = max(greatest, body)
-    return greatest
+from stability_core.stack import ABSENT, Bodies, is_immovable, sorted_ids
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, MOVED, STRUCK, next_frame
 
 
 @compiled
@@ -54,33 +50,30 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 
 @compiled
-def _first_unknown(bodies: Bodies, ids: IntArray, named: IntArray) -> int:
-    """First of the ``named`` bodies that is neither in the table nor among the live ``ids``; -1 if all are known."""
-    for i in range(len(named)):
-        body = named[i]
-        if body != GROUND and bodies[body].state == ABSENT and not _is_listed(bodies, ids, body):
-            return i
-    return -1
-
-
-@compiled
 def _first_flipped(
     bodies: Bodies,
     ids: IntArray,
+    mass: FloatArray,
     center: FloatArray,
     body_a: IntArray,
     body_b: IntArray,
     point: FloatArray,
     normal: FloatArray,
 ) -> int:
-    """A contact with the ground if the normals of all such contacts are flipped, else -1."""
+    """A contact with the ground if the normals of all such contacts are flipped, else -1.
+
+    Kinematic bodies do not count: they need not be convex, nor rest on anything.
+    """
     found = -1
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
         if a != GROUND and b != GROUND:
             continue
         body, sign = (b, 1.0) if a == GROUND else (a, -1.0)
-        if _is_listed(bodies, ids, body):
+        is_listed = _is_listed(bodies, ids, body)
+        if is_immovable(bodies, body) or (is_listed and not np.isfinite(mass[bodies[body].place])):
+            continue
+        if is_listed:
             is_flipped = presses_down_from_below(center[bodies[body].place], point[i], normal[i], sign)
         else:
             is_flipped = presses_down_from_below(bodies[body].center, point[i], normal[i], sign)
@@ -91,8 +84,58 @@ def _first_flipped(
 
 
 @compiled
+def _first_fault(
+    bodies: Bodies,
+    slots: IntArray,
+    rows: IntArray,
+    rows_a: IntArray,
+    rows_b: IntArray,
+    body_a: IntArray,
+    body_b: IntArray,
+    mass: FloatArray,
+    center: FloatArray,
+    point: FloatArray,
+    normal: FloatArray,
+) -> tuple[int, int]:
+    """The first fault that shows once the listed bodies have rows, and its row; writes the rows of both bodies."""
+    row = _first_repeated(bodies, rows)
+    if row >= 0:
+        return LISTED_TWICE, row
+    row = max(find_rows(slots, body_a, rows_a), find_rows(slots, body_b, rows_b))
+    if row >= 0:
+        return UNKNOWN_BODY, row
+    row = _first_flipped(bodies, rows, mass, center, rows_a, rows_b, point, normal)
+    if row >= 0:
+        return FLIPPED, row
+    return FINE, -1
+
+
+@compiled
+def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
+    """Note the ids of the bodies that are listed for the first time."""
+    for i in range(len(ids)):
+        if bodies[rows[i]].state == ABSENT:
+            bodies[rows[i]].id = ids[i]
+
+
+@compiled
+def _take_new(bodies: Bodies, slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> None:
+    """Take their rows from the bodies that are listed for the first time, in the opposite order."""
+    new = np.empty(len(ids), np.int64)
+    n = 0
+    for i in range(len(ids)):
+        if bodies[rows[i]].state == ABSENT:
+            new[n] = ids[i]
+            n += 1
+    for body in sorted_ids(new[:n])[::-1]:
+        take_row(slots, spare, body)
+
+
+@compiled
 def observe(
     bodies: Bodies,
+    slots: IntArray,
+    spare: IntArray,
     contacts: ContactRows,
     sizes: IntArray,
     latest: IntArray,
@@ -113,16 +156,18 @@ def observe(
 ) -> tuple[int, int, int, int]:
     """Track the live bodies, filter the contacts, and write down what must be decided.
 
-    O(m + n), whatever the number of frozen bodies. The arrays of ``Watch`` come one by one: Numba takes longer to
-    look at a tuple than at what is in it.
+    O(m + n), whatever the number of frozen bodies. The arrays of ``Rows`` and ``Watch`` come one by one: Numba takes
+    longer to look at a tuple than at what is in it.
 
     Args:
         bodies: the table.
+        slots: of ``Rows``: which row each body has; bodies that are new are given one.
+        spare: of ``Rows``: the rows that are free.
         contacts: of ``Watch``, with room for n more, written here; the same for the next four.
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (2,).
-        due: with room for 2 n and m bodies.
+        due: with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
         body: the live bodies, shape (m,).
@@ -137,8 +182,8 @@ def observe(
         friction: Coulomb coefficients, shape (n,).
 
     Returns:
-        A fault (FINE if there is none); its row, for NO_ROOM the greatest id, for FINE how many frozen bodies were
-        listed; how many bodies are listed in ``due``;
+        A fault (FINE if there is none); its row, for NO_ROOM how many rows of bodies are missing, for FINE how many
+        frozen bodies were listed; how many bodies are listed in ``due``;
         how many contacts are kept of all frames.
     """
     if not fit_together(body, body_a, body_b, mass, center, point, normal, separation, relative_velocity, friction):
@@ -149,28 +194,36 @@ def observe(
     row = first_bad_mass(body, mass, center)
     if row >= 0:
         return BAD_MASS, row, 0, 0
-    greatest = max(_greatest(body), _greatest(body_a), _greatest(body_b))
-    if greatest >= len(bodies):
-        return NO_ROOM, greatest, 0, 0
-    row = _first_repeated(bodies, body)
-    if row >= 0:
-        return LISTED_TWICE, row, 0, 0
-    row = max(_first_unknown(bodies, body, body_a), _first_unknown(bodies, body, body_b))
-    if row >= 0:
-        return UNKNOWN_BODY, row, 0, 0
-    row = _first_flipped(bodies, body, center, body_a, body_b, point, normal)
-    if row >= 0:
-        return FLIPPED, row, 0, 0
+    rows, rows_a, rows_b = (
+        np.empty(len(body), np.int64),
+        np.empty(len(body_a), np.int64),
+        np.empty(len(body_b), np.int64),
+    )
+    is_new = find_rows(slots, body, rows) >= 0
+    if is_new:
+        missing = give_rows(slots, spare, body, rows)
+        if missing > 0:
+            return NO_ROOM, missing, 0, 0
+    fault, row = _first_fault(bodies, slots, rows, rows_a, rows_b, body_a, body_b, mass, center, point, normal)
+    if fault != FINE:
+        _take_new(bodies, slots, spare, body, rows)
+        return fault, row, 0, 0
+    if is_new:
+        _name_new(bodies, body, rows)
 
-    frozen = track(bodies, body, mass, center, dt)
     limit = limits[0]
+    kinematic, moved = follow_host(bodies, rows, mass, center, limit, dt, due[MOVED, 1:])
+    frozen = track(bodies, rows, mass, center, dt)
     next_frame(sizes, latest, clock, dt)
-    note_sizes(bodies, body_a, body_b, point, separation)
+    note_sizes(bodies, rows_a, rows_b, point, separation)
+    if kinematic > 0:
+        moved = list_carried(bodies, rows_a, rows_b, separation, relative_velocity, limit, due[MOVED, 1:], moved)
+    due[MOVED, 0] = moved
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
     sizes[latest[0]], due[STRUCK, 0] = keep_contacts(
-        bodies, body_a, body_b, point, normal, separation, relative_velocity, friction, limit, dt, kept, due[STRUCK, 1:]
+        bodies, rows_a, rows_b, point, normal, separation, relative_velocity, friction, limit, dt, kept, due[STRUCK, 1:]
     )
-    time_at_rest(bodies, body, limit, dt)
-    due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, body, limit, dt, due[AT_REST, 1:], due[LEANING, 1:])
-    due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, body, limit, due[LYING, 1:], due[GONE, 1:])
+    time_at_rest(bodies, rows, limit, dt)
+    due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, rows, limit, dt, due[AT_REST, 1:], due[LEANING, 1:])
+    due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, rows, limit, due[LYING, 1:], due[GONE, 1:])
     return FINE, frozen, due[:, 0].sum(), sizes.sum()

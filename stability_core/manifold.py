@@ -10,10 +10,23 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.contact_filter import ContactRows, bit_of, upper_of
+from stability_core.contact_filter import BEARS, ContactRows, bit_of, upper_of
 from stability_core.polygon import centroid, convex_hull, width
 from stability_core.port import GROUND, FloatArray, IntArray
-from stability_core.stack import FROZEN, LEAN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, axes_of, drop_supports, link
+from stability_core.stack import (
+    FROZEN,
+    LEAN,
+    MAX_VERTICES,
+    NONE,
+    SUPPORT,
+    Graph,
+    Patches,
+    axes_of,
+    drop_supports,
+    is_stack,
+    link,
+)
+from stability_core.upright import turned
 from stability_core.watch import Watch, frame_before
 
 ENOUGH_VERTICES = 4
@@ -57,21 +70,35 @@ def _thinned(hull: FloatArray) -> FloatArray:
 
 
 @compiled
-def _turn(points: FloatArray, axes: FloatArray) -> FloatArray:
-    """The points (k, 3) in the frame of three unit vectors, the rows of ``axes``."""
-    turned = np.empty_like(points)
-    for i in range(len(points)):
+def shape_patch(patch: Patches, points: FloatArray) -> None:
+    """Write the hull of the contact points (k, 3) into a patch whose kind and normal are known, with all that follows.
+
+    The hull of a load-bearing patch is taken in plan, that of a steep one in its own plane.
+    """
+    if patch.kind == SUPPORT:
+        hull = _thinned(convex_hull(points))
+        patch.center[0], patch.center[1], patch.center[2] = centroid(hull)
+        patch.width = width(hull)
+    else:
+        axes = axes_of(patch.normal)
+        flat = _thinned(convex_hull(turned(points, axes)))
+        hull = turned(flat, axes.T)
+        patch.width = width(flat)
+        middle = np.empty((1, 3))
+        middle[0, 0], middle[0, 1], middle[0, 2] = centroid(flat)
+        middle = turned(middle, axes.T)
         for k in range(3):
-            turned[i, k] = points[i, 0] * axes[k, 0] + points[i, 1] * axes[k, 1] + points[i, 2] * axes[k, 2]
-    return turned
+            patch.center[k] = middle[0, k]
+    corners = patch.vertex
+    patch.vertices = len(hull)
+    for i in range(len(hull)):
+        for k in range(3):
+            corners[i, k] = hull[i, k]
 
 
 @compiled
 def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, other: int, kind: int) -> None:
-    """One patch of ``body`` on ``other`` from the contacts ``rows``.
-
-    The hull of a load-bearing patch is taken in plan, that of a steep one in its own plane.
-    """
+    """One patch of ``body`` on ``other`` from the contacts ``rows``."""
     points = np.empty((len(rows), 3))
     patch = link(graph, body, other, kind)
     x, y, z = 0.0, 0.0, 0.0
@@ -87,25 +114,7 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
     length = np.sqrt(x**2 + y**2 + z**2)
     patch.normal[0], patch.normal[1], patch.normal[2] = x / length, y / length, z / length
     patch.friction = friction
-    if kind == SUPPORT:
-        hull = _thinned(convex_hull(points))
-        patch.center[0], patch.center[1], patch.center[2] = centroid(hull)
-        patch.width = width(hull)
-    else:
-        axes = axes_of(patch.normal)
-        flat = _thinned(convex_hull(_turn(points, axes)))
-        hull = _turn(flat, axes.T)
-        patch.width = width(flat)
-        middle = np.empty((1, 3))
-        middle[0, 0], middle[0, 1], middle[0, 2] = centroid(flat)
-        middle = _turn(middle, axes.T)
-        for k in range(3):
-            patch.center[k] = middle[0, k]
-    corners = patch.vertex
-    patch.vertices = len(hull)
-    for i in range(len(hull)):
-        for k in range(3):
-            corners[i, k] = hull[i, k]
+    shape_patch(patch, points)
 
 
 @compiled
@@ -163,7 +172,7 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
                 kinds[i] = _FILED
                 rows[size] = mine[i]
                 size += 1
-        other_is_live = other != GROUND and bodies[other].state == LIVE
+        other_is_live = not is_stack(bodies, other)
         if other_is_live or kind == _LOAD:
             row.provisional = True
         if kind != _LOAD and not (is_kept and other_is_live):
@@ -239,7 +248,7 @@ def supports_as_bits(graph: Graph, body: int) -> np.uint64:
     at = graph.bodies[body].first_support
     while at != NONE:
         patch = patches[at]
-        if patch.kind == SUPPORT:
+        if patch.kind == SUPPORT or patch.normal[2] > BEARS:
             bits |= bit_of(patch.lower)
         at = patch.next_support
     return bits

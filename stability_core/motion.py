@@ -8,14 +8,15 @@ from stability_core.compiled import compiled
 from stability_core.contact_filter import is_moving
 from stability_core.port import FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Limits
-from stability_core.stack import ABSENT, DOUBTED, FALLS, LIVE, NOT_REFUSED, PROVEN, Bodies
+from stability_core.stack import ABSENT, DOUBTED, FALLS, FROZEN, LIVE, NOT_REFUSED, PROVEN, Bodies
 
 
 @compiled
 def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, dt: float) -> int:
     """Take over mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
 
-    A body seen for the first time has no speed yet: it counts as infinitely fast.
+    A body seen for the first time has no speed yet: it counts as infinitely fast. Kinematic bodies are followed by
+    ``kinematic.follow_host``.
 
     Returns:
         How many frozen bodies are listed as well.
@@ -38,7 +39,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
                 moved += (center[i, k] - body.center[k]) ** 2
             body.speed = np.sqrt(moved) / dt
         else:
-            frozen += 1
+            frozen += body.state == FROZEN
             continue
         body.mass = mass[i]
         for k in range(3):

@@ -1,7 +1,8 @@
 """What the core sees of a physics engine: contacts, sleep and mass. Nothing else.
 
-SI units, z up, float64, struct of arrays. Body ids are integers from 0, never reused; gaps after a
-removal are fine. "Sleep" means an exact freeze: a frozen body does not move at all, whatever hits it.
+SI units, float64, struct of arrays, in the coordinates of the engine: gravity tells which way is up. Body ids are
+integers from 0, never reused, however large: memory follows the bodies that live. "Sleep" means an exact freeze: a
+frozen body does not move at all, whatever hits it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,12 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 GROUND = -1
-"""The id of everything that never moves and was never spawned: floor, table, walls."""
+"""The id of everything that never moves and was never spawned: floor, table, walls.
+
+What the host will ever move (a lift, a door, a conveyor belt) is a body with an id of its own and infinite mass, see
+``Masses``. Should a part of the ground start to move all the same, list it as such a body from then on, and name the
+bodies that rest on it to ``StabilityExtension.wake``.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +64,19 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    Frozen bodies may be left out: they do not move, and the core remembers them.
+    Frozen bodies may be left out: they do not move, and the core remembers them. One that is listed is followed: if it
+    has moved it is live from then on, and if its mass has changed the stack is judged with that.
+
+    A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that its
+    movement is seen. While it keeps its place it counts as ground; when it begins to move, all that rests on it wakes.
+    One that moves in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
+    (``Contacts.relative_velocity``); where the engine lists none, name it to ``StabilityExtension.wake``.
     """
 
     body: IntArray
     """Body ids, shape (m,)."""
     mass: FloatArray
-    """Masses [kg], shape (m,), positive."""
+    """Masses [kg], shape (m,), positive; infinite for bodies that the host moves."""
     center_of_mass: FloatArray
     """Centres of mass [m], shape (m, 3)."""
     removed: Sequence[int] = ()

@@ -121,7 +121,8 @@ def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> 
     """
     best, found, best_size = np.inf, -1, 0.0
     known = {} if before is None else dict(zip(before.body.tolist(), before.center_of_mass, strict=True))
-    for body, center in zip(masses.body.tolist(), masses.center_of_mass, strict=True):
+    is_kinematic = np.isinf(masses.mass)
+    for body, center in zip(masses.body[~is_kinematic].tolist(), masses.center_of_mass[~is_kinematic], strict=True):
         rows = _on_ground(contacts, body)
         if len(rows) == 0 or body not in known:
             continue

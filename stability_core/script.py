@@ -21,6 +21,7 @@ _UP, _ASIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 _STILL = (0.0, 0.0, 0.0)
 _DEEP = (-_HALF, _HALF)
 _FAST = (0.0, 0.0, -5.0)
+_TILTED = (0.5, 0.0, -9.81)
 
 
 class _Touch(NamedTuple):
@@ -121,6 +122,8 @@ class ScriptedPort:
 class ScriptedExtension(Protocol):
     """What the script asks of ``StabilityExtension``."""
 
+    gravity: tuple[float, float, float]
+
     def update(self, dt: float) -> object:
         """Look at the world after a step."""
 
@@ -153,4 +156,6 @@ def play_script(extension: ScriptedExtension, port: ScriptedPort) -> None:
     extension.release([2])
     rest()
     port.take_away(1)
+    rest()
+    extension.gravity = _TILTED
     rest()

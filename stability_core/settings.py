@@ -123,6 +123,17 @@ class Settings:
     calm_s: float = _setting(
         0.5, "s", "a woken brick that does not move may be at the start of a collapse, which takes half a second"
     )
+    gravity_tilt: float = _setting(
+        math.radians(0.02),
+        "rad",
+        "0.02 deg: less may be the noise of an accelerometer; frozen bodies are judged again once gravity has turned "
+        "by so much in all, which is five times a second at 0.1 deg/s",
+    )
+    gravity_change: float = _setting(
+        0.01,
+        "share of the strength",
+        "statics gives the same verdict at any strength of gravity; limits of speed grow with its square root only",
+    )
 
     longest_calm_s: float = _setting(
         4.0, "s", "what is woken again and again waits twice as long each time, up to this: a pile that is built moves"

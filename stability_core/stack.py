@@ -14,7 +14,8 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 
-ABSENT, LIVE, FROZEN = 0, 1, 2
+ABSENT, LIVE, FROZEN, FIXED, MOVING = range(5)
+"""A body's ``state``; FIXED and MOVING are those of kinematic bodies."""
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
 """A body's ``doubt``: NOTED as soon as what surrounds it is recorded, so that any change is seen."""
@@ -28,17 +29,19 @@ MAX_VERTICES = 16
 """Vertices kept of a contact patch; box on box gives at most 8 a frame."""
 
 Bodies: TypeAlias = Any
-"""Structured array of ``BODY``, one row a body id."""
+"""Structured array of ``BODY``, one row a body: see ``rows``. In the kernels a body's number is its row."""
 Patches: TypeAlias = Any
 """Structured array of ``PATCH``, one row a contact patch."""
 
 BODY = np.dtype(
     [
-        ("state", "i1"),  # ABSENT, LIVE or FROZEN
+        ("state", "i1"),  # ABSENT, LIVE, FROZEN, FIXED or MOVING
+        ("id", "i8"),  # by which the port knows it
         ("held", "?"),  # a user holds it: it stays live
-        ("mass", "f8"),  # [kg]
+        ("mass", "f8"),  # [kg], infinite for kinematic bodies
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
         ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
+        ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
         # how it moves and what it touches, in the latest frame
         ("speed", "f8"),  # of the centre of mass [m/s]
         ("slip", "f8"),  # fastest sliding at a contact [m/s]
@@ -118,7 +121,7 @@ class Graph(NamedTuple):
     spare: IntArray
     """Free rows of ``patches``: their number, then the rows, shape (1 + len(patches),)."""
     changed: IntArray
-    """Bodies whose patches changed since they were last asked for: their number, then ids, shape (1 + len(bodies),)."""
+    """Bodies whose patches changed since the last ``take_changed``: their number, then rows, shape (1 + bodies,)."""
 
 
 @compiled
@@ -129,9 +132,21 @@ def hull_of(patch: Patches) -> FloatArray:
 
 
 @compiled
+def is_ground(bodies: Bodies, body: int) -> bool:
+    """True for the ground and for kinematic bodies that keep their place: no force moves them."""
+    return bool(body == GROUND or bodies[body].state == FIXED)
+
+
+@compiled
+def is_immovable(bodies: Bodies, body: int) -> bool:
+    """True for the ground and for kinematic bodies: no force moves them, but the host may."""
+    return bool(body == GROUND or bodies[body].state == FIXED or bodies[body].state == MOVING)
+
+
+@compiled
 def is_stack(bodies: Bodies, body: int) -> bool:
-    """True for the ground and for frozen bodies: what others may be built on."""
-    return bool(body == GROUND or bodies[body].state == FROZEN)
+    """True for the ground, fixed and frozen bodies: what others may be built on."""
+    return bool(body == GROUND or bodies[body].state == FROZEN or bodies[body].state == FIXED)
 
 
 @compiled
@@ -173,7 +188,7 @@ def sorted_ids(ids: IntArray) -> IntArray:
 
 @compiled
 def take_changed(graph: Graph) -> IntArray:
-    """The bodies whose patches changed since the last call, by rising id, shape (k,): O(k log k), not O(bodies)."""
+    """The bodies whose patches changed since the last call, by rising row, shape (k,): O(k log k), not O(bodies)."""
     bodies, listed = graph.bodies, graph.changed
     changed = sorted_ids(listed[1 : 1 + listed[0]])
     listed[0] = 0
@@ -321,7 +336,7 @@ def empty_graph() -> Graph:
 
 
 def grown(graph: Graph, bodies: int, spare: int) -> Graph:
-    """The graph with rows for ids below ``bodies`` and at least ``spare`` free patches.
+    """The graph with so many rows for ``bodies`` and at least ``spare`` free patches.
 
     Tables double, so that growing costs O(1) a row in the long run.
     """

@@ -13,16 +13,18 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import CONTACT, ContactRows
-from stability_core.port import FloatArray, IntArray
+from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import ROUNDING_S
+from stability_core.stack import ABSENT, Bodies
 
 FRAME_S = 1 / 60
 """Least time [s] that a dwell frame covers. Of a host at 1 kHz the last of 17 frames is kept: six of them span the true
 contact area as they do at 60 Hz, at the same cost."""
 
-STRUCK, AT_REST, LEANING, LYING, GONE = range(5)
+STRUCK, AT_REST, LEANING, LYING, GONE, MOVED = range(6)
 """Rows of ``Watch.due``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning test; live
-bodies that lie on the stack anew, and those that do so no more."""
+bodies that lie on the stack anew, and those that do so no more; kinematic bodies that began to move, and frozen bodies
+that one of them moves."""
 
 
 class Watch(NamedTuple):
@@ -37,7 +39,7 @@ class Watch(NamedTuple):
     clock: FloatArray
     """For how long [s] the latest frame has stood there, and how long one stands at least, shape (2,)."""
     due: IntArray
-    """A list of bodies in each row: how many, then their ids, shape (5, 1 + room)."""
+    """A list of bodies in each row: how many, then their rows, shape (6, 1 + room)."""
 
 
 def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
@@ -51,7 +53,7 @@ def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
         np.zeros(frames, np.int64),
         np.zeros(1, np.int64),
         np.array([0.0, FRAME_S]),
-        np.zeros((5, 1 + room), np.int64),
+        np.zeros((6, 1 + room), np.int64),
     )
     if known is not None:
         fresh.contacts.reshape(frames, room)[:, : len(known.contacts) // frames] = known.contacts.reshape(frames, -1)
@@ -67,6 +69,25 @@ def skip_frame(watch: Watch, dt: float) -> None:
         watch.latest[0] = (watch.latest.item(0) + 1) % len(watch.sizes)
     watch.clock[0] = stood
     watch.sizes[watch.latest.item(0)] = 0
+
+
+@compiled
+def _is_gone(bodies: Bodies, body: int) -> bool:
+    return bool(body != GROUND and bodies[body].state == ABSENT)
+
+
+@compiled
+def forget_contacts(bodies: Bodies, watch: Watch) -> None:
+    """Drop the contacts of bodies that left the world, whose rows other bodies will have: O(contacts)."""
+    contacts, sizes = watch.contacts, watch.sizes
+    room = len(contacts) // len(sizes)
+    for frame in range(len(sizes)):
+        kept = first = frame * room
+        for i in range(first, first + sizes[frame]):
+            if not (_is_gone(bodies, contacts[i].body_a) or _is_gone(bodies, contacts[i].body_b)):
+                contacts[kept] = contacts[i]
+                kept += 1
+        sizes[frame] = kept - first
 
 
 @compiled

@@ -11,7 +11,7 @@ from stability_core.contact_filter import size_of_pair
 from stability_core.equilibrium.memory import Memory, is_known
 from stability_core.equilibrium.problem import Problem
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
-from stability_core.stack import NONE, SUPPORT, Graph, is_stack
+from stability_core.stack import NONE, SUPPORT, Graph, is_ground, is_stack
 
 ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
 """What the rest of the stack does: nothing, as if it were not there; it presses with the kept forces; or it is as rigid
@@ -48,7 +48,7 @@ def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> t
         at = bodies[body].first_support
         while at != NONE:
             lower = patches[at].lower
-            if lower == GROUND or index[lower] >= 0 or (outside == FIXED and is_stack(bodies, lower)):
+            if is_ground(bodies, lower) or index[lower] >= 0 or (outside == FIXED and is_stack(bodies, lower)):
                 found[size] = at
                 size += 1
                 vertices += patches[at].vertices
@@ -135,6 +135,14 @@ def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArr
 
 
 @compiled
+def _divide(lever: FloatArray, body: IntArray, size: FloatArray) -> None:
+    """Measure levers (m, 3) in the sizes (n,) of the bodies (m,) that they belong to."""
+    for c in range(len(lever)):
+        if body[c] >= 0:
+            lever[c] /= size[body[c]]
+
+
+@compiled
 def part_of(
     graph: Graph,
     memory: Memory,
@@ -182,11 +190,8 @@ def part_of(
     for i in range(n):
         size[i] = size[i] if size[i] > 0.0 else 1.0
         load[i, 2] = graph.bodies[ids[i]].mass * gravity
-    for c in range(m):
-        if body_b[c] >= 0:
-            lever_b[c] /= size[body_b[c]]
-        if body_a[c] >= 0:
-            lever_a[c] /= size[body_a[c]]
+    _divide(lever_a, body_a, size)
+    _divide(lever_b, body_b, size)
     slack = radius * load[:, 2] * _rolling(graph, np.concatenate((patches, kept)), index, n, radius)
     _add_kept_forces(graph, memory, kept, index, size, load)
     return Part(Problem(body_a, body_b, lever_a, lever_b, normal, friction, load, slack), ids, level, patches, size)

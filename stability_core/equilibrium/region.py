@@ -25,10 +25,12 @@ from stability_core.stack import (
     NOTED,
     PROVEN,
     SUPPORT,
+    Bodies,
     Graph,
     Patches,
     count_patches,
     hull_of,
+    is_ground,
     is_stack,
 )
 from stability_core.stack_mass import support_polygon
@@ -51,11 +53,11 @@ REGION = np.dtype(
 )
 """The safe region of a frozen body."""
 Regions: TypeAlias = Any
-"""Structured array of ``REGION``, one row a body id."""
+"""Structured array of ``REGION``, one row a body."""
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
-    """A table with rows for ids below ``bodies``, with what is ``known`` taken over."""
+    """A table with so many rows for ``bodies``, with what is ``known`` taken over."""
     fresh = np.zeros(bodies, REGION)
     fresh[: len(known)] = known
     return fresh
@@ -110,7 +112,7 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
         patch = patches[at]
         if patch.kind == SUPPORT and is_stack(bodies, patch.lower):
             area = hull_of(patch)
-            if patch.lower != GROUND:
+            if not is_ground(bodies, patch.lower):
                 below = known_region(regions, patch.lower)
                 area = cut(area, below) if len(below) > 2 else area[:0]
             for vertex in range(len(area)):
@@ -131,6 +133,12 @@ def _trait(patch: Patches, other: int, factor: int) -> int:
 
 
 @compiled
+def _id_of(bodies: Bodies, body: int) -> int:
+    """The id of a body, which no other ever has, while its row passes to others."""
+    return int(GROUND) if body == GROUND else int(bodies[body].id)
+
+
+@compiled
 def fingerprint(graph: Graph, body: int) -> int:
     """A number that changes with the mass of ``body`` and with what it touches, whatever the order.
 
@@ -145,13 +153,13 @@ def fingerprint(graph: Graph, body: int) -> int:
     while at != NONE:
         patch = patches[at]
         if is_in_doubt or is_stack(bodies, patch.lower):
-            total += _trait(patch, patch.lower, 0x9E3779B97F4A7C1)
+            total += _trait(patch, _id_of(bodies, patch.lower), 0x9E3779B97F4A7C1)
         at = patch.next_support
     at = row.first_load
     while at != NONE:
         patch = patches[at]
         if is_in_doubt or bodies[patch.upper].state == FROZEN:
-            total += _trait(patch, patch.upper, 0x5851F42D4C957F3)
+            total += _trait(patch, _id_of(bodies, patch.upper), 0x5851F42D4C957F3)
         at = patch.next_load
     return total
 

@@ -23,6 +23,7 @@ from stability_core.equilibrium.faces import NOISE, rolling_bodies
 from stability_core.equilibrium.problem import Problem
 from stability_core.equilibrium.verdict import Verdict, decide, takes_part
 from stability_core.port import GROUND, BoolArray, Contacts, FloatArray, IntArray, Masses
+from stability_core.upright import rotation_to_upright
 
 ROUNDING = 1e-12
 """By which the cosine of a contact's slope may miss that of its angle of friction: nil friction on a level face."""
@@ -82,7 +83,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     if not (np.isfinite(strength) and strength > 0.0):
         raise ValueError(f"gravity must be three finite numbers, not all nought, got {gravity}")
     _refuse_flipped(contacts, masses, index_a, index_b, -down / strength)
-    upright = _turned_upright(-down / strength)
+    upright = rotation_to_upright(-down / strength)
     snapshot, size = _problem(contacts, masses, index_a, index_b, upright, strength)
 
     verdict, forces, rest, residual = decide(snapshot, _is_level(snapshot))
@@ -106,6 +107,12 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     row = first_bad_mass(masses.body, masses.mass, masses.center_of_mass)
     if row >= 0:
         raise fault_of(BAD_MASS, row, contacts, masses)
+    kinematic = np.flatnonzero(np.isinf(masses.mass))
+    if len(kinematic):
+        raise ValueError(
+            f"masses row {kinematic[0]}: body {masses.body[kinematic[0]]} has infinite mass: leave it out, and give "
+            f"its contacts the id {GROUND} of the ground"
+        )
     order = np.argsort(masses.body, kind="stable")
     listed = masses.body[order]
     twice = np.flatnonzero(listed[1:] == listed[:-1])
@@ -120,14 +127,6 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
             raise fault_of(UNKNOWN_BODY, int(unknown[0]), contacts, masses)
         indices.append(order[place])
     return indices[0], indices[1]
-
-
-def _turned_upright(up: FloatArray) -> FloatArray:
-    """The rotation, shape (3, 3), that turns the unit vector ``up`` to z."""
-    aside = np.eye(3)[0 if abs(up[0]) < 0.9 else 1]
-    x = aside - (aside @ up) * up
-    x /= np.linalg.norm(x)
-    return np.array([x, np.cross(up, x), up])
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:

@@ -37,6 +37,15 @@ class Policy(ABC):
         self.settings = settings
         self.limits = settings.limits(gravity)
 
+    def set_gravity(self, gravity: float) -> None:
+        """Judge by another strength of gravity [m/s2], or another direction: nothing proven before holds any more.
+
+        The graph is turned so that z is up, and lists every frozen body as changed. A policy that remembers proofs or
+        forces forgets them here.
+        """
+        self.gravity = gravity
+        self.limits = self.settings.limits(gravity)
+
     @abstractmethod
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """Bring the stack up to date with one frame.

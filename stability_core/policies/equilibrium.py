@@ -243,10 +243,23 @@ class Equilibrium(Policy):
         self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
+        self._wake_grip = WAKE_GRIP
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
         """Displacements to which loading last came, by body: where it looks first for the next."""
         self._lift = np.zeros((0, 6))
         """Where the search for the loads of live bodies begins, by body."""
+
+    def set_gravity(self, gravity: float) -> None:
+        """Forget proofs, regions and forces.
+
+        The next frame judges without hysteresis in friction: contacts of frozen bodies do not change while gravity
+        turns, so that bodies wake at their exact angle of friction.
+        """
+        super().set_gravity(gravity)
+        self._wake_grip = 1.0
+        self._regions["vertices"] = self._regions["links"] = 0
+        self._memory.pair[:] = NONE
+        self._sag[:] = 0.0
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
@@ -279,7 +292,9 @@ class Equilibrium(Policy):
             reasons.update(together)
             unsolved = _finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
-        return Decision(reasons, self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY)
+        unbalanced = self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY
+        self._wake_grip = WAKE_GRIP
+        return Decision(reasons, unbalanced)
 
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray]:
         """Freeze of the candidates ``group`` what stands, each part of the stack by itself.
@@ -386,7 +401,7 @@ class Equilibrium(Policy):
         bear it, those that do not fall themselves are solved together with it.
         """
         live = lying_on(graph, ids)
-        for margin, grip in ((0.0, 1.0), (self.settings.wake_margin, WAKE_GRIP))[len(live) > 0 :]:
+        for margin, grip in ((0.0, 1.0), (self.settings.wake_margin, self._wake_grip))[len(live) > 0 :]:
             part = self._part(graph, ids, outside, margin, grip)
             pressed, held = live_load(graph, self._memory, part, live, self.gravity, self._lift)
             problem = part.problem._replace(load=part.problem.load - pressed)
@@ -414,7 +429,7 @@ class Equilibrium(Policy):
         together = _together(_together(ids, borne), joint)
         if len(together) > FEW_TOGETHER:
             return goes
-        part = self._part(graph, together, AS_BEFORE, self.settings.wake_margin, WAKE_GRIP)
+        part = self._part(graph, together, AS_BEFORE, self.settings.wake_margin, self._wake_grip)
         others = np.setdiff1d(lying_on(graph, together), together)
         pressed, _ = live_load(graph, self._memory, part, others, self.gravity, self._lift)
         problem = part.problem._replace(load=part.problem.load - pressed)

@@ -29,7 +29,7 @@ from stability_core.polygon import convex_hull, inside_distance
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits, Settings
 from stability_core.settle import lay_due, lay_frozen, lowest_first
-from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, is_stack, take_changed
+from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, is_ground, is_stack, take_changed
 from stability_core.watch import AT_REST, Watch, frame_before, listed
 
 
@@ -87,7 +87,7 @@ def _base_of(graph: Graph, heap: IntArray) -> FloatArray:
         at = graph.bodies[body].first_support
         while at != NONE:
             patch = graph.patches[at]
-            if patch.lower == GROUND and patch.kind == SUPPORT:
+            if is_ground(graph.bodies, patch.lower) and patch.kind == SUPPORT:
                 points[n : n + patch.vertices] = patch.vertex[: patch.vertices]
                 n += patch.vertices
             at = patch.next_support
@@ -107,7 +107,7 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
         if not is_stack(graph.bodies, patch.lower):
             return False
         stands = True
-        if patch.lower != GROUND:
+        if not is_ground(graph.bodies, patch.lower):
             roof = patch.friction * inside_distance(base, patch.center[0], patch.center[1])
             if not patch.center[2] - base[:, 2].mean() <= roof:  # so that a heap without a base carries nothing
                 return False
@@ -166,6 +166,11 @@ class Pile(Policy):
         """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
         super().__init__(gravity, settings)
         self._supports = NOBODY
+
+    def set_gravity(self, gravity: float) -> None:
+        """Wake every pile: its shape was compared with the angle of repose about another vertical."""
+        super().set_gravity(gravity)
+        self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """Lowest first, so that each body sees those on which it stands asleep. O(heap) a body at rest."""

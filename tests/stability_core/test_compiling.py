@@ -34,7 +34,7 @@ def cold(monkeypatch):
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_nothing_is_compiled_inside_update(policy):
-    """Planks are laid, leant and taken at random, and held and let go: no kernel meets types that it does not know."""
+    """Planks are laid, leant, taken, held and woken at random while gravity turns: no kernel meets unknown types."""
     warm_up(policy)
     before = compiled_versions()
     assert before["stability_core.frame.observe"] >= 1
@@ -55,6 +55,8 @@ def test_nothing_is_compiled_inside_update(policy):
                 extension.disturb([body])
                 extension.update(1 / 60)
                 extension.release([body])
+                extension.wake([body])
+                extension.gravity = (random.uniform(-1.0, 1.0), 0.0, -9.81)
     assert compiled_versions() == before
 
 

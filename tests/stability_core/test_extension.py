@@ -443,12 +443,6 @@ def test_unknown_policy_names_the_nearest():
         StabilityExtension(None, "papr")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("gravity", [(0, 0, 9.81), (0, 1, -9.81), (0, 0, 0), (0, 0, np.nan)])
-def test_gravity_must_point_down(port, gravity):
-    with pytest.raises(ValueError, match="z is up"):
-        StabilityExtension(port, gravity=gravity)
-
-
 @pytest.mark.parametrize("dt", [0.0, -1.0, np.nan, np.inf])
 def test_time_must_pass(port, dt):
     with pytest.raises(ValueError, match="positive time"):
@@ -487,7 +481,7 @@ def one_mass(**changed) -> Masses:
         (one_contact(body_a=np.array([0])), one_mass(), "two different ids"),
         (one_contact(body_b=np.array([-2])), one_mass(), "two different ids"),
         (one_contact(body_b=np.array([3])), one_mass(), "never listed"),
-        (one_contact(body_b=np.array([2**40])), one_mass(), "0 to 10000000"),
+        (one_contact(body_b=np.array([2**40])), one_mass(), "never listed"),
         (one_contact(friction=np.zeros(2)), one_mass(), r"shape \(1,\)"),
         (one_contact(point=np.zeros((1, 2))), one_mass(), r"shape \(1, 3\)"),
         (one_contact(point=np.zeros(3)), one_mass(), r"shape \(1, 3\)"),

@@ -204,7 +204,7 @@ def test_a_steep_face_keeps_its_four_corners(port, extension):
     port.lay(0, GROUND, WIDE, DEEP, 0.0)
     port.touch(0, GROUND, [(-0.05, y, z) for y in DEEP for z in (0.0, 0.02)], normal=(1.0, 0.0, 0.0))
     frames(extension, SOON)
-    patches = extension._graph.patches
+    patches = extension._world.graph.patches
     steep = patches[(patches["kind"] == 1) & (patches["vertices"] > 0)]
     assert steep["vertices"].tolist() == [4]
     assert sorted(steep["vertex"][0, :4, 2]) == pytest.approx([0.0, 0.0, 0.02, 0.02])

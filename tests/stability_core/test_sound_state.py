@@ -96,14 +96,14 @@ def check_that_nothing_changes(port, where: str, spoil, message: str) -> None:
     extension = StabilityExtension(spoiled, "equilibrium")
     for _ in range(3):
         extension.update(DT)
-    before = extension._graph.bodies.copy()
+    before = extension._world.graph.bodies.copy()
     setattr(spoiled, where, spoil)
     for _ in range(2):
         with pytest.raises(ValueError, match=message):
             extension.update(DT)
     fields = [name for name in before.dtype.names if name != "place"]  # a scratch of every frame
     for name in fields:
-        assert (extension._graph.bodies[name][: len(before)] == before[name]).all(), name
+        assert (extension._world.graph.bodies[name][: len(before)] == before[name]).all(), name
     spoiled.heal()
     for _ in range(SOON):
         extension.update(DT)

@@ -1,0 +1,147 @@
+"""Kinematic bodies: those of infinite mass, which the host moves and no contact force does.
+
+Lifts, doors, conveyor belts. A kinematic body is FIXED or MOVING:
+
+- FIXED: it keeps its place. It counts as ground: bodies may freeze on it, and statics takes it for immovable.
+- MOVING: nothing may freeze on it. What rested on it wakes in the frame in which it begins to move.
+
+It begins to move when its centre leaves its place by ``steady_shift`` sizes of the smallest body that has touched it,
+and is fixed again once it has kept its place for ``still_s``. A body that moves in its place, as a belt or a turntable
+does, shows at its contacts with frozen bodies: these wake.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.settings import ROUNDING_S, Limits
+from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
+
+
+@compiled
+def _keeps_place(row: Bodies, limits: Limits) -> bool:
+    """True if a kinematic body is where it was; its place follows it while nothing has touched it yet."""
+    moved = 0.0
+    for k in range(3):
+        moved += (row.center[k] - row.still_center[k]) ** 2
+    if np.isfinite(row.least_load) and moved > (limits.steady_shift * row.least_load) ** 2:
+        return False
+    if not np.isfinite(row.least_load):
+        for k in range(3):
+            row.still_center[k] = row.center[k]
+    return True
+
+
+@compiled
+def _begin(row: Bodies) -> bool:
+    """Make a body kinematic: FIXED if it is new, else MOVING, as nothing is known of its place; True if MOVING."""
+    row.state = FIXED if row.state == ABSENT else MOVING
+    row.mass = np.inf
+    row.size, row.least_load, row.still_s = 0.0, np.inf, 0.0
+    row.held = row.is_load = row.unsettled = False
+    return bool(row.state == MOVING)
+
+
+@compiled
+def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
+    """Tell from its centre whether a kinematic body is FIXED or MOVING; True if it has just begun to move."""
+    if _keeps_place(row, limits):
+        row.still_s += dt
+        if row.still_s >= limits.still_s - ROUNDING_S:
+            row.state = FIXED
+        return False
+    row.still_s = 0.0
+    for k in range(3):
+        row.still_center[k] = row.center[k]
+    begins = row.state == FIXED
+    row.state = MOVING
+    return bool(begins)
+
+
+@compiled
+def follow_host(
+    bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, limits: Limits, dt: float, moved: IntArray
+) -> tuple[int, int]:
+    """Take over where the host has put the kinematic bodies, and which bodies it made kinematic or let go.
+
+    Args:
+        bodies: the table, before this frame is tracked.
+        ids: the listed bodies, shape (m,).
+        mass: their masses [kg], shape (m,); infinite for kinematic bodies.
+        center: their centres of mass [m], shape (m, 3).
+        limits: the settings.
+        dt: time since the last frame [s].
+        moved: the bodies on which nothing rests any longer are written here, at least m rows.
+
+    Returns:
+        How many bodies are kinematic; and how many are written to ``moved``.
+    """
+    kinematic, n = 0, 0
+    for i in range(len(ids)):
+        row = bodies[ids[i]]
+        was_kinematic = row.state == FIXED or row.state == MOVING
+        begins = False
+        if np.isinf(mass[i]) and row.state != FROZEN:  # a frozen one is handed back first
+            kinematic += 1
+            begins = not was_kinematic and _begin(row)
+            for k in range(3):
+                row.center[k] = center[i, k]
+            begins = _follow(row, limits, dt) or begins
+        elif was_kinematic:
+            row.state = ABSENT  # tracked from now on, as a body that is seen for the first time
+            begins = True
+        if begins:
+            moved[n] = ids[i]
+            n += 1
+    return kinematic, n
+
+
+@compiled
+def list_carried(
+    bodies: Bodies,
+    body_a: IntArray,
+    body_b: IntArray,
+    separation: FloatArray,
+    relative_velocity: FloatArray,
+    limits: Limits,
+    moved: IntArray,
+    n: int,
+) -> int:
+    """Note what touches the kinematic bodies; list the frozen bodies that one of them moves: O(contacts).
+
+    Args:
+        bodies: the table, with sizes noted.
+        body_a: first bodies, shape (c,); this and what follows as ``Contacts`` has it.
+        body_b: second bodies, shape (c,).
+        separation: signed distances [m], shape (c,).
+        relative_velocity: of b against a [m/s], shape (c, 3).
+        limits: the settings.
+        moved: the bodies are written here after the first ``n``, at least c rows more.
+        n: how many are there already.
+
+    Returns:
+        How many are written to ``moved`` in all.
+    """
+    for i in range(len(body_a)):
+        for body, other in ((body_a[i], body_b[i]), (body_b[i], body_a[i])):
+            if body == GROUND or other == GROUND:
+                continue
+            row, touching = bodies[body], bodies[other]
+            if not (row.state == FIXED or row.state == MOVING) or not (
+                touching.state == LIVE or touching.state == FROZEN
+            ):
+                continue
+            if separation[i] > limits.contact_gap * touching.size:
+                continue  # never for an unknown (NaN) separation: it counts as touch
+            row.least_load = min(row.least_load, touching.size)
+            if touching.state != FROZEN:
+                continue
+            squared = 0.0
+            for k in range(3):
+                squared += relative_velocity[i, k] ** 2
+            if row.state == MOVING or squared > limits.rest_slip**2 * limits.gravity * touching.size:
+                moved[n] = other
+                n += 1
+    return n

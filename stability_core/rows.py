@@ -1,0 +1,125 @@
+"""Rows of the tables by body id: memory follows the bodies that live, not the greatest id.
+
+A hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), filled by a half at most; a body that
+leaves closes the gap behind it (Algorithm R), and its row is given to a body that comes. Rows are given in the order in
+which bodies appear, by rising id within a frame: as long as none is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.port import GROUND, IntArray
+from stability_core.stack import NONE, sorted_ids
+
+UNKNOWN = -2
+"""Row of a body that has none."""
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+"""2^64 over the golden ratio: its multiples spread ids in sequence evenly (Fibonacci hashing)."""
+_HALF = np.uint64(32)
+
+
+class Rows(NamedTuple):
+    """Which row of ``Graph.bodies`` each body has."""
+
+    slots: IntArray
+    """Id and row, shape (2**k, 2); the id is NONE where a slot is free."""
+    spare: IntArray
+    """Free rows: their number, then the rows, shape (1 + rows,); the last is given first."""
+
+
+@compiled
+def _home(slots: IntArray, body: int) -> np.int64:
+    """The slot where the search for a body begins."""
+    key = np.uint64(body)
+    mixed = (key ^ (key >> _HALF)) * _GOLDEN
+    return np.int64((mixed >> _HALF) & np.uint64(len(slots) - 1))
+
+
+@compiled
+def _slot_of(slots: IntArray, body: int) -> int:
+    """The slot of a body, or the free one where it would be put."""
+    last = len(slots) - 1
+    at = _home(slots, body)
+    while slots[at, 0] != body and slots[at, 0] != NONE:
+        at = (at + 1) & last
+    return int(at)
+
+
+@compiled
+def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
+    """Write the row of each of ``ids`` (k,) into ``rows`` (k,), GROUND for the ground and UNKNOWN where it has none.
+
+    Returns the first place at which a body is unknown, -1 if none is.
+    """
+    first = -1
+    for i in range(len(ids)):
+        if ids[i] == GROUND:
+            rows[i] = GROUND
+            continue
+        at = _slot_of(slots, ids[i]) if ids[i] >= 0 else 0
+        rows[i] = slots[at, 1] if slots[at, 0] == ids[i] else UNKNOWN
+        if rows[i] == UNKNOWN and first < 0:
+            first = i
+    return first
+
+
+@compiled
+def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> int:
+    """Give a row to each of ``ids`` (k,) that has none, by rising id; its place in ``rows`` (k,) is UNKNOWN.
+
+    Returns how many rows are missing: nothing is given unless there are enough.
+    """
+    new = ids[rows == UNKNOWN]
+    if len(new) > spare[0]:
+        return int(len(new) - spare[0])
+    for body in sorted_ids(new):
+        at = _slot_of(slots, body)
+        if slots[at, 0] == NONE:  # else it is listed twice
+            slots[at, 0], slots[at, 1] = body, spare[spare[0]]
+            spare[0] -= 1
+    find_rows(slots, ids, rows)
+    return 0
+
+
+@compiled
+def take_row(slots: IntArray, spare: IntArray, body: int) -> None:
+    """Take its row from a body, if it has one; bodies behind it in the table move up."""
+    last = len(slots) - 1
+    gap = _slot_of(slots, body)
+    if slots[gap, 0] == NONE:
+        return
+    spare[0] += 1
+    spare[spare[0]] = slots[gap, 1]
+    slots[gap, 0] = NONE
+    at = (gap + 1) & last
+    while slots[at, 0] != NONE:
+        if ((at - _home(slots, slots[at, 0])) & last) >= ((at - gap) & last):
+            slots[gap, 0], slots[gap, 1] = slots[at, 0], slots[at, 1]
+            slots[at, 0] = NONE
+            gap = at
+        at = (at + 1) & last
+
+
+@compiled
+def _copy_slots(known: IntArray, slots: IntArray) -> None:
+    for i in range(len(known)):
+        if known[i, 0] != NONE:
+            at = _slot_of(slots, known[i, 0])
+            slots[at, 0], slots[at, 1] = known[i, 0], known[i, 1]
+
+
+def rows_for(count: int, known: Rows | None = None) -> Rows:
+    """``count`` rows, with those that are ``known`` taken over; a slot table of twice as many at least."""
+    slots = np.full((1 << max(1, 2 * count - 1).bit_length(), 2), NONE, np.int64)
+    old, free = (0, np.empty(0, np.int64)) if known is None else (len(known.spare) - 1, known.spare[1:])
+    if known is not None:
+        _copy_slots(known.slots, slots)
+        free = free[: known.spare[0]]
+    spare = np.zeros(1 + count, np.int64)
+    spare[0] = count - old + len(free)
+    spare[1 : 1 + spare[0]] = np.concatenate([np.arange(count - 1, old - 1, -1), free])
+    return Rows(slots, spare)
