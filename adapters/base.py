@@ -14,7 +14,7 @@ from typing import ClassVar, Literal, Self
 
 import numpy as np
 
-from adapters.box_table import BoxTable, prepare, selected
+from adapters.box_table import BoxTable, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
@@ -63,6 +63,8 @@ class Profile:
     tuned_by: str = "as shipped"
     scale: float = 1.0
     """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
+    forces: bool = True
+    """False to report no contact forces (``Contacts.force`` is None), whether or not the engine tells them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,8 @@ class Capabilities:
     separation: bool
     relative_velocity: str
     """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
-    forces: bool
+    forces: str
+    """What of a contact's force is reported: "normal and friction", "normal only" or "no"."""
     freeze: str
     """How the adapter freezes a body exactly."""
     frozen_contacts: bool
@@ -193,6 +196,11 @@ class Simulation(ABC):
         """True once the port has been handed out: contact velocities must then be recorded."""
         return self._port is not None
 
+    @property
+    def reads_forces(self) -> bool:
+        """True if contact forces must be recorded: the port has been handed out, and the profile asks for them."""
+        return self.is_observed and self.info.profile.forces
+
     def spawn(self, brick: Brick) -> int:
         """Put a live brick at rest into the world; returns its id.
 
@@ -249,7 +257,7 @@ class Simulation(ABC):
         _check_pose(position, quaternion)
         self._move(body, position, quaternion)
         if self._found is not None:
-            self._found = selected(self._found, (self._found.body_a != body) & (self._found.body_b != body))
+            self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
         if body in self.frozen:
             self._note_boxes([body])
 
@@ -268,7 +276,8 @@ class Simulation(ABC):
           of their contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of
           exactly zero, or list normals there that are rounding.
         - Deeper overlaps and edges that cross are those that the engine finds at the present poses.
-        - Separations are measured at the present poses; relative velocities are those that the bodies have now.
+        - Separations are measured at the present poses; relative velocities are those that the bodies have now. There
+          are no forces, because no step has solved these contacts.
         - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or woken afterwards, and
           the moved ones, have no contacts until the next step or call.
 
@@ -282,7 +291,7 @@ class Simulation(ABC):
         self._note_boxes(self.bricks)
         whole = self._with_exact_faces(found)
         velocity = self._velocities_at(whole.body_b, whole.point) - self._velocities_at(whole.body_a, whole.point)
-        self._found = replace(whole, relative_velocity=velocity)
+        self._found = replace(whole, relative_velocity=velocity, force=None)
 
     def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
         """All bodies, frozen ones too, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
@@ -325,7 +334,7 @@ class Simulation(ABC):
             (a in live or b in live) and (a in there or a <= GROUND) and (b in there or b <= GROUND)
             for a, b in zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)
         ]
-        return contacts if all(kept) else selected(contacts, np.array(kept, np.bool_))
+        return contacts if all(kept) else contacts.chosen(np.array(kept, np.bool_))
 
     def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
         """Replace the ids of fixed boxes, which the core does not know, by ``GROUND``."""

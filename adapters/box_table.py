@@ -9,7 +9,7 @@ the other as the engines themselves do.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import replace
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class BoxTable:
             self._boxes, a[order], b[order], contacts.normal[order], contacts.point[order]
         )
         row = order[row]
-        return _joined(
+        return joined(
             contacts,
             Contacts(
                 contacts.body_a[row],
@@ -113,7 +113,7 @@ class BoxTable:
             return contacts
         a, b = a - self._first, b - self._first
         relative = velocities(b, corner) - velocities(a, corner)
-        return _joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
+        return joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
 
     def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
         """Return the corners of all pairs that nearly touch, and behind them the contacts of all other pairs.
@@ -132,7 +132,7 @@ class BoxTable:
         unknown = np.full_like(corner, np.nan)
         near = Contacts(a, b, corner, normal, gap, unknown, np.full(len(a), friction))
         others = ~np.isin(self._pairs(contacts), self._pairs(near))
-        return _joined(near, self.with_missing_corners(selected(contacts, others)))
+        return joined(near, self.with_missing_corners(contacts.chosen(others)))
 
     def _pairs(self, contacts: Contacts) -> IntArray:
         """Return a number (n,) for the pair of each contact, the same whichever body comes first."""
@@ -141,16 +141,16 @@ class BoxTable:
         return pairs
 
 
-def _joined(first: Contacts, second: Contacts) -> Contacts:
+def joined(first: Contacts, second: Contacts) -> Contacts:
+    """Return both lists of contacts in one; where only one tells forces, those of the other are zero."""
     if not len(second):
         return first
     columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")
-    return Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
-
-
-def selected(contacts: Contacts, rows: np.typing.NDArray[np.bool_]) -> Contacts:
-    """Return the contacts where ``rows`` is true."""
-    return Contacts(*(getattr(contacts, column.name)[rows] for column in fields(contacts)))
+    both = Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
+    if first.force is None and second.force is None:
+        return both
+    forces = [np.zeros(part.point.shape) if part.force is None else part.force for part in (first, second)]
+    return replace(both, force=np.concatenate(forces))
 
 
 def prepare() -> None:

@@ -1,10 +1,10 @@
 """A world that is larger than the scene: what practitioners do with engines that are made for bodies of a metre.
 
-All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses; times, masses, angles
-and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own wiki ("Scaling
-The World"), which finds no need to change masses. What changes is how the engine's absolute constants compare with the
-bricks: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only what a profile set
-for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
+All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses and forces; times,
+masses, angles and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own
+wiki ("Scaling The World"), which finds no need to change masses. What changes is how the engine's absolute constants
+compare with the bricks: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only
+what a profile set for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
 (``Simulation.scale``).
 
 Outside, all is in SI units of the scene, and the corners that an engine does not list are added there.
@@ -80,6 +80,7 @@ class _ScaledSimulation(Simulation):
             point=seen.point / self.scale,
             separation=seen.separation / self.scale,
             relative_velocity=seen.relative_velocity / self.scale,
+            force=None if seen.force is None else seen.force / self.scale,
         )
 
     def _freeze(self, body: int) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -259,8 +258,7 @@ class StabilityExtension:
         if not dropped:
             return contacts, masses
         self.dropped += dropped
-        kept = {item.name: getattr(contacts, item.name)[stays] for item in fields(contacts)}
-        return Contacts(**kept), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
+        return contacts.chosen(stays), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int]:
         """``observe`` with room for every body and contact; returns how many bodies are due, and contacts kept.

@@ -117,7 +117,7 @@ def velocity(simulation: Simulation, body: int) -> FloatArray:
 def touching(contacts: Contacts, body: int) -> Contacts:
     """The contacts of one body."""
     rows = (contacts.body_a == body) | (contacts.body_b == body)
-    return Contacts(*(getattr(contacts, name)[rows] for name in Contacts.__dataclass_fields__))
+    return contacts.chosen(rows)
 
 
 def pairs(contacts: Contacts) -> set[tuple[int, int]]:

@@ -28,7 +28,7 @@ class FakeSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="reported",
-        forces=False,
+        forces="no",
         freeze="exact",
         frozen_contacts=False,
         friction_law="none",

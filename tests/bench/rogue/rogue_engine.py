@@ -83,7 +83,7 @@ class RogueSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="reported",
-        forces=False,
+        forces="no",
         freeze="exact",
         frozen_contacts=False,
         friction_law="none",
