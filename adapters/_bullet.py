@@ -31,6 +31,7 @@ import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
@@ -89,7 +90,7 @@ class BulletSimulation(Simulation):
         near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal and friction",
         freeze="mass 0 and asleep",
         frozen_contacts=True,
         friction_law="cone",
@@ -110,6 +111,7 @@ class BulletSimulation(Simulation):
         self._bodies: dict[int, int] = {}
         self._shapes: dict[Vector, int] = {}
         self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._frame_s = 0.0
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
@@ -202,7 +204,10 @@ class BulletSimulation(Simulation):
             self._frame_s = seconds
         bodies = np.fromiter(self._live, np.int64, len(self._live))
         before = []
-        for _ in range(substeps):
+        self._earlier_forces.clear()
+        for substep in range(substeps):
+            if substep and self.reads_forces:
+                self._earlier_forces.append(self._forces_at(self._listed()))
             if self.is_observed:
                 before.append((self._positions(bodies), *self._velocities(bodies)))
             pybullet.stepSimulation(self._client)
@@ -226,8 +231,7 @@ class BulletSimulation(Simulation):
         listed = self._listed()
         if not listed:
             return Contacts.empty()
-        body_of = self._bodies
-        pair = np.array([(body_of[row[1]], body_of[row[2]]) for row in listed], np.int64)
+        pair = self._pairs(listed)
         numbers = np.array([(*row[5], *row[6], *row[7], row[8]) for row in listed])
         point = (numbers[:, :3] + numbers[:, 3:6]) / 2
         normal = -numbers[:, 6:9]  # Bullet's normal points from b to a
@@ -240,7 +244,20 @@ class BulletSimulation(Simulation):
             numbers[:, 9],
             fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(listed), self.world.friction),
+            mean_force(self._forces_at(listed), normal, self._earlier_forces) if self.reads_forces else None,
         )
+
+    def _pairs(self, listed: Sequence[tuple[Any, ...]]) -> IntArray:
+        """Return bodies a and b of Bullet's own rows, shape (n, 2)."""
+        body_of = self._bodies
+        return np.array([(body_of[row[1]], body_of[row[2]]) for row in listed], np.int64).reshape(-1, 2)
+
+    def _forces_at(self, listed: Sequence[tuple[Any, ...]]) -> SubstepForces:
+        """Return the forces of Bullet's own rows: along the normal, and along the two directions of friction."""
+        body_a, body_b = self._pairs(listed).T
+        numbers = _rows([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for row in listed], 12)
+        directions, sizes = numbers.reshape(-1, 3, 4)[..., :3], numbers.reshape(-1, 3, 4)[..., 3:]
+        return SubstepForces(body_a, body_b, -(sizes * directions).sum(axis=1))
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()

@@ -42,6 +42,7 @@ import numpy as np
 from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.vectors import rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -91,7 +92,7 @@ class DartSimulation(Simulation):
         near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before each substep",
-        forces=True,
+        forces="normal and friction",
         freeze="immobile skeleton",
         frozen_contacts=False,
         friction_law="box pyramid, the smaller coefficient of the pair",
@@ -156,6 +157,7 @@ class DartSimulation(Simulation):
         self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
         self._contacts_of_step: Contacts | None = None
         self._motion: _Motion | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
         self._add_fixed(GROUND, (2 * x, 2 * y, 2 * z), (0.0, 0.0, -z), UPRIGHT)
         for index, box in enumerate(world.fixed):
@@ -271,9 +273,12 @@ class DartSimulation(Simulation):
         substeps = self.info.profile.substeps
         if self._world.getTimeStep() != seconds / substeps:  # setting it wakes every body that the engine put to sleep
             self._world.setTimeStep(seconds / substeps)
+        self._earlier_forces.clear()
         if self.is_observed:
             rates = []
-            for _ in range(substeps):
+            for substep in range(substeps):
+                if substep and self.reads_forces and self._live:
+                    self._earlier_forces.append(self._forces_of_substep())
                 centers, rates_before = self._coordinates(self._live)[:, 3:], self._rates(self._live)
                 rates.append(rates_before)
                 self._world.step()
@@ -329,7 +334,19 @@ class DartSimulation(Simulation):
             velocity = np.full_like(point, np.nan)
         else:
             velocity = self._motion.fastest_approach(body_a, body_b, point, normal)
-        return Contacts(body_a, body_b, point, normal, -depth, velocity, np.full(len(depth), self.world.friction))
+        force = None
+        if self.reads_forces:
+            last = SubstepForces(body_a, body_b, _rows([contact.force for contact in contacts], 3))
+            force = mean_force(last, normal, self._earlier_forces)
+        friction = np.full(len(depth), self.world.friction)
+        return Contacts(body_a, body_b, point, normal, -depth, velocity, friction, force)
+
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the forces of the substep that was just made."""
+        contacts = self._world.getLastCollisionResult().getContacts()
+        body_a = np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64)
+        body_b = np.array([self._body_of(contact.collisionObject1) for contact in contacts], np.int64)
+        return SubstepForces(body_a, body_b, _rows([contact.force for contact in contacts], 3))
 
     def _body_of(self, collision_object: Any) -> int:
         body = self._id_of.get(collision_object)

@@ -37,6 +37,7 @@ import numpy as np
 from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -89,7 +90,7 @@ class MujocoSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal and friction",
         freeze="a mocap body with the same box collides in the brick's stead",
         frozen_contacts=False,
         friction_law="elliptic cone, regularised (as shipped: a 4-sided pyramid)",
@@ -127,6 +128,7 @@ class MujocoSimulation(Simulation):
         for slot, shape in enumerate(self._shapes):
             self._free[shape].append(slot)
         self._approaches: list[tuple[IntArray, FloatArray, FloatArray]] = []
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._compiled: SlotModel | None = None
 
     @staticmethod
@@ -229,6 +231,7 @@ class MujocoSimulation(Simulation):
         model.opt.timestep = seconds / substeps
         self._is_current_geom[:] = True
         self._approaches.clear()
+        self._earlier_forces.clear()
         for substep in range(substeps):
             if substep and self.is_observed:
                 self._note_approaches()
@@ -284,6 +287,7 @@ class MujocoSimulation(Simulation):
             separation,
             self._fastest_approaches(geoms, normals, velocity),
             found.friction[rows, 0],
+            mean_force(self._forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None,
         )
 
     def _find_contacts(self) -> Contacts:
@@ -315,12 +319,35 @@ class MujocoSimulation(Simulation):
         return velocities[:, 1] - velocities[:, 0]
 
     def _note_approaches(self) -> None:
-        """Remember how fast each pair approaches in this substep."""
+        """Remember how fast each pair approaches in this substep, and its forces."""
         found = self._engine.data.contact
         rows = self._current_rows(found.geom)
         geoms = found.geom[rows]
         velocity = self._relative_velocities(geoms, found.pos[rows])
         self._approaches.append((self._pairs(geoms), dot(velocity, found.frame[rows, :3]), velocity))
+        if self.reads_forces:
+            self._earlier_forces.append(self._forces_at(rows, geoms))
+
+    def _forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
+        """Return the forces of these rows of MuJoCo's contacts, between ``geoms`` (n, 2), in the latest substep.
+
+        A contact has three rows of constraint forces under the elliptic cone: along the normal and the two tangents.
+        Under the pyramid it has a pair of edges for each tangent, n + mu t and n - mu t.
+        """
+        data = self._engine.data
+        found = data.contact
+        body_a, body_b = self._body_of_geom[geoms].T
+        forces = np.zeros((len(rows), 3))
+        address = found.efc_address[rows]
+        solved = np.flatnonzero(address >= 0)
+        if self._engine.model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC:
+            forces[solved] = data.efc_force[address[solved, None] + np.arange(3)]
+        else:
+            edges = data.efc_force[address[solved, None] + np.arange(4)]
+            forces[solved, 0] = edges.sum(axis=1)
+            forces[solved, 1:] = found.friction[rows[solved], :2] * (edges[:, ::2] - edges[:, 1::2])
+        in_world = np.einsum("ni,nij->nj", forces, found.frame[rows].reshape(-1, 3, 3))
+        return SubstepForces(body_a, body_b, in_world)
 
     def _fastest_approaches(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
         """``velocity``, or that of the pair in an earlier substep where it approached faster."""

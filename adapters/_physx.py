@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -34,6 +34,7 @@ import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
@@ -119,7 +120,7 @@ class PhysxSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal and friction",
         freeze="kinematic",
         frozen_contacts=False,
         friction_law="cone",
@@ -142,6 +143,8 @@ class PhysxSimulation(Simulation):
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
         self._rows = np.empty(0, np.int64)
         self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+        self._substep_s = 0.0
         half_edges = self.ground_half_edges
         self._add_fixed(GROUND, half_edges, (0.0, 0.0, -half_edges[2]), UPRIGHT)
         for index, box in enumerate(world.fixed):
@@ -217,10 +220,13 @@ class PhysxSimulation(Simulation):
 
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
-        self._system.timestep = seconds / substeps
+        self._substep_s = self._system.timestep = seconds / substeps
         bodies, _ = self._live_bodies()
         before = []
-        for _ in range(substeps):
+        self._earlier_forces.clear()
+        for substep in range(substeps):
+            if substep and self.reads_forces and self._live:
+                self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
                 before.append(self._state(bodies))
             self._system.step()
@@ -262,28 +268,27 @@ class PhysxSimulation(Simulation):
         return state[:, 7:10], state[:, 10:13]
 
     def _contacts(self) -> Contacts:
-        live, body_of = self._live, self._bodies.get  # None for a brick that was removed since the step
         body_a: list[int] = []
         body_b: list[int] = []
         rows: list[tuple[float, ...]] = []
-        for contact in self._system.get_contacts():
-            first, second = contact.bodies
-            a, b = body_of(second), body_of(first)
-            points = contact.points
-            if a is None or b is None or not points or (a not in live and b not in live):
-                continue
+        for a, b, points in self._listed():
             normal = points[0].normal.tolist()
             for point in points:
-                separation = self._separation(point)
+                impulse = point.impulse.tolist()
+                separation = self._separation(point.separation, is_pressed=any(impulse))
                 if separation is not None:
                     body_a.append(a)
                     body_b.append(b)
-                    rows.append((*point.position.tolist(), *normal, separation))
+                    rows.append((*point.position.tolist(), *normal, separation, *impulse))
         if not rows:
             return Contacts.empty()
         pairs = np.array(body_a), np.array(body_b)
         numbers = np.array(rows)
         position, normal = numbers[:, :3], numbers[:, 3:6]
+        force = None
+        if self.reads_forces and self._substep_s:
+            last = SubstepForces(*pairs, numbers[:, 7:] / self._substep_s)
+            force = mean_force(last, normal, self._earlier_forces)
         return Contacts(
             *pairs,
             position,
@@ -291,7 +296,32 @@ class PhysxSimulation(Simulation):
             numbers[:, 6],
             fastest_approach(self._before, *pairs, position, normal),
             np.full(len(rows), self.world.friction),
+            force,
         )
+
+    def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
+        """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
+        live, body_of = self._live, self._bodies.get  # None for a brick that was removed since the step
+        for contact in self._system.get_contacts():
+            first, second = contact.bodies
+            a, b = body_of(second), body_of(first)
+            if a is None or b is None or (a not in live and b not in live):
+                continue
+            points = contact.points
+            if points:
+                yield a, b, points
+
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the forces of the substep that was just made."""
+        body_a: list[int] = []
+        body_b: list[int] = []
+        impulses: list[FloatArray] = []
+        for a, b, points in self._listed():
+            body_a += [a] * len(points)
+            body_b += [b] * len(points)
+            impulses += [point.impulse for point in points]
+        force = np.array(impulses, np.float64).reshape(-1, 3) / self._substep_s
+        return SubstepForces(np.array(body_a, np.int64), np.array(body_b, np.int64), force)
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()
@@ -302,12 +332,11 @@ class PhysxSimulation(Simulation):
         finally:
             twin.close()
 
-    def _separation(self, point: Any) -> float | None:
+    def _separation(self, separation: float, *, is_pressed: bool) -> float | None:
         """Of a point [m] that touches or nearly does; a point that the solver let bear is closed. None for others."""
-        separation: float = point.separation
         if separation <= 0.0:
             return separation
-        if any(point.impulse.tolist()):
+        if is_pressed:
             return 0.0
         return separation if separation <= FARTHEST * self.scale else None
 

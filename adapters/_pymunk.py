@@ -112,7 +112,7 @@ class PymunkSimulation(Simulation):
         near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before each substep",
-        forces=False,
+        forces="no",
         freeze="static body",
         frozen_contacts=False,
         friction_law="Coulomb, product of both shapes' coefficients",

@@ -39,6 +39,7 @@ import rapier3d
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
 from adapters.vectors import dot, rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
@@ -131,7 +132,7 @@ class RapierSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal only",
         freeze="fixed body",
         frozen_contacts=False,
         friction_law="cone",
@@ -148,6 +149,8 @@ class RapierSimulation(Simulation):
         self._body_of: dict[rapier3d.ColliderHandle, int] = {}
         self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
         self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+        self._substep_s = 0.0
         self._has_diverged = False
         for name, knob in self.info.profile.knobs.items():
             self._configure(name, knob.value)
@@ -237,10 +240,13 @@ class RapierSimulation(Simulation):
             for body in sorted(self._still_active):
                 self._replace_by_fixed(body)
         substeps = self.info.profile.substeps
-        self._engine.integration_parameters.dt = seconds / substeps
+        self._engine.integration_parameters.dt = self._substep_s = seconds / substeps
         bodies, _ = self._live_bodies()
         before = []
-        for _ in range(substeps):
+        self._earlier_forces.clear()
+        for substep in range(substeps):
+            if substep and self.reads_forces and self._live:
+                self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
                 before.append((self._positions(bodies), *self._velocities(bodies)))
             self._engine.step()
@@ -291,7 +297,7 @@ class RapierSimulation(Simulation):
         return self._read_contacts(copied.narrow_phase)
 
     def _read_contacts(self, narrow_phase: rapier3d.NarrowPhase) -> Contacts:
-        pairs, local = self._listed(narrow_phase)
+        pairs, local, impulses = self._listed(narrow_phase)
         if not len(pairs):
             return Contacts.empty()
         normals, points_a, points_b = self._in_world(pairs, local)
@@ -299,6 +305,10 @@ class RapierSimulation(Simulation):
         near = np.flatnonzero(separations <= _NEAR * self.scale)
         body_a, body_b = pairs[near].T
         point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
+        force = None
+        if self.reads_forces and self._substep_s:
+            last = SubstepForces(body_a, body_b, normal * impulses[near, None] / self._substep_s)
+            force = mean_force(last, normal, self._earlier_forces)
         return Contacts(
             body_a,
             body_b,
@@ -307,23 +317,32 @@ class RapierSimulation(Simulation):
             separations[near],
             fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(near), self.world.friction),
+            force,
         )
 
-    def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray]:
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the forces of the substep that was just made."""
+        listed = list(self._live_pairs(self._engine.narrow_phase))
+        body_a, body_b = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2).T
+        impulses = _rows([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
+        return SubstepForces(body_a, body_b, impulses / self._substep_s)
+
+    def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray, FloatArray]:
         """Rapier's own points of every contact that touches a live body, far ones too.
 
         Returns:
             The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the
-            point on b in b's frame [m], shape (n, 9).
+            point on b in b's frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
         """
-        pairs, rows = [], []
+        pairs, rows, impulses = [], [], []
         for body_a, body_b, pair in self._live_pairs(narrow_phase):
             for manifold in pair.manifolds:
                 normal = manifold.local_n1.to_tuple()
                 for point in manifold.points:
                     pairs.append((body_a, body_b))
                     rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
-        return np.array(pairs, np.int64), _rows(rows, 9)
+                    impulses.append(point.impulse)
+        return np.array(pairs, np.int64), _rows(rows, 9), np.array(impulses, np.float64)
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""

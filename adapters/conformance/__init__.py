@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from adapters import registry
 from adapters.base import Capabilities
-from adapters.conformance import contacts, finding, fixed_boxes, freezing, housekeeping, motion
+from adapters.conformance import contacts, finding, fixed_boxes, forces, freezing, housekeeping, motion
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.variations import base_name
 
@@ -80,6 +80,9 @@ CHECKS: tuple[Check, ...] = (
     Check(contacts.reports_the_overlap, capable=lambda capabilities: capabilities.separation),
     Check(contacts.forgets_a_removed_brick),
     Check(contacts.reports_masses),
+    Check(forces.carries_a_resting_brick, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.carries_each_level, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.forgets_forces_without_a_step),
     Check(freezing.stays_frozen),
     Check(freezing.freezes_in_flight),
     Check(freezing.freezes_before_its_first_step),

@@ -88,6 +88,29 @@ class FrictionOfOneBody(BulletSimulation):
         return replace(contacts, friction=np.sqrt(contacts.friction))
 
 
+class ForcesOnTheOther(BulletSimulation):
+    """Forces on body a."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=None if contacts.force is None else -contacts.force)
+
+
+class ForcesOfOneSubstep(BulletSimulation):
+    """Impulses of one of two substeps over the whole frame's time."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=None if contacts.force is None else contacts.force / 2)
+
+
+class ForcesFoundWithoutAStep(BulletSimulation):
+    def find_contacts(self) -> None:
+        super().find_contacts()
+        if self._found is not None:
+            self._found = replace(self._found, force=np.zeros(self._found.point.shape))
+
+
 class NoContactsWithFrozen(BulletSimulation):
     capabilities = NOT_COMPLETED
 
@@ -425,6 +448,9 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
             "stops_at_a_fixed_ceiling",
         ],
     ),
+    (ForcesOnTheOther, ["carries_a_resting_brick", "carries_each_level"]),
+    (ForcesOfOneSubstep, ["carries_a_resting_brick", "carries_each_level"]),
+    (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),
 ]
