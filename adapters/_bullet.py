@@ -113,6 +113,7 @@ class BulletSimulation(Simulation):
         self._before: Motions | None = None
         self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._frame_s = 0.0
+        self._thaws_to_old_gravity: set[int] = set()
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
         half_edges = self.ground_half_edges
@@ -158,6 +159,7 @@ class BulletSimulation(Simulation):
         self._bodies[handle] = body
 
     def _remove(self, body: int) -> None:
+        self._thaws_to_old_gravity.discard(body)
         handle = self._handles.pop(body)
         del self._bodies[handle]
         pybullet.removeBody(handle, physicsClientId=self._client)
@@ -169,6 +171,19 @@ class BulletSimulation(Simulation):
         linear = (vx + impulse[0] / mass, vy + impulse[1] / mass, vz + impulse[2] / mass)
         self._rouse(handle)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
+
+    def _press(self, body: int, force: Vector) -> None:
+        handle, frame = self._handles[body], pybullet.WORLD_FRAME
+        if self.info.sleeping != "off":
+            self._rouse(handle)
+        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
+        pybullet.applyExternalForce(handle, -1, force, place, frame, self._client)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        for body in self._live:
+            self._rouse(self._handles[body])
+        pybullet.setGravity(*gravity, physicsClientId=self._client)
+        self._thaws_to_old_gravity |= set(self.frozen)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         handle = self._handles[body]
@@ -196,6 +211,9 @@ class BulletSimulation(Simulation):
         mass = self.bricks[body].mass
         pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._awake, physicsClientId=self._client)
         self._stop(handle)
+        if body in self._thaws_to_old_gravity:  # Bullet changes the gravity of active bodies only
+            self._thaws_to_old_gravity.remove(body)
+            pybullet.setGravity(*self.world.gravity, physicsClientId=self._client)
 
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
@@ -210,6 +228,7 @@ class BulletSimulation(Simulation):
                 self._earlier_forces.append(self._forces_at(self._listed()))
             if self.is_observed:
                 before.append((self._positions(bodies), *self._velocities(bodies)))
+            self._press_bodies()
             pybullet.stepSimulation(self._client)
         self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
 

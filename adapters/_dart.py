@@ -254,6 +254,14 @@ class DartSimulation(Simulation):
         velocities[3:] += np.array(impulse) / self.bricks[body].mass
         joint.setVelocities(velocities)
 
+    def _press(self, body: int, force: Vector) -> None:
+        node = self._skeletons[body].getBodyNode(0)
+        node.addExtForce(list(force))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._world.setGravity(list(gravity))
+        self._world.setTimeStep(self._world.getTimeStep())  # wakes every body that the engine put to sleep
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         joint = self._joints[body]
         joint.setPositions(_coordinates(position, quaternion))
@@ -281,10 +289,12 @@ class DartSimulation(Simulation):
                     self._earlier_forces.append(self._forces_of_substep())
                 centers, rates_before = self._coordinates(self._live)[:, 3:], self._rates(self._live)
                 rates.append(rates_before)
+                self._press_bodies()
                 self._world.step()
             self._motion = _Motion(tuple(self._live), centers, np.array(rates))
         else:
             for _ in range(substeps):
+                self._press_bodies()
                 self._world.step()
             self._motion = None
         self._contacts_of_step = None

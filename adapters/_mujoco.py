@@ -218,6 +218,14 @@ class MujocoSimulation(Simulation):
         self._engine.velocities[slot, :3] += np.asarray(impulse) / self.bricks[body].mass
         self._engine.rouse(slot)
 
+    def _press(self, body: int, force: Vector) -> None:
+        self._engine.data.xfrc_applied[1 + self._slot[body], :3] = force
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        if self._compiled is not None:
+            self._compiled.model.opt.gravity = gravity
+            self._rouse_all()
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         slot = self._slot[body]
         self._engine.set_pose(slot, position, quaternion)
@@ -235,6 +243,7 @@ class MujocoSimulation(Simulation):
         for substep in range(substeps):
             if substep and self.is_observed:
                 self._note_approaches()
+            self._press_bodies()
             mujoco.mj_step(model, data)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:

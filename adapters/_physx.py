@@ -16,7 +16,8 @@ step. The first world does not change.
 
 Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
 
-Traps. The scene's settings are global and read when a system is made. A box's inertia is that of its density, at least
+Traps. The scene's settings are global and read when a system is made: where gravity changes later, each body gets the
+difference times its mass as a force. A box's inertia is that of its density, at least
 1e-6 kg m2, more than a plank has: it is set by hand. Until the next step contacts go on naming a component that was
 removed, by its address: it is held so long. SAPIEN warns of a missing Vulkan when it is imported, though nothing is
 rendered.
@@ -120,7 +121,7 @@ class PhysxSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces="normal and friction",
+        forces="normal only",
         freeze="kinematic",
         frozen_contacts=False,
         friction_law="cone",
@@ -135,6 +136,8 @@ class PhysxSimulation(Simulation):
         self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
         scene = {name: knobs[name] for name in _SCENE if name in knobs}
         physx.set_scene_config(gravity=world.gravity, **scene)
+        self._built_gravity = world.gravity
+        self._gravity_change = np.zeros(3, np.float32)
         self._system = physx.PhysxCpuSystem()
         self._scene = sapien.Scene([self._system])
         self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
@@ -200,6 +203,20 @@ class PhysxSimulation(Simulation):
         component.wake_up()
         component.linear_velocity = component.linear_velocity + np.array(impulse) / self.bricks[body].mass
 
+    def _press(self, body: int, force: Vector) -> None:
+        self._components[body].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
+        for body in self._live:
+            self._components[body].wake_up()
+
+    def _add_gravity_change(self) -> None:
+        """Let the difference from the gravity of the system, which SAPIEN cannot change, act in the next substep."""
+        if self._gravity_change.any():
+            for body, mass in self._live.items():
+                self._components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         component = self._components[body]
         component.entity.pose = sapien.Pose(position, quaternion)
@@ -229,6 +246,8 @@ class PhysxSimulation(Simulation):
                 self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
                 before.append(self._state(bodies))
+            self._press_bodies()
+            self._add_gravity_change()
             self._system.step()
         self._removed_components.clear()
         self._before = None

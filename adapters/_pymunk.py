@@ -123,11 +123,8 @@ class PymunkSimulation(Simulation):
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         super().__init__(profile, world, sleeping, expected)
         self.info = replace(self.info, unit_scale=UNITS_PER_METRE)
-        x, y, z = world.gravity
-        if y != 0.0:
-            raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {world.gravity} m/s2")
         self._space = pymunk.Space()
-        self._space.gravity = x * UNITS_PER_METRE, z * UNITS_PER_METRE
+        self._space.gravity = _planar_gravity(world.gravity)
         for setting, knob in profile.knobs.items():
             setattr(self._space, setting, knob.value)
         for setting, value in _SLEEPING[sleeping].items():
@@ -200,6 +197,14 @@ class PymunkSimulation(Simulation):
         planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
         self._latest_state = None
 
+    def _press(self, body: int, force: Vector) -> None:
+        x, _, z = force
+        planar = self._bodies[body]
+        planar.apply_force_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._space.gravity = _planar_gravity(gravity)
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         planar = self._bodies[body]
         planar.position, planar.angle = _in_plane(position, quaternion)
@@ -214,6 +219,7 @@ class PymunkSimulation(Simulation):
         for substep in range(substeps):
             if self.is_observed:
                 self._before[substep] = self._state[:, 3:]
+            self._press_bodies()
             self._space.step(seconds / substeps)
             self._latest_state = None
 
@@ -328,6 +334,18 @@ class PymunkSimulation(Simulation):
     def _close(self) -> None:
         self._bodies.clear()
         del self._space, self._buffer
+
+
+def _planar_gravity(gravity: Vector) -> tuple[float, float]:
+    """Return gravity in engine units.
+
+    Raises:
+        ValueError: if it leaves the engine's plane.
+    """
+    x, y, z = gravity
+    if y != 0.0:
+        raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {gravity} m/s2")
+    return x * UNITS_PER_METRE, z * UNITS_PER_METRE
 
 
 def _moment(brick: Brick) -> float:

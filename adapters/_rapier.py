@@ -223,6 +223,15 @@ class RapierSimulation(Simulation):
     def _push(self, body: int, impulse: Vector) -> None:
         self._views[body].apply_impulse(impulse)
 
+    def _press(self, body: int, force: Vector) -> None:
+        view = self._views[body]
+        view.reset_forces(True)
+        view.add_force(force, True)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._engine.gravity = rapier3d.Vec3(*gravity)
+        self._engine.wake_up_all()
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         view = self._views[body]
         view.position = rapier3d.Isometry3(position, _to_rapier(quaternion))
@@ -249,6 +258,7 @@ class RapierSimulation(Simulation):
                 self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
                 before.append((self._positions(bodies), *self._velocities(bodies)))
+            self._press_bodies()
             self._engine.step()
             self._has_diverged |= not self._engine.quarantine.is_empty()
         self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None

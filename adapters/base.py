@@ -32,6 +32,7 @@ derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall
 GROUND_ROOM = 2.0
 """How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
+NO_FORCE: Vector = (0.0, 0.0, 0.0)
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
 
@@ -163,6 +164,7 @@ class Simulation(ABC):
         self._live: dict[int, float] = {}  # mass [kg] of every live body, in the order of ids
         self._live_rows: tuple[IntArray, FloatArray] | None = None  # the same, once asked for
         self._removed: list[int] = []
+        self._steady: dict[int, Vector] = {}  # force [N] on each body that something presses
         self._next_id = 0
         self._boxes = BoxTable(world.fixed)
         self._found: Contacts | None = None  # by find_contacts, until the next step
@@ -225,6 +227,8 @@ class Simulation(ABC):
             KeyError: if there is no such body.
         """
         self._check_known((body,))
+        if self._steady.pop(body, None):
+            self._press(body, NO_FORCE)
         self._remove(body)
         self._boxes.remove(body)
         del self.bricks[body]
@@ -245,6 +249,36 @@ class Simulation(ABC):
             raise ValueError(f"impulse must be finite, got {impulse} N s")
         if body not in self.frozen:
             self._push(body, impulse)
+
+    def apply_force(self, body: int, force: Vector) -> None:
+        """Press on a body's centre of mass with a steady force [N], in every step until it is set to zero.
+
+        A frozen body feels nothing; once it is woken the force acts on it.
+
+        Raises:
+            KeyError: if there is no such body.
+            ValueError: if the force is not finite, or leaves the plane of a planar engine.
+        """
+        self._check_known((body,))
+        if not np.isfinite(force).all():
+            raise ValueError(f"force must be finite, got {force} N")
+        if self.capabilities.planar and force[1] != 0.0:
+            raise ValueError(f"{self.engine} is planar: a force must lie in the x-z plane, got {force} N")
+        if any(force):
+            self._steady[body] = force
+        elif self._steady.pop(body, None):
+            self._press(body, NO_FORCE)
+
+    def set_gravity(self, gravity: Vector) -> None:
+        """Change gravity [m/s2] for all following steps, on live bodies and on those that are woken later.
+
+        Raises:
+            ValueError: if it is not finite, or leaves the plane of a planar engine.
+        """
+        if not np.isfinite(gravity).all():
+            raise ValueError(f"gravity must be finite, got {gravity} m/s2")
+        self._set_gravity(gravity)
+        self.world = replace(self.world, gravity=gravity)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         """Set a body's pose and stop it.
@@ -367,6 +401,12 @@ class Simulation(ABC):
         found[rows] = linear + np.cross(angular, points[rows] - self._positions(bodies[rows]))
         return found
 
+    def _press_bodies(self) -> None:
+        """Let the steady forces act in the engine's next step; adapters call it before each of their substeps."""
+        for body, force in self._steady.items():
+            if body not in self.frozen:
+                self._press(body, force)
+
     def _masses(self) -> Masses:
         bodies, mass = self._live_bodies()
         removed, self._removed = self._removed, []
@@ -376,6 +416,8 @@ class Simulation(ABC):
         self._check_known(bodies)
         for body in bodies:
             if body not in self.frozen:
+                if body in self._steady:
+                    self._press(body, NO_FORCE)
                 self._freeze(body)
                 self.frozen.add(body)
                 del self._live[body]
@@ -430,6 +472,16 @@ class Simulation(ABC):
 
     @abstractmethod
     def _push(self, body: int, impulse: Vector) -> None: ...
+
+    @abstractmethod
+    def _press(self, body: int, force: Vector) -> None:
+        """Let a force [N] act at a body's centre of mass in the next substep.
+
+        It is called before each substep while the force is not zero, and once with zero when it ends.
+        """
+
+    @abstractmethod
+    def _set_gravity(self, gravity: Vector) -> None: ...
 
     @abstractmethod
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None: ...

@@ -50,10 +50,17 @@ class _ScaledSimulation(Simulation):
     def _push(self, body: int, impulse: Vector) -> None:
         self._larger.push(body, _times(self.scale, impulse))
 
+    def _press(self, body: int, force: Vector) -> None:
+        self._larger.apply_force(body, _times(self.scale, force))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._larger.set_gravity(_times(self.scale, gravity))
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         self._larger.move(body, _times(self.scale, position), quaternion)
 
     def _step(self, seconds: float) -> None:
+        self._press_bodies()
         self._larger.step(seconds)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:

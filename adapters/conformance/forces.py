@@ -78,6 +78,21 @@ def carries_each_level(rig: Rig) -> None:
         require_between(0.0, error, load * PRECISION, f"error of the force below {load} live bricks, in weights of one")
 
 
+def resists_a_steady_push(rig: Rig) -> None:
+    """Friction balances a steady push of 0.2 weights, below the limit of 0.45; nothing moves."""
+    simulation = rig.open()
+    (support,) = frozen_column(simulation, 1, xs=(0.3,))
+    on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
+    advance(simulation, 1.0)
+    for body in (on_ground, on_frozen):
+        simulation.apply_force(body, (0.2 * MASS * GRAVITY, 0.0, 0.0))
+    advance(simulation, 0.3)
+    for body, other, where in ((on_ground, GROUND, "the ground"), (on_frozen, support, "a frozen brick")):
+        force = _mean_force(simulation, body, other)
+        error = np.abs(force - (-0.2, 0.0, 1.0)).max()
+        require_between(0.0, error, PRECISION, f"error of the force over the weight of a brick pushed on {where}")
+
+
 def forgets_forces_without_a_step(rig: Rig) -> None:
     """``find_contacts`` reports contacts without forces, because no step has solved them."""
     simulation = rig.open()

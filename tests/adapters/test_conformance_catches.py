@@ -13,7 +13,7 @@ from adapters._bullet import PROFILES, BulletSimulation
 from adapters.base import Knob, Profile, Sleeping
 from adapters.conformance import CHECKS, ConformanceError, Rig
 from adapters.motions import Motions
-from scenarios.model import Brick, World
+from scenarios.model import Brick, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 CHECK = {check.name: check for check in CHECKS}
@@ -102,6 +102,25 @@ class ForcesOfOneSubstep(BulletSimulation):
     def _contacts(self) -> Contacts:
         contacts = super()._contacts()
         return replace(contacts, force=None if contacts.force is None else contacts.force / 2)
+
+
+class ForcesWithoutFriction(BulletSimulation):
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=None if contacts.force is None else contacts.force * (0.0, 0.0, 1.0))
+
+
+class ForceForOneStep(BulletSimulation):
+    """A blow: the force acts in the first step only."""
+
+    def apply_force(self, body: int, force: Vector) -> None:
+        super().apply_force(body, force)
+        self._press(body, force)
+        self._steady.clear()
+
+
+class GravityAsBefore(BulletSimulation):
+    def _set_gravity(self, gravity: Vector) -> None: ...
 
 
 class ForcesFoundWithoutAStep(BulletSimulation):
@@ -450,6 +469,9 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     ),
     (ForcesOnTheOther, ["carries_a_resting_brick", "carries_each_level"]),
     (ForcesOfOneSubstep, ["carries_a_resting_brick", "carries_each_level"]),
+    (ForcesWithoutFriction, ["resists_a_steady_push"]),
+    (ForceForOneStep, ["accelerates_by_force_over_mass"]),
+    (GravityAsBefore, ["falls_along_gravity_that_changes"]),
     (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),

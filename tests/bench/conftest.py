@@ -41,6 +41,7 @@ class FakeSimulation(Simulation):
         self.pose: dict[int, tuple[Vector, Quaternion]] = {}
         self.steps = 0
         self.pushed: list[int] = []
+        self.pressed: dict[int, Vector] = {}
         self._on_step = on_step
 
     @staticmethod
@@ -55,6 +56,11 @@ class FakeSimulation(Simulation):
 
     def _push(self, body: int, impulse: Vector) -> None:
         self.pushed.append(body)
+
+    def _press(self, body: int, force: Vector) -> None:
+        self.pressed[body] = force
+
+    def _set_gravity(self, gravity: Vector) -> None: ...
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         self.pose[body] = position, quaternion
