@@ -67,6 +67,7 @@ class FakeSimulation(Simulation):
 
     def _step(self, seconds: float) -> None:
         self.steps += 1
+        self._press_bodies()
         self._on_step(self, self.steps)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
