@@ -25,11 +25,12 @@ from __future__ import annotations
 import importlib.metadata
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.base import HEAVY, Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
 from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
@@ -94,6 +95,7 @@ class BulletSimulation(Simulation):
         freeze="mass 0 and asleep",
         frozen_contacts=True,
         friction_law="cone",
+        moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
     )
 
@@ -158,6 +160,20 @@ class BulletSimulation(Simulation):
         self._handles[body] = handle
         self._bodies[handle] = body
 
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, replace(brick, mass=HEAVY))
+        for handle, other in self._bodies.items():
+            if other <= GROUND or other in self._moved:
+                pybullet.setCollisionFilterPair(self._handles[body], handle, -1, -1, 0, self._client)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        handle = self._handles[body]
+        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
+        x, y, z = self.world.gravity
+        lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)
+        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
+        pybullet.resetBaseVelocity(handle, linear, angular, self._client)
+
     def _remove(self, body: int) -> None:
         self._thaws_to_old_gravity.discard(body)
         handle = self._handles.pop(body)
@@ -220,15 +236,15 @@ class BulletSimulation(Simulation):
         if seconds != self._frame_s:
             self._configure(fixedTimeStep=seconds / substeps)
             self._frame_s = seconds
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        bodies = self._moving_bodies()
         before = []
         self._earlier_forces.clear()
         for substep in range(substeps):
             if substep and self.reads_forces:
                 self._earlier_forces.append(self._forces_at(self._listed()))
             if self.is_observed:
-                before.append((self._positions(bodies), *self._velocities(bodies)))
-            self._press_bodies()
+                before.append((self._positions(bodies), *self._velocities_now(bodies)))
+            self._act_on_bodies(seconds / substeps)
             pybullet.stepSimulation(self._client)
         self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
 

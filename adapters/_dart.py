@@ -96,6 +96,7 @@ class DartSimulation(Simulation):
         freeze="immobile skeleton",
         frozen_contacts=False,
         friction_law="box pyramid, the smaller coefficient of the pair",
+        moved="a joint of prescribed velocity",
         deterministic="no",
     )
     profiles: ClassVar[Mapping[str, Profile]] = MappingProxyType(
@@ -203,7 +204,7 @@ class DartSimulation(Simulation):
           through the ground if solved to 3e-7 N s.
         - Otherwise a plank: pieces of planks are few.
         """
-        masses = [brick.mass for brick in self.expected] or [_PLANK_MASS]
+        masses = [brick.mass for brick in self.expected if not brick.moved] or [_PLANK_MASS]
         return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)
 
     def _add_fixed(self, body: int, size: Vector, position: Vector, quaternion: Quaternion) -> None:
@@ -240,6 +241,15 @@ class DartSimulation(Simulation):
         self._world.addSkeleton(skeleton)
         self._skeletons[body] = skeleton
         self._joints[body] = joint
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, brick)
+        self._joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        velocities = np.array((*angular, *linear))
+        self._joints[body].setVelocities(velocities)  # contacts of the step are solved against it
+        self._joints[body].setCommands(velocities)
 
     def _remove(self, body: int) -> None:
         self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
@@ -283,18 +293,18 @@ class DartSimulation(Simulation):
             self._world.setTimeStep(seconds / substeps)
         self._earlier_forces.clear()
         if self.is_observed:
-            rates = []
+            rates, bodies = [], self._moving_bodies().tolist()
             for substep in range(substeps):
                 if substep and self.reads_forces and self._live:
                     self._earlier_forces.append(self._forces_of_substep())
-                centers, rates_before = self._coordinates(self._live)[:, 3:], self._rates(self._live)
+                self._act_on_bodies(seconds / substeps)
+                centers, rates_before = self._coordinates(bodies)[:, 3:], self._rates(bodies)
                 rates.append(rates_before)
-                self._press_bodies()
                 self._world.step()
-            self._motion = _Motion(tuple(self._live), centers, np.array(rates))
+            self._motion = _Motion(tuple(bodies), centers, np.array(rates))
         else:
             for _ in range(substeps):
-                self._press_bodies()
+                self._act_on_bodies(seconds / substeps)
                 self._world.step()
             self._motion = None
         self._contacts_of_step = None

@@ -35,7 +35,7 @@ import mujoco
 import numpy as np
 
 from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.base import HEAVY, Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
 from adapters.forces import SubstepForces, mean_force
 from adapters.vectors import cross, dot, rotate
@@ -94,6 +94,7 @@ class MujocoSimulation(Simulation):
         freeze="a mocap body with the same box collides in the brick's stead",
         frozen_contacts=False,
         friction_law="elliptic cone, regularised (as shipped: a 4-sided pyramid)",
+        moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
     )
     profiles: ClassVar[Mapping[str, Profile]] = {
@@ -122,7 +123,7 @@ class MujocoSimulation(Simulation):
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         profile = replace(profile, knobs={**profile.knobs, **_SLEEP_KNOBS[sleeping]})
         super().__init__(profile, world, sleeping, expected)
-        self._shapes: list[Shape] = [(brick.size, brick.mass) for brick in expected]
+        self._shapes: list[Shape] = [_shape(brick) for brick in expected]
         self._slot: dict[int, int] = {}  # of every body
         self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
         for slot, shape in enumerate(self._shapes):
@@ -159,6 +160,8 @@ class MujocoSimulation(Simulation):
             self._assign_geoms(slot, body)
             if body in self.frozen:
                 new.show_ghost(slot)
+            elif body in self._moved:
+                new.unpark_moved(slot)
             else:
                 self._let_live(slot)
         return new
@@ -189,7 +192,7 @@ class MujocoSimulation(Simulation):
 
     def _rouse_all(self) -> None:
         for body, slot in self._slot.items():
-            if body not in self.frozen:
+            if body in self._live:
                 self._engine.rouse(slot)
 
     def _slots(self, bodies: IntArray) -> IntArray:
@@ -198,11 +201,26 @@ class MujocoSimulation(Simulation):
     # -- driven by the harness ---------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        slot = self._take_slot((brick.size, brick.mass))
+        slot = self._occupy_slot(body, brick)
+        self._let_live(slot)
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        slot = self._occupy_slot(body, brick)  # which may compile the engine anew
+        self._engine.unpark_moved(slot)
+
+    def _occupy_slot(self, body: int, brick: Brick) -> int:
+        """Put a brick into a slot that fits; returns the slot, still parked."""
+        slot = self._take_slot(_shape(brick))
         self._engine.set_pose(slot, brick.position, brick.quaternion)
         self._slot[body] = slot
         self._assign_geoms(slot, body)
-        self._let_live(slot)
+        return slot
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        slot = self._slot[body]
+        self._engine.velocities[slot, :3] = linear
+        inverse = self._engine.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
+        self._engine.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
 
     def _remove(self, body: int) -> None:
         if body in self.frozen:
@@ -243,7 +261,7 @@ class MujocoSimulation(Simulation):
         for substep in range(substeps):
             if substep and self.is_observed:
                 self._note_approaches()
-            self._press_bodies()
+            self._act_on_bodies(seconds / substeps)
             mujoco.mj_step(model, data)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -380,3 +398,8 @@ class MujocoSimulation(Simulation):
         option = self._engine.model.opt
         gained: FloatArray = option.gravity * option.timestep
         return (falls[:, 1:] - falls[:, :1]) * gained
+
+
+def _shape(brick: Brick) -> Shape:
+    """Return what a slot must be like for a brick."""
+    return brick.size, HEAVY if brick.moved else brick.mass

@@ -35,6 +35,7 @@ import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.driven import advanced
 from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
@@ -125,6 +126,7 @@ class PhysxSimulation(Simulation):
         freeze="kinematic",
         frozen_contacts=False,
         friction_law="cone",
+        moved="kinematic",
         deterministic="across processes",
     )
 
@@ -145,6 +147,7 @@ class PhysxSimulation(Simulation):
         self._removed_components: list[Any] = []  # since the latest step
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
         self._rows = np.empty(0, np.int64)
+        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies, in double precision
         self._before: Motions | None = None
         self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._substep_s = 0.0
@@ -185,6 +188,16 @@ class PhysxSimulation(Simulation):
         self._bodies[component] = body
         self._count_rows()
 
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, brick)
+        self._components[body].kinematic = True
+        self._places[body] = np.array(brick.position), np.array(brick.quaternion)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        place = advanced(*self._places[body], np.array(linear), np.array(angular), seconds)
+        self._places[body] = place
+        self._components[body].kinematic_target = sapien.Pose(*place)
+
     def _remove(self, body: int) -> None:
         component = self._components.pop(body)
         del self._bodies[component]
@@ -220,7 +233,9 @@ class PhysxSimulation(Simulation):
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         component = self._components[body]
         component.entity.pose = sapien.Pose(position, quaternion)
-        if body not in self.frozen:
+        if body in self._moved:
+            self._places[body] = np.array(position), np.array(quaternion)
+        elif body not in self.frozen:
             self._stop(component)
 
     @staticmethod
@@ -238,7 +253,7 @@ class PhysxSimulation(Simulation):
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
         self._substep_s = self._system.timestep = seconds / substeps
-        bodies, _ = self._live_bodies()
+        bodies = self._moving_bodies()
         before = []
         self._earlier_forces.clear()
         for substep in range(substeps):
@@ -246,13 +261,15 @@ class PhysxSimulation(Simulation):
                 self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
                 before.append(self._state(bodies))
-            self._press_bodies()
+            self._act_on_bodies(self._substep_s)
             self._add_gravity_change()
             self._system.step()
         self._removed_components.clear()
         self._before = None
         if before:
             states = np.array(before)
+            for body, velocities in self._moved.items():
+                states[:, bodies == body, 7:] = np.concatenate(velocities)
             self._before = Motions(bodies, states[..., 4:7], states[..., 7:10], states[..., 10:])
 
     def _state(self, bodies: IntArray) -> FloatArray:

@@ -116,6 +116,7 @@ class PymunkSimulation(Simulation):
         freeze="static body",
         frozen_contacts=False,
         friction_law="Coulomb, product of both shapes' coefficients",
+        moved="kinematic",
         deterministic="across processes",
         planar=True,
     )
@@ -169,8 +170,20 @@ class PymunkSimulation(Simulation):
         self._space.add(body, shape)
 
     def _spawn(self, body: int, brick: Brick) -> None:
+        self._insert(body, brick, pymunk.Body(brick.mass, _moment(brick)))
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._insert(body, brick, pymunk.Body(body_type=pymunk.Body.KINEMATIC))
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        planar = self._bodies[body]
+        planar.velocity = linear[0] * UNITS_PER_METRE, linear[2] * UNITS_PER_METRE
+        planar.angular_velocity = -angular[1]
+        self._latest_state = None
+
+    def _insert(self, body: int, brick: Brick, planar: pymunk.Body) -> None:
+        """Add the engine's body for a brick."""
         place = _in_plane(brick.position, brick.quaternion)
-        planar = pymunk.Body(brick.mass, _moment(brick))
         planar.position, planar.angle = place
         self._add(planar, (brick.size[0] * UNITS_PER_METRE, brick.size[2] * UNITS_PER_METRE))
         self._bodies[body] = planar
@@ -217,9 +230,9 @@ class PymunkSimulation(Simulation):
         substeps = self.info.profile.substeps
         self._before = np.empty((substeps if self.is_observed else 0, self._rows, 3))
         for substep in range(substeps):
+            self._act_on_bodies(seconds / substeps)
             if self.is_observed:
                 self._before[substep] = self._state[:, 3:]
-            self._press_bodies()
             self._space.step(seconds / substeps)
             self._latest_state = None
 

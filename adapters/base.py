@@ -33,6 +33,10 @@ GROUND_ROOM = 2.0
 """How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
 NO_FORCE: Vector = (0.0, 0.0, 0.0)
+NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
+HEAVY = 1e6
+"""Mass [kg] of a moved body in an engine without kinematic bodies of a velocity: a load of 100 N changes its speed by
+0.4 um/s in a step of 1/240 s, before the next step sets it anew."""
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
 
@@ -86,6 +90,8 @@ class Capabilities:
     frozen_contacts: bool
     """True if contacts between two frozen bodies stay listed by the engine."""
     friction_law: str
+    moved: str
+    """How the adapter moves a body at a prescribed velocity, so that friction carries what lies on it."""
     deterministic: str
     """"across processes", "within a process" or "no"."""
     planar: bool = False
@@ -164,6 +170,7 @@ class Simulation(ABC):
         self._live: dict[int, float] = {}  # mass [kg] of every live body, in the order of ids
         self._live_rows: tuple[IntArray, FloatArray] | None = None  # the same, once asked for
         self._removed: list[int] = []
+        self._moved: dict[int, tuple[Vector, Vector]] = {}  # velocity [m/s] and spin [rad/s] of bodies the host moves
         self._steady: dict[int, Vector] = {}  # force [N] on each body that something presses
         self._next_id = 0
         self._boxes = BoxTable(world.fixed)
@@ -204,7 +211,7 @@ class Simulation(ABC):
         return self.is_observed and self.info.profile.forces
 
     def spawn(self, brick: Brick) -> int:
-        """Put a live brick at rest into the world; returns its id.
+        """Put a brick at rest into the world, live or moved by the host; returns its id.
 
         Raises:
             ValueError: if size or mass is not positive and finite, or the pose is not finite.
@@ -213,10 +220,14 @@ class Simulation(ABC):
             raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
         _check_box(brick)
         body, self._next_id = self._next_id, self._next_id + 1
-        self._spawn(body, brick)
+        if brick.moved:
+            self._spawn_moved(body, brick)
+            self._moved[body] = NO_VELOCITY, NO_VELOCITY
+        else:
+            self._spawn(body, brick)
+            self._live[body] = brick.mass
         self._boxes.add(body, brick.size)
         self.bricks[body] = brick
-        self._live[body] = brick.mass
         self._live_rows = None
         return body
 
@@ -234,11 +245,12 @@ class Simulation(ABC):
         del self.bricks[body]
         self.frozen.discard(body)
         self._live.pop(body, None)
+        self._moved.pop(body, None)
         self._live_rows = None
         self._removed.append(body)
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body at its centre of mass with an impulse [N s]; a frozen body does not move.
+        """Strike a body at its centre of mass with an impulse [N s]; a frozen or moved body feels nothing.
 
         Raises:
             KeyError: if there is no such body.
@@ -247,13 +259,13 @@ class Simulation(ABC):
         self._check_known((body,))
         if not np.isfinite(impulse).all():
             raise ValueError(f"impulse must be finite, got {impulse} N s")
-        if body not in self.frozen:
+        if body in self._live:
             self._push(body, impulse)
 
     def apply_force(self, body: int, force: Vector) -> None:
         """Press on a body's centre of mass with a steady force [N], in every step until it is set to zero.
 
-        A frozen body feels nothing; once it is woken the force acts on it.
+        A frozen or moved body feels nothing; once a frozen one is woken the force acts on it.
 
         Raises:
             KeyError: if there is no such body.
@@ -268,6 +280,23 @@ class Simulation(ABC):
             self._steady[body] = force
         elif self._steady.pop(body, None):
             self._press(body, NO_FORCE)
+
+    def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
+        """Move a body of the host's at this velocity [m/s] and spin [rad/s], in every step until it is driven anew.
+
+        Raises:
+            KeyError: if there is no such body, or it was not spawned with ``Brick.moved``.
+            ValueError: if the velocities are not finite, or leave the plane of a planar engine.
+        """
+        if body not in self._moved:
+            raise KeyError(f"body {body} is not moved by the host: spawn it as Brick(..., moved=True)")
+        if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
+            raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s")
+        if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
+            raise ValueError(
+                f"{self.engine} is planar: drive bodies in the x-z plane, got {linear} m/s, {angular} rad/s"
+            )
+        self._moved[body] = linear, angular
 
     def set_gravity(self, gravity: Vector) -> None:
         """Change gravity [m/s2] for all following steps, on live bodies and on those that are woken later.
@@ -358,6 +387,8 @@ class Simulation(ABC):
 
     def _completed(self, contacts: Contacts, live: IntArray) -> Contacts:
         """Add the corners and the pairs that nearly touch and that the engine did not list."""
+        if self._moved:
+            self._note_boxes(self._moved)
         whole = self._boxes.with_missing_corners(contacts)
         return self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
 
@@ -396,26 +427,50 @@ class Simulation(ABC):
     def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
         """Velocities (k, 3) [m/s] that bodies (k,) have at points (k, 3) [m]; the ground and frozen ones have none."""
         found = np.zeros(points.shape)
-        rows = np.flatnonzero([body in self._live for body in bodies.tolist()])
-        linear, angular = self._velocities(bodies[rows])
+        rows = np.flatnonzero([body in self._live or body in self._moved for body in bodies.tolist()])
+        linear, angular = self._velocities_now(bodies[rows])
         found[rows] = linear + np.cross(angular, points[rows] - self._positions(bodies[rows]))
         return found
 
-    def _press_bodies(self) -> None:
-        """Let the steady forces act in the engine's next step; adapters call it before each of their substeps."""
+    def _velocities_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return linear and angular velocities (k, 3) of bodies (k,); of moved ones those at which they are driven."""
+        linear, angular = self._velocities(bodies)
+        if self._moved:
+            for row, body in enumerate(bodies.tolist()):
+                if body in self._moved:
+                    linear[row], angular[row] = self._moved[body]
+        return linear, angular
+
+    def _act_on_bodies(self, seconds: float) -> None:
+        """Let steady forces act, and driven bodies move, in the engine's next substep; adapters call it before each.
+
+        Args:
+            seconds: length of the substep.
+        """
+        for body, (linear, angular) in self._moved.items():
+            self._drive(body, linear, angular, seconds)
         for body, force in self._steady.items():
-            if body not in self.frozen:
+            if body in self._live:
                 self._press(body, force)
+
+    def _moving_bodies(self) -> IntArray:
+        """Return the ids (k,), rising, of the bodies that may move: live ones and those of the host."""
+        bodies, _ = self._live_bodies()
+        return np.union1d(bodies, np.fromiter(self._moved, np.int64, len(self._moved))) if self._moved else bodies
 
     def _masses(self) -> Masses:
         bodies, mass = self._live_bodies()
         removed, self._removed = self._removed, []
-        return Masses(bodies, mass, self._positions(bodies) if self._live else NOWHERE, removed)
+        if self._moved:
+            live, bodies = bodies, self._moving_bodies()
+            mass = np.full(len(bodies), np.inf)
+            mass[np.isin(bodies, live)] = self._live_bodies()[1]
+        return Masses(bodies, mass, self._positions(bodies) if len(bodies) else NOWHERE, removed)
 
     def _sleep(self, bodies: Sequence[int]) -> None:
         self._check_known(bodies)
         for body in bodies:
-            if body not in self.frozen:
+            if body in self._live:
                 if body in self._steady:
                     self._press(body, NO_FORCE)
                 self._freeze(body)
@@ -446,7 +501,10 @@ class Simulation(ABC):
         places = zip(self.bricks.items(), positions.tolist(), quaternions.tolist(), strict=True)
         for (body, brick), (x, y, z), (w, i, j, k) in places:
             twin.bricks[body] = replace(brick, position=(x, y, z), quaternion=(w, i, j, k))
-            twin._spawn(body, twin.bricks[body])
+            if body in self._moved:
+                twin._spawn_moved(body, twin.bricks[body])
+            else:
+                twin._spawn(body, twin.bricks[body])
             if body in self.frozen:
                 twin._freeze(body)
         twin.frozen, twin._live = set(self.frozen), dict(self._live)
@@ -466,6 +524,14 @@ class Simulation(ABC):
 
     @abstractmethod
     def _spawn(self, body: int, brick: Brick) -> None: ...
+
+    @abstractmethod
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        """Put in a body that only ``_drive`` moves."""
+
+    @abstractmethod
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        """Move a body of the host's at these velocities [m/s, rad/s] in the next substep of ``seconds``."""
 
     @abstractmethod
     def _remove(self, body: int) -> None: ...

@@ -44,6 +44,11 @@ class _ScaledSimulation(Simulation):
     def _spawn(self, body: int, brick: Brick) -> None:  # noqa: ARG002 - both count alike
         self._larger.spawn(_enlarged(self.scale, brick))
 
+    _spawn_moved = _spawn
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        self._larger.drive(body, _times(self.scale, linear), angular)
+
     def _remove(self, body: int) -> None:
         self._larger.remove(body)
 
@@ -60,7 +65,7 @@ class _ScaledSimulation(Simulation):
         self._larger.move(body, _times(self.scale, position), quaternion)
 
     def _step(self, seconds: float) -> None:
-        self._press_bodies()
+        self._act_on_bodies(seconds)
         self._larger.step(seconds)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -47,6 +47,9 @@ class Brick:
     quaternion: Quaternion = UPRIGHT
     level: int = 1
     """The level of the stack that the brick belongs to, from 1."""
+    moved: bool = False
+    """True for a body that the host moves: a lift, a belt, a door. Nothing else moves it; it carries what lies on it.
+    Keep it clear of the ground, of fixed boxes and of its like. Its mass means nothing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -123,6 +123,28 @@ class GravityAsBefore(BulletSimulation):
     def _set_gravity(self, gravity: Vector) -> None: ...
 
 
+class PushedAside(BulletSimulation):
+    """A moved body that gives way, and that slides below what lies on it."""
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        super()._drive(body, linear, angular, seconds)
+        pybullet.changeDynamics(self._handles[body], -1, lateralFriction=0.0, physicsClientId=self._client)
+        x, y, z = linear
+        pybullet.resetBaseVelocity(self._handles[body], (x, y, 0.9 * z), angular, self._client)
+
+
+class MovedBodyGluesItsLoad(BulletSimulation):
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        super()._drive(body, linear, angular, seconds)
+        pybullet.changeDynamics(self._handles[body], -1, lateralFriction=2.0, physicsClientId=self._client)
+
+
+class MovedBodyNotListed(BulletSimulation):
+    def _masses(self) -> Masses:
+        masses = super()._masses()
+        return Masses(masses.body[np.isfinite(masses.mass)], masses.mass, masses.center_of_mass, masses.removed)
+
+
 class ForcesFoundWithoutAStep(BulletSimulation):
     def find_contacts(self) -> None:
         super().find_contacts()
@@ -472,6 +494,9 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     (ForcesWithoutFriction, ["resists_a_steady_push"]),
     (ForceForOneStep, ["accelerates_by_force_over_mass"]),
     (GravityAsBefore, ["falls_along_gravity_that_changes"]),
+    (PushedAside, ["goes_where_it_is_driven", "carries_what_lies_on_it"]),
+    (MovedBodyGluesItsLoad, ["slides_on_a_tilted_platform_above_the_friction_angle"]),
+    (MovedBodyNotListed, ["reports_moved_bodies"]),
     (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),

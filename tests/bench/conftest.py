@@ -32,6 +32,7 @@ class FakeSimulation(Simulation):
         freeze="exact",
         frozen_contacts=False,
         friction_law="none",
+        moved="no",
         deterministic="across processes",
     )
     profiles: ClassVar[Mapping[str, Profile]] = {"game": Profile("game", "", 1)}
@@ -51,6 +52,11 @@ class FakeSimulation(Simulation):
     def _spawn(self, body: int, brick: Brick) -> None:
         self.pose[body] = brick.position, brick.quaternion
 
+    def _spawn_moved(self, body, brick) -> None:
+        self._spawn(body, brick)
+
+    def _drive(self, body, linear, angular, seconds) -> None: ...
+
     def _remove(self, body: int) -> None:
         del self.pose[body]
 
@@ -67,7 +73,7 @@ class FakeSimulation(Simulation):
 
     def _step(self, seconds: float) -> None:
         self.steps += 1
-        self._press_bodies()
+        self._act_on_bodies(seconds)
         self._on_step(self, self.steps)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -87,6 +87,7 @@ class RogueSimulation(Simulation):
         freeze="exact",
         frozen_contacts=False,
         friction_law="none",
+        moved="no",
         deterministic="across processes",
     )
     profiles: ClassVar = {
@@ -106,6 +107,11 @@ class RogueSimulation(Simulation):
 
     def _spawn(self, body, brick) -> None:
         self.pose[body] = np.array(brick.position)
+
+    def _spawn_moved(self, body, brick) -> None:
+        self._spawn(body, brick)
+
+    def _drive(self, body, linear, angular, seconds) -> None: ...
 
     def _remove(self, body) -> None:
         del self.pose[body]
