@@ -30,7 +30,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from adapters.base import HEAVY, Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
 from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
@@ -40,6 +40,10 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 with silenced_stderr():  # it announces when it was built
     import pybullet
+
+_HEAVY = 1e6
+"""Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
+step of 1/240 s, before the next step sets it anew."""
 
 _WARM_START: Mapping[str, Knob] = {
     "warmStartingFactor": Knob(
@@ -161,7 +165,7 @@ class BulletSimulation(Simulation):
         self._bodies[handle] = body
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._spawn(body, replace(brick, mass=HEAVY))
+        self._spawn(body, replace(brick, mass=_HEAVY))
         for handle, other in self._bodies.items():
             if other <= GROUND or other in self._moved:
                 pybullet.setCollisionFilterPair(self._handles[body], handle, -1, -1, 0, self._client)
@@ -170,7 +174,7 @@ class BulletSimulation(Simulation):
         handle = self._handles[body]
         place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
         x, y, z = self.world.gravity
-        lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)
+        lift = (-_HEAVY * x, -_HEAVY * y, -_HEAVY * z)
         pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
 

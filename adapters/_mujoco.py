@@ -34,9 +34,10 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel
-from adapters.base import HEAVY, Capabilities, Knob, Profile, Simulation, Sleeping
+from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
+from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.driven import advanced
 from adapters.forces import SubstepForces, mean_force
 from adapters.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
@@ -125,6 +126,7 @@ class MujocoSimulation(Simulation):
         super().__init__(profile, world, sleeping, expected)
         self._shapes: list[Shape] = [_shape(brick) for brick in expected]
         self._slot: dict[int, int] = {}  # of every body
+        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies
         self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
         for slot, shape in enumerate(self._shapes):
             self._free[shape].append(slot)
@@ -205,6 +207,7 @@ class MujocoSimulation(Simulation):
         self._let_live(slot)
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._places[body] = np.array(brick.position), np.array(brick.quaternion)
         slot = self._occupy_slot(body, brick)  # which may compile the engine anew
         self._engine.unpark_moved(slot)
 
@@ -216,8 +219,11 @@ class MujocoSimulation(Simulation):
         self._assign_geoms(slot, body)
         return slot
 
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
         slot = self._slot[body]
+        position, quaternion = self._places[body]
+        self._engine.poses[slot, :3], self._engine.poses[slot, 3:] = position, quaternion
+        self._places[body] = advanced(position, quaternion, np.array(linear), np.array(angular), seconds)
         self._engine.velocities[slot, :3] = linear
         inverse = self._engine.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
         self._engine.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
@@ -249,6 +255,8 @@ class MujocoSimulation(Simulation):
         self._engine.set_pose(slot, position, quaternion)
         if body in self.frozen:
             self._engine.show_ghost(slot)
+        if body in self._moved:
+            self._places[body] = np.array(position), np.array(quaternion)
         self._assign_geoms(slot, body)
         self._rouse_all()
 

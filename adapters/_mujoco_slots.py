@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import mujoco
 
-from adapters.base import HEAVY, Profile
+from adapters.base import Profile
 from scenarios.model import Quaternion, Vector, World
 from stability_core.port import FloatArray
 
@@ -18,6 +18,10 @@ CONTACT_STEPS = "contact_steps"
 """Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` tells it in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
+HEAVY = 1e3
+"""Mass [kg] of a moved body, because MuJoCo's mocap bodies have no velocity in contacts. With 1e6 kg a tower of planks
+on it sank at one step a frame. Its pose is set anew before each step, so that a load does not shift it."""
+
 _NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
 """``contype`` and ``conaffinity``: two geoms collide if a bit of one's type is in the other's affinity. Moved bodies
 collide with live bricks only."""

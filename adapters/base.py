@@ -34,9 +34,6 @@ GROUND_ROOM = 2.0
 
 NO_FORCE: Vector = (0.0, 0.0, 0.0)
 NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
-HEAVY = 1e6
-"""Mass [kg] of a moved body in an engine without kinematic bodies of a velocity: a load of 100 N changes its speed by
-0.4 um/s in a step of 1/240 s, before the next step sets it anew."""
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
 

@@ -9,12 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from adapters.base import Simulation
+from bench.drives import Drives
 from bench.gravity import TurningGravity
 from bench.grip import Grip, Listener
 from bench.measure import FloatArray, Plan
 from bench.support import drop_heights
 from scenarios.geometry import Boxes, resting_shift, side_by_side
-from scenarios.model import CLEARANCE, Action, Brick, Place, Press, Pull, Push, Remove, Scene, Tilt
+from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
 """How long [s] before it is pushed or pulled a brick is held: the extension wakes it in the frame after it is told."""
@@ -32,6 +33,8 @@ class Builder:
         self._is_poured = scene.poured
         self._grip = Grip(simulation, listener)
         self._gravity = TurningGravity(simulation, listener.turn_gravity if listener else lambda _: None)
+        self._drives = Drives(simulation)
+        self._is_driving = False
         self._pending = list(reversed(scene.actions))
         self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
         self._bodies: list[int] = []  # in the order of placement
@@ -53,7 +56,7 @@ class Builder:
     @property
     def is_done(self) -> bool:
         """True when every action has been carried out."""
-        return not (self._pending or self._grip.pulls or self._grip.presses or self._gravity.tilts)
+        return not (self._pending or self._grip.pulls or self._grip.presses or self._gravity.tilts or self._is_driving)
 
     def take_set_down(self) -> list[int]:
         """Return the bodies set down without a gap since the last call: a prebuilt stack, to be judged at once."""
@@ -71,6 +74,10 @@ class Builder:
             self._carry_out(action, time)
             self._plan_anew()
         self._gravity.turn_on(time)
+        if moved := self._drives.go_on(time, self._planned):
+            self._planned |= moved
+            self._plan_anew()
+        self._is_driving = self._drives.is_changing(time)
         for action in self._pending:
             if (
                 isinstance(action, Push | Press | Pull)
@@ -96,6 +103,8 @@ class Builder:
                 self._grip.press(self._bodies[action.brick], action)
             case Pull():
                 self._grip.pull(self._bodies[action.brick], action)
+            case Drive():
+                self._drives.begin(self._bodies[action.brick], action)
             case Tilt():
                 self._gravity.begin(action)
 
@@ -111,6 +120,7 @@ class Builder:
 
     def _forget(self, body: int) -> None:
         """Take a brick that the simulation no longer holds out of the plan."""
+        self._drives.forget(body)
         self._note_lost_support(self._planned.pop(body), body)
 
     def _note_lost_support(self, before: Brick, moved: int) -> None:

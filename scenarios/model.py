@@ -149,7 +149,29 @@ class Tilt:
         return self.time + self.seconds
 
 
-Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Bring a moved brick to a velocity, which it keeps until it is driven anew."""
+
+    time: float
+    brick: int
+    """The brick's index in the order of placement, from 0; a brick with ``moved``."""
+    velocity: Vector
+    """Velocity of its centre [m/s]."""
+    spin: Vector = (0.0, 0.0, 0.0)
+    """Angular velocity [rad/s]."""
+    seconds: float = 0.0
+    """How long [s] it takes to reach them, evenly accelerated from the present ones; 0: at once."""
+    carries: bool = False
+    """Whether the bricks of higher levels are in place where the platform brings them; otherwise where they are now."""
+
+    @property
+    def until(self) -> float:
+        """When the velocity is reached [s], from the start of the trial."""
+        return self.time + self.seconds
+
+
+Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +238,9 @@ class Scene:
     @property
     def done_s(self) -> float:
         """When [s] the last action is over: some take their time."""
-        return max(action.until if isinstance(action, Pull | Press | Tilt) else action.time for action in self.actions)
+        return max(
+            action.until if isinstance(action, Pull | Press | Tilt | Drive) else action.time for action in self.actions
+        )
 
 
 def pace_of(size: float) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from scenarios.at_once import BUILT, at_once, at_once_below
+from scenarios.belt_tower import belt_tower
 from scenarios.branches import branches
 from scenarios.brick_wall import brick_wall
 from scenarios.cantilever import cantilever
@@ -22,6 +23,7 @@ from scenarios.harmonic_overhang import harmonic_overhang
 from scenarios.incline import incline
 from scenarios.jenga import jenga
 from scenarios.leaning_tower import leaning_tower
+from scenarios.lifted_tower import lifted_tower
 from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
 from scenarios.neighbour_side import neighbour_side
@@ -39,6 +41,7 @@ from scenarios.robbed_stack import robbed_stack
 from scenarios.seesaw import seesaw
 from scenarios.table import table
 from scenarios.transforms import resized
+from scenarios.trapdoor import trapdoor
 from scenarios.wall_plank import wall_plank
 from stability_core.lookup import look_up
 
@@ -63,7 +66,17 @@ class Scenario:
         return {**defaults(self.builder), **({"built": BUILT[0], "size": 1.0} if self.is_static else {})}
 
 
-_DYNAMIC = (character, pushed_plank, pulled_plank, dropped_plank, poured_pile, own_scene)
+_DYNAMIC = (
+    character,
+    pushed_plank,
+    pulled_plank,
+    dropped_plank,
+    lifted_tower,
+    belt_tower,
+    trapdoor,
+    poured_pile,
+    own_scene,
+)
 """Scenarios without the parameters ``built`` and ``size``. A scene of one's own says in its file which bricks come
 together, and has a ``size`` of its own."""
 SCENARIOS: Mapping[str, Scenario] = {
@@ -96,6 +109,9 @@ SCENARIOS: Mapping[str, Scenario] = {
         pushed_plank,
         pulled_plank,
         dropped_plank,
+        lifted_tower,
+        belt_tower,
+        trapdoor,
         poured_pile,
         own_scene,
     )

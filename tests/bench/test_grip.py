@@ -1,12 +1,14 @@
 """A user's hand on bricks that lie: who is told, and what becomes of the brick."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bench.builder import HOLD_S, Builder
 from bench.play import Play
-from scenarios.model import CLEARANCE, Expectation, Place, Press, Pull, Push, Scene, Tilt, World
+from scenarios.model import CLEARANCE, Drive, Expectation, Place, Press, Pull, Push, Scene, Tilt, World
 from scenarios.planks import THICKNESS, lay
 from scenarios.registry import build
 
@@ -130,3 +132,38 @@ def test_a_tilt_turns_gravity_and_stops(fake_engine) -> None:
     assert len(told.words) == 31
     assert told.words[-1] == ("gravity", simulation.world.gravity)
     assert builder.is_done
+
+
+def test_a_drive_reaches_its_velocity_evenly_and_the_plan_comes_along(fake_engine) -> None:
+    """From rest to 0.6 m/s in half a second: 150 mm; what a platform carries is planned as far along, else it is not."""
+    platform = replace(lay(0, level=1), moved=True)
+    for carries in (True, False):
+        simulation = fake_engine()
+        after = Drive(0.5, 0, (0.6, 0.0, 0.0), seconds=0.5, carries=carries)
+        stop = Drive(1.0, 0, (0.0, 0.0, 0.0))
+        builder = Builder(scene_of(Place(0.0, (platform,)), Place(0.0, (lay(0, level=2),)), after, stop), simulation)
+        for frame in range(90):
+            builder.act(frame * FRAME_S)
+            simulation.step(FRAME_S)
+        assert builder.is_done
+        assert builder.plan.position[:, 0] == pytest.approx([0.15, 0.15 if carries else 0.0])
+
+
+def test_a_plan_turns_about_the_platform_that_carries_it(fake_engine) -> None:
+    """A quarter turn about y in half a second: a plank planned 7.8 mm above the platform is planned beside it."""
+    platform = replace(lay(0, level=1), moved=True)
+    builder = Builder(
+        scene_of(
+            Place(0.0, (platform,)),
+            Place(0.0, (lay(0, level=2),)),
+            Drive(0.5, 0, (0.0, 0.0, 0.0), (0.0, math.pi, 0.0), carries=True),
+            Drive(1.0, 0, (0.0, 0.0, 0.0), carries=True),
+        ),
+        fake_engine(),
+    )
+    for frame in range(90):
+        builder.act(frame * FRAME_S)
+    below, above = builder.plan.position
+    assert above - below == pytest.approx([THICKNESS, 0.0, 0.0], abs=1e-9)
+    half = math.sqrt(0.5)
+    assert builder.plan.quaternion == pytest.approx(np.tile((half, 0.0, half, 0.0), (2, 1)))
