@@ -14,6 +14,7 @@ from typing import ClassVar, Literal, Self
 
 import numpy as np
 
+from adapters.approaching import HORIZON
 from adapters.box_table import BoxTable, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
@@ -181,8 +182,7 @@ class Simulation(ABC):
         """The core's view. An engine that is never asked for it need not record what only the core reads."""
         if self._port is None:
             self._port = EnginePort(self)
-            if not self.capabilities.near_contacts:
-                prepare()
+            prepare()
         return self._port
 
     @property
@@ -376,7 +376,7 @@ class Simulation(ABC):
         contacts = self._contacts()
         if not self.capabilities.near_contacts:
             contacts = self._completed(contacts, self._note_boxes(self._live))
-        return self._without_fixed_ids(contacts)
+        return self._without_fixed_ids(self._with_approaching(contacts))
 
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
         """Replace contacts of pairs that nearly touch by those of their geometry."""
@@ -388,6 +388,17 @@ class Simulation(ABC):
             self._note_boxes(self._moved)
         whole = self._boxes.with_missing_corners(contacts)
         return self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+
+    def _with_approaching(self, contacts: Contacts) -> Contacts:
+        """Add the pairs of bodies that will meet within the next frames, if any body is fast."""
+        movers = self._moving_bodies()
+        velocity, _ = self._velocities_now(movers)
+        if not self._boxes.are_fast(movers, velocity):
+            return contacts
+        self._note_boxes(movers.tolist())
+        seconds = HORIZON * self.info.frame_s
+        live, _ = self._live_bodies()
+        return self._boxes.with_approaching(contacts, live, movers, velocity, seconds, self.world.friction)
 
     def _of_live(self, contacts: Contacts) -> Contacts:
         """Return the contacts that touch a live body and no removed one."""
@@ -474,8 +485,7 @@ class Simulation(ABC):
                 self.frozen.add(body)
                 del self._live[body]
         self._live_rows = None
-        if not self.capabilities.near_contacts:
-            self._note_boxes(bodies)
+        self._note_boxes(bodies)
 
     def _wake(self, bodies: Sequence[int]) -> None:
         self._check_known(bodies)

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from adapters.approaching import approaches, fast_rows
 from adapters.near_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
 from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -134,6 +135,45 @@ class BoxTable:
         others = ~np.isin(self._pairs(contacts), self._pairs(near))
         return joined(near, self.with_missing_corners(contacts.chosen(others)))
 
+    def with_approaching(
+        self,
+        contacts: Contacts,
+        live: IntArray,
+        movers: IntArray,
+        velocity: FloatArray,
+        seconds: float,
+        friction: float,
+    ) -> Contacts:
+        """Return the contacts, and behind them a point of each pair of bodies that will meet within ``seconds``.
+
+        See ``adapters.approaching``. Separations are positive, and relative velocities are those of the centres.
+
+        Args:
+            contacts: of the frame.
+            live: ids of the live bodies, rising, shape (m,).
+            movers: ids of the bodies that may move, rising, shape (k,); all are placed where they are now.
+            velocity: theirs [m/s], shape (k, 3).
+            seconds: how far ahead to look.
+            friction: of every pair.
+        """
+        rows = movers + self._first
+        velocities, is_live = np.zeros((self._rows, 3)), np.zeros(self._rows, np.bool_)
+        velocities[rows] = velocity
+        is_live[live + self._first] = True
+        fast = rows[fast_rows(self._boxes[rows, HALF], velocity)]
+        listed = np.sort(self._pairs(contacts))
+        boxes = self._boxes[: self._rows]
+        a, b, point, normal, gap = approaches(boxes, velocities, fast, is_live, listed, self._first, seconds)
+        if not len(a):
+            return contacts
+        relative = velocities[b] - velocities[a]
+        a, b = a - self._first, b - self._first
+        return joined(contacts, Contacts(a, b, point, normal, gap, relative, np.full(len(a), friction)))
+
+    def are_fast(self, bodies: IntArray, velocity: FloatArray) -> bool:
+        """Return whether any of ``bodies`` (k,) is so fast that it must be swept; velocities (k, 3) [m/s]."""
+        return len(fast_rows(self._boxes[bodies + self._first, HALF], velocity)) > 0
+
     def _pairs(self, contacts: Contacts) -> IntArray:
         """Return a number (n,) for the pair of each contact, the same whichever body comes first."""
         a, b = contacts.body_a + self._first, contacts.body_b + self._first
@@ -163,3 +203,4 @@ def prepare() -> None:
     up, ids = np.array([[0.0, 0.0, 1.0]]), np.arange(2)
     contacts = Contacts(ids[:1], ids[1:], up, up, np.zeros(1), up, np.zeros(1))
     table.with_near_pairs(table.with_missing_corners(contacts), ids, 0.0, lambda _, points: points)
+    table.with_approaching(contacts, ids, ids, np.ones((2, 3)), 1.0, 0.0)

@@ -11,7 +11,17 @@ from dataclasses import dataclass
 
 from adapters import registry
 from adapters.base import Capabilities
-from adapters.conformance import contacts, driven, finding, fixed_boxes, forces, freezing, housekeeping, motion
+from adapters.conformance import (
+    approaching,
+    contacts,
+    driven,
+    finding,
+    fixed_boxes,
+    forces,
+    freezing,
+    housekeeping,
+    motion,
+)
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.variations import base_name
 
@@ -99,6 +109,8 @@ CHECKS: tuple[Check, ...] = (
     Check(fixed_boxes.leans_on_a_fixed_wall, as_shipped=False),
     Check(fixed_boxes.stops_at_a_fixed_ceiling, as_shipped=False),
     Check(fixed_boxes.freezes_on_a_fixed_box),
+    Check(approaching.lists_what_is_about_to_strike, as_shipped=False),
+    Check(approaching.does_not_list_what_passes_by, as_shipped=False),
     Check(driven.goes_where_it_is_driven),
     Check(driven.carries_what_lies_on_it, as_shipped=False),
     Check(driven.slides_on_a_tilted_platform_above_the_friction_angle, as_shipped=False),

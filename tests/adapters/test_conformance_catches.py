@@ -11,6 +11,7 @@ import pytest
 
 from adapters._bullet import PROFILES, BulletSimulation
 from adapters.base import Knob, Profile, Sleeping
+from adapters.box_table import BoxTable
 from adapters.conformance import CHECKS, ConformanceError, Rig
 from adapters.motions import Motions
 from scenarios.model import Brick, Vector, World
@@ -143,6 +144,25 @@ class MovedBodyNotListed(BulletSimulation):
     def _masses(self) -> Masses:
         masses = super()._masses()
         return Masses(masses.body[np.isfinite(masses.mass)], masses.mass, masses.center_of_mass, masses.removed)
+
+
+class NothingAhead(BulletSimulation):
+    def _with_approaching(self, contacts: Contacts) -> Contacts:
+        return contacts
+
+
+class EverythingAhead(BulletSimulation):
+    """Sweeps boxes three times as large."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._boxes = LargerBoxes()
+
+
+class LargerBoxes(BoxTable):
+    def add(self, body: int, size: Vector) -> None:
+        x, y, z = size
+        super().add(body, (3 * x, 3 * y, 3 * z))
 
 
 class ForcesFoundWithoutAStep(BulletSimulation):
@@ -497,6 +517,8 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     (PushedAside, ["goes_where_it_is_driven", "carries_what_lies_on_it"]),
     (MovedBodyGluesItsLoad, ["slides_on_a_tilted_platform_above_the_friction_angle"]),
     (MovedBodyNotListed, ["reports_moved_bodies"]),
+    (NothingAhead, ["lists_what_is_about_to_strike"]),
+    (EverythingAhead, ["does_not_list_what_passes_by"]),
     (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),

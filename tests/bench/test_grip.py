@@ -135,7 +135,7 @@ def test_a_tilt_turns_gravity_and_stops(fake_engine) -> None:
 
 
 def test_a_drive_reaches_its_velocity_evenly_and_the_plan_comes_along(fake_engine) -> None:
-    """From rest to 0.6 m/s in half a second: 150 mm; what a platform carries is planned as far along, else it is not."""
+    """From rest to 0.6 m/s in half a second: 150 mm; what a platform carries is planned as far along."""
     platform = replace(lay(0, level=1), moved=True)
     for carries in (True, False):
         simulation = fake_engine()
