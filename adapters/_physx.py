@@ -37,6 +37,7 @@ from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
 from adapters.driven import advanced
 from adapters.forces import SubstepForces, mean_force
+from adapters.friction_forces import with_friction
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
@@ -122,7 +123,7 @@ class PhysxSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces="normal only",
+        forces="normal, and friction by the bodies' momentum",
         freeze="kinematic",
         frozen_contacts=False,
         friction_law="cone",
@@ -324,7 +325,7 @@ class PhysxSimulation(Simulation):
         force = None
         if self.reads_forces and self._substep_s:
             last = SubstepForces(*pairs, numbers[:, 7:] / self._substep_s)
-            force = mean_force(last, normal, self._earlier_forces)
+            force = self._with_friction(pairs, normal, mean_force(last, normal, self._earlier_forces))
         return Contacts(
             *pairs,
             position,
@@ -334,6 +335,14 @@ class PhysxSimulation(Simulation):
             np.full(len(rows), self.world.friction),
             force,
         )
+
+    def _with_friction(self, pairs: tuple[IntArray, IntArray], normal: FloatArray, force: FloatArray) -> FloatArray:
+        """Add friction, of which SAPIEN tells nothing, to the mean normal forces (n, 3) [N] of the frame."""
+        if self._before is None:
+            return force
+        seconds = self._substep_s * self.info.profile.substeps
+        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
+        return with_friction(pairs, normal, force, np.full(len(force), self.world.friction), bodies, borne)
 
     def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
         """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""

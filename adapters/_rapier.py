@@ -41,6 +41,7 @@ import rapier3d
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
 from adapters.forces import SubstepForces, mean_force
+from adapters.friction_forces import with_friction
 from adapters.motions import Motions, fastest_approach
 from adapters.vectors import dot, rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
@@ -133,7 +134,7 @@ class RapierSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces="normal only",
+        forces="normal, and friction by the bodies' momentum",
         freeze="fixed body",
         frozen_contacts=False,
         friction_law="cone",
@@ -334,7 +335,7 @@ class RapierSimulation(Simulation):
         force = None
         if self.reads_forces and self._substep_s:
             last = SubstepForces(body_a, body_b, normal * impulses[near, None] / self._substep_s)
-            force = mean_force(last, normal, self._earlier_forces)
+            force = self._with_friction((body_a, body_b), normal, mean_force(last, normal, self._earlier_forces))
         return Contacts(
             body_a,
             body_b,
@@ -345,6 +346,14 @@ class RapierSimulation(Simulation):
             np.full(len(near), self.world.friction),
             force,
         )
+
+    def _with_friction(self, pairs: tuple[IntArray, IntArray], normal: FloatArray, force: FloatArray) -> FloatArray:
+        """Add friction, of which Rapier tells nothing, to the mean normal forces (n, 3) [N] of the frame."""
+        if self._before is None:
+            return force
+        seconds = self._substep_s * self.info.profile.substeps
+        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
+        return with_friction(pairs, normal, force, np.full(len(force), self.world.friction), bodies, borne)
 
     def _forces_of_substep(self) -> SubstepForces:
         """Return the forces of the substep that was just made."""

@@ -82,7 +82,7 @@ class Capabilities:
     relative_velocity: str
     """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
     forces: str
-    """What of a contact's force is reported: "normal and friction", "normal only" or "no"."""
+    """What of a contact's force is reported: "normal and friction"; "no"; or where friction comes from."""
     freeze: str
     """How the adapter freezes a body exactly."""
     frozen_contacts: bool
@@ -448,6 +448,21 @@ class Simulation(ABC):
                 if body in self._moved:
                     linear[row], angular[row] = self._moved[body]
         return linear, angular
+
+    def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
+        """Return the live ones of ``bodies`` (k,), and the sum of contact forces [N] on each over a step, by momentum.
+
+        Args:
+            bodies: rising ids, shape (k,).
+            before: their velocities [m/s] at the start of the step, shape (k, 3).
+            seconds: length of the step.
+        """
+        rows = np.flatnonzero([body in self._live for body in bodies.tolist()])
+        live = bodies[rows]
+        mass = np.array([self._live[body] for body in live.tolist()])[:, None]
+        steady = np.array([self._steady.get(body, NO_FORCE) for body in live.tolist()]).reshape(-1, 3)
+        gained = (self._velocities(live)[0] - before[rows]) / seconds
+        return live, mass * (gained - np.array(self.world.gravity)) - steady
 
     def _act_on_bodies(self, seconds: float) -> None:
         """Let steady forces act, and driven bodies move, in the engine's next substep; adapters call it before each.

@@ -94,7 +94,7 @@ CHECKS: tuple[Check, ...] = (
     Check(contacts.reports_masses),
     Check(forces.carries_a_resting_brick, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.carries_each_level, capable=lambda capabilities: capabilities.forces != "no"),
-    Check(forces.resists_a_steady_push, capable=lambda capabilities: capabilities.forces == "normal and friction"),
+    Check(forces.resists_a_steady_push, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.forgets_forces_without_a_step),
     Check(freezing.stays_frozen),
     Check(freezing.freezes_in_flight),
