@@ -32,6 +32,7 @@ from scenarios.parameters import Value, choice, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
 from scenarios.poured_pile import poured_pile
+from scenarios.pressed_plank import pressed_plank
 from scenarios.prop_between_walls import prop_between_walls
 from scenarios.pulled_plank import pulled_plank
 from scenarios.pushed_plank import pushed_plank
@@ -40,6 +41,7 @@ from scenarios.random_tower import random_tower
 from scenarios.robbed_stack import robbed_stack
 from scenarios.seesaw import seesaw
 from scenarios.table import table
+from scenarios.tilted_ground import tilted_ground
 from scenarios.transforms import resized
 from scenarios.trapdoor import trapdoor
 from scenarios.wall_plank import wall_plank
@@ -71,6 +73,8 @@ _DYNAMIC = (
     pushed_plank,
     pulled_plank,
     dropped_plank,
+    pressed_plank,
+    tilted_ground,
     lifted_tower,
     belt_tower,
     trapdoor,
@@ -109,6 +113,8 @@ SCENARIOS: Mapping[str, Scenario] = {
         pushed_plank,
         pulled_plank,
         dropped_plank,
+        pressed_plank,
+        tilted_ground,
         lifted_tower,
         belt_tower,
         trapdoor,

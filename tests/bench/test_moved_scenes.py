@@ -13,6 +13,8 @@ PAIRS = (
     ("lifted_tower", "angle", (20.0, 28.0)),
     ("belt_tower", "start", (0.5, 1.5)),
     ("trapdoor", "beyond", (-10.0, 10.0)),
+    ("pressed_plank", "force", (0.7, 1.5)),
+    ("tilted_ground", "angle", (20.0, 28.0)),
 )
 
 
