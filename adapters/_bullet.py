@@ -25,12 +25,14 @@ from __future__ import annotations
 import importlib.metadata
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
@@ -38,6 +40,10 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 with silenced_stderr():  # it announces when it was built
     import pybullet
+
+_HEAVY = 1e6
+"""Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
+step of 1/240 s, before the next step sets it anew."""
 
 _WARM_START: Mapping[str, Knob] = {
     "warmStartingFactor": Knob(
@@ -89,10 +95,11 @@ class BulletSimulation(Simulation):
         near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal and friction",
         freeze="mass 0 and asleep",
         frozen_contacts=True,
         friction_law="cone",
+        moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
     )
 
@@ -110,7 +117,9 @@ class BulletSimulation(Simulation):
         self._bodies: dict[int, int] = {}
         self._shapes: dict[Vector, int] = {}
         self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._frame_s = 0.0
+        self._thaws_to_old_gravity: set[int] = set()
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
         half_edges = self.ground_half_edges
@@ -155,7 +164,22 @@ class BulletSimulation(Simulation):
         self._handles[body] = handle
         self._bodies[handle] = body
 
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, replace(brick, mass=_HEAVY))
+        for handle, other in self._bodies.items():
+            if other <= GROUND or other in self._moved:
+                pybullet.setCollisionFilterPair(self._handles[body], handle, -1, -1, 0, self._client)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        handle = self._handles[body]
+        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
+        x, y, z = self.world.gravity
+        lift = (-_HEAVY * x, -_HEAVY * y, -_HEAVY * z)
+        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
+        pybullet.resetBaseVelocity(handle, linear, angular, self._client)
+
     def _remove(self, body: int) -> None:
+        self._thaws_to_old_gravity.discard(body)
         handle = self._handles.pop(body)
         del self._bodies[handle]
         pybullet.removeBody(handle, physicsClientId=self._client)
@@ -167,6 +191,19 @@ class BulletSimulation(Simulation):
         linear = (vx + impulse[0] / mass, vy + impulse[1] / mass, vz + impulse[2] / mass)
         self._rouse(handle)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
+
+    def _press(self, body: int, force: Vector) -> None:
+        handle, frame = self._handles[body], pybullet.WORLD_FRAME
+        if self.info.sleeping != "off":
+            self._rouse(handle)
+        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
+        pybullet.applyExternalForce(handle, -1, force, place, frame, self._client)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        for body in self._live:
+            self._rouse(self._handles[body])
+        pybullet.setGravity(*gravity, physicsClientId=self._client)
+        self._thaws_to_old_gravity |= set(self.frozen)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         handle = self._handles[body]
@@ -194,17 +231,24 @@ class BulletSimulation(Simulation):
         mass = self.bricks[body].mass
         pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._awake, physicsClientId=self._client)
         self._stop(handle)
+        if body in self._thaws_to_old_gravity:  # Bullet changes the gravity of active bodies only
+            self._thaws_to_old_gravity.remove(body)
+            pybullet.setGravity(*self.world.gravity, physicsClientId=self._client)
 
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
         if seconds != self._frame_s:
             self._configure(fixedTimeStep=seconds / substeps)
             self._frame_s = seconds
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        bodies = self._moving_bodies()
         before = []
-        for _ in range(substeps):
+        self._earlier_forces.clear()
+        for substep in range(substeps):
+            if substep and self.reads_forces:
+                self._earlier_forces.append(self._forces_at(self._listed()))
             if self.is_observed:
-                before.append((self._positions(bodies), *self._velocities(bodies)))
+                before.append((self._positions(bodies), *self._velocities_now(bodies)))
+            self._act_on_bodies(seconds / substeps)
             pybullet.stepSimulation(self._client)
         self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
 
@@ -226,8 +270,7 @@ class BulletSimulation(Simulation):
         listed = self._listed()
         if not listed:
             return Contacts.empty()
-        body_of = self._bodies
-        pair = np.array([(body_of[row[1]], body_of[row[2]]) for row in listed], np.int64)
+        pair = self._pairs(listed)
         numbers = np.array([(*row[5], *row[6], *row[7], row[8]) for row in listed])
         point = (numbers[:, :3] + numbers[:, 3:6]) / 2
         normal = -numbers[:, 6:9]  # Bullet's normal points from b to a
@@ -240,7 +283,20 @@ class BulletSimulation(Simulation):
             numbers[:, 9],
             fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(listed), self.world.friction),
+            mean_force(self._forces_at(listed), normal, self._earlier_forces) if self.reads_forces else None,
         )
+
+    def _pairs(self, listed: Sequence[tuple[Any, ...]]) -> IntArray:
+        """Return bodies a and b of Bullet's own rows, shape (n, 2)."""
+        body_of = self._bodies
+        return np.array([(body_of[row[1]], body_of[row[2]]) for row in listed], np.int64).reshape(-1, 2)
+
+    def _forces_at(self, listed: Sequence[tuple[Any, ...]]) -> SubstepForces:
+        """Return the forces of Bullet's own rows: along the normal, and along the two directions of friction."""
+        body_a, body_b = self._pairs(listed).T
+        numbers = _rows([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for row in listed], 12)
+        directions, sizes = numbers.reshape(-1, 3, 4)[..., :3], numbers.reshape(-1, 3, 4)[..., 3:]
+        return SubstepForces(body_a, body_b, -(sizes * directions).sum(axis=1))
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()

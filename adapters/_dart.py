@@ -42,6 +42,7 @@ import numpy as np
 from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
 from adapters.vectors import rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -91,10 +92,11 @@ class DartSimulation(Simulation):
         near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before each substep",
-        forces=True,
+        forces="normal and friction",
         freeze="immobile skeleton",
         frozen_contacts=False,
         friction_law="box pyramid, the smaller coefficient of the pair",
+        moved="a joint of prescribed velocity",
         deterministic="no",
     )
     profiles: ClassVar[Mapping[str, Profile]] = MappingProxyType(
@@ -156,6 +158,7 @@ class DartSimulation(Simulation):
         self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
         self._contacts_of_step: Contacts | None = None
         self._motion: _Motion | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
         self._add_fixed(GROUND, (2 * x, 2 * y, 2 * z), (0.0, 0.0, -z), UPRIGHT)
         for index, box in enumerate(world.fixed):
@@ -201,7 +204,7 @@ class DartSimulation(Simulation):
           through the ground if solved to 3e-7 N s.
         - Otherwise a plank: pieces of planks are few.
         """
-        masses = [brick.mass for brick in self.expected] or [_PLANK_MASS]
+        masses = [brick.mass for brick in self.expected if not brick.moved] or [_PLANK_MASS]
         return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)
 
     def _add_fixed(self, body: int, size: Vector, position: Vector, quaternion: Quaternion) -> None:
@@ -239,6 +242,15 @@ class DartSimulation(Simulation):
         self._skeletons[body] = skeleton
         self._joints[body] = joint
 
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, brick)
+        self._joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        velocities = np.array((*angular, *linear))
+        self._joints[body].setVelocities(velocities)  # contacts of the step are solved against it
+        self._joints[body].setCommands(velocities)
+
     def _remove(self, body: int) -> None:
         self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
         self._id_of = {shape: known for shape, known in self._id_of.items() if known != body}
@@ -251,6 +263,14 @@ class DartSimulation(Simulation):
         velocities = joint.getVelocities()
         velocities[3:] += np.array(impulse) / self.bricks[body].mass
         joint.setVelocities(velocities)
+
+    def _press(self, body: int, force: Vector) -> None:
+        node = self._skeletons[body].getBodyNode(0)
+        node.addExtForce(list(force))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._world.setGravity(list(gravity))
+        self._world.setTimeStep(self._world.getTimeStep())  # wakes every body that the engine put to sleep
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         joint = self._joints[body]
@@ -271,15 +291,20 @@ class DartSimulation(Simulation):
         substeps = self.info.profile.substeps
         if self._world.getTimeStep() != seconds / substeps:  # setting it wakes every body that the engine put to sleep
             self._world.setTimeStep(seconds / substeps)
+        self._earlier_forces.clear()
         if self.is_observed:
-            rates = []
-            for _ in range(substeps):
-                centers, rates_before = self._coordinates(self._live)[:, 3:], self._rates(self._live)
+            rates, bodies = [], self._moving_bodies().tolist()
+            for substep in range(substeps):
+                if substep and self.reads_forces and self._live:
+                    self._earlier_forces.append(self._forces_of_substep())
+                self._act_on_bodies(seconds / substeps)
+                centers, rates_before = self._coordinates(bodies)[:, 3:], self._rates(bodies)
                 rates.append(rates_before)
                 self._world.step()
-            self._motion = _Motion(tuple(self._live), centers, np.array(rates))
+            self._motion = _Motion(tuple(bodies), centers, np.array(rates))
         else:
             for _ in range(substeps):
+                self._act_on_bodies(seconds / substeps)
                 self._world.step()
             self._motion = None
         self._contacts_of_step = None
@@ -329,7 +354,19 @@ class DartSimulation(Simulation):
             velocity = np.full_like(point, np.nan)
         else:
             velocity = self._motion.fastest_approach(body_a, body_b, point, normal)
-        return Contacts(body_a, body_b, point, normal, -depth, velocity, np.full(len(depth), self.world.friction))
+        force = None
+        if self.reads_forces:
+            last = SubstepForces(body_a, body_b, _rows([contact.force for contact in contacts], 3))
+            force = mean_force(last, normal, self._earlier_forces)
+        friction = np.full(len(depth), self.world.friction)
+        return Contacts(body_a, body_b, point, normal, -depth, velocity, friction, force)
+
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the forces of the substep that was just made."""
+        contacts = self._world.getLastCollisionResult().getContacts()
+        body_a = np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64)
+        body_b = np.array([self._body_of(contact.collisionObject1) for contact in contacts], np.int64)
+        return SubstepForces(body_a, body_b, _rows([contact.force for contact in contacts], 3))
 
     def _body_of(self, collision_object: Any) -> int:
         body = self._id_of.get(collision_object)

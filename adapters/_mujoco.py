@@ -34,9 +34,11 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel
+from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.driven import advanced
+from adapters.forces import SubstepForces, mean_force
 from adapters.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -89,10 +91,11 @@ class MujocoSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal and friction",
         freeze="a mocap body with the same box collides in the brick's stead",
         frozen_contacts=False,
         friction_law="elliptic cone, regularised (as shipped: a 4-sided pyramid)",
+        moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
     )
     profiles: ClassVar[Mapping[str, Profile]] = {
@@ -121,12 +124,14 @@ class MujocoSimulation(Simulation):
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         profile = replace(profile, knobs={**profile.knobs, **_SLEEP_KNOBS[sleeping]})
         super().__init__(profile, world, sleeping, expected)
-        self._shapes: list[Shape] = [(brick.size, brick.mass) for brick in expected]
+        self._shapes: list[Shape] = [_shape(brick) for brick in expected]
         self._slot: dict[int, int] = {}  # of every body
+        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies
         self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
         for slot, shape in enumerate(self._shapes):
             self._free[shape].append(slot)
         self._approaches: list[tuple[IntArray, FloatArray, FloatArray]] = []
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._compiled: SlotModel | None = None
 
     @staticmethod
@@ -157,6 +162,8 @@ class MujocoSimulation(Simulation):
             self._assign_geoms(slot, body)
             if body in self.frozen:
                 new.show_ghost(slot)
+            elif body in self._moved:
+                new.unpark_moved(slot)
             else:
                 self._let_live(slot)
         return new
@@ -187,7 +194,7 @@ class MujocoSimulation(Simulation):
 
     def _rouse_all(self) -> None:
         for body, slot in self._slot.items():
-            if body not in self.frozen:
+            if body in self._live:
                 self._engine.rouse(slot)
 
     def _slots(self, bodies: IntArray) -> IntArray:
@@ -196,11 +203,30 @@ class MujocoSimulation(Simulation):
     # -- driven by the harness ---------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        slot = self._take_slot((brick.size, brick.mass))
+        slot = self._occupy_slot(body, brick)
+        self._let_live(slot)
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._places[body] = np.array(brick.position), np.array(brick.quaternion)
+        slot = self._occupy_slot(body, brick)  # which may compile the engine anew
+        self._engine.unpark_moved(slot)
+
+    def _occupy_slot(self, body: int, brick: Brick) -> int:
+        """Put a brick into a slot that fits; returns the slot, still parked."""
+        slot = self._take_slot(_shape(brick))
         self._engine.set_pose(slot, brick.position, brick.quaternion)
         self._slot[body] = slot
         self._assign_geoms(slot, body)
-        self._let_live(slot)
+        return slot
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        slot = self._slot[body]
+        position, quaternion = self._places[body]
+        self._engine.poses[slot, :3], self._engine.poses[slot, 3:] = position, quaternion
+        self._places[body] = advanced(position, quaternion, np.array(linear), np.array(angular), seconds)
+        self._engine.velocities[slot, :3] = linear
+        inverse = self._engine.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
+        self._engine.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
 
     def _remove(self, body: int) -> None:
         if body in self.frozen:
@@ -216,11 +242,21 @@ class MujocoSimulation(Simulation):
         self._engine.velocities[slot, :3] += np.asarray(impulse) / self.bricks[body].mass
         self._engine.rouse(slot)
 
+    def _press(self, body: int, force: Vector) -> None:
+        self._engine.data.xfrc_applied[1 + self._slot[body], :3] = force
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        if self._compiled is not None:
+            self._compiled.model.opt.gravity = gravity
+            self._rouse_all()
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         slot = self._slot[body]
         self._engine.set_pose(slot, position, quaternion)
         if body in self.frozen:
             self._engine.show_ghost(slot)
+        if body in self._moved:
+            self._places[body] = np.array(position), np.array(quaternion)
         self._assign_geoms(slot, body)
         self._rouse_all()
 
@@ -229,9 +265,11 @@ class MujocoSimulation(Simulation):
         model.opt.timestep = seconds / substeps
         self._is_current_geom[:] = True
         self._approaches.clear()
+        self._earlier_forces.clear()
         for substep in range(substeps):
             if substep and self.is_observed:
                 self._note_approaches()
+            self._act_on_bodies(seconds / substeps)
             mujoco.mj_step(model, data)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -284,6 +322,7 @@ class MujocoSimulation(Simulation):
             separation,
             self._fastest_approaches(geoms, normals, velocity),
             found.friction[rows, 0],
+            mean_force(self._forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None,
         )
 
     def _find_contacts(self) -> Contacts:
@@ -315,12 +354,35 @@ class MujocoSimulation(Simulation):
         return velocities[:, 1] - velocities[:, 0]
 
     def _note_approaches(self) -> None:
-        """Remember how fast each pair approaches in this substep."""
+        """Remember how fast each pair approaches in this substep, and its forces."""
         found = self._engine.data.contact
         rows = self._current_rows(found.geom)
         geoms = found.geom[rows]
         velocity = self._relative_velocities(geoms, found.pos[rows])
         self._approaches.append((self._pairs(geoms), dot(velocity, found.frame[rows, :3]), velocity))
+        if self.reads_forces:
+            self._earlier_forces.append(self._forces_at(rows, geoms))
+
+    def _forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
+        """Return the forces of these rows of MuJoCo's contacts, between ``geoms`` (n, 2), in the latest substep.
+
+        A contact has three rows of constraint forces under the elliptic cone: along the normal and the two tangents.
+        Under the pyramid it has a pair of edges for each tangent, n + mu t and n - mu t.
+        """
+        data = self._engine.data
+        found = data.contact
+        body_a, body_b = self._body_of_geom[geoms].T
+        forces = np.zeros((len(rows), 3))
+        address = found.efc_address[rows]
+        solved = np.flatnonzero(address >= 0)
+        if self._engine.model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC:
+            forces[solved] = data.efc_force[address[solved, None] + np.arange(3)]
+        else:
+            edges = data.efc_force[address[solved, None] + np.arange(4)]
+            forces[solved, 0] = edges.sum(axis=1)
+            forces[solved, 1:] = found.friction[rows[solved], :2] * (edges[:, ::2] - edges[:, 1::2])
+        in_world = np.einsum("ni,nij->nj", forces, found.frame[rows].reshape(-1, 3, 3))
+        return SubstepForces(body_a, body_b, in_world)
 
     def _fastest_approaches(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
         """``velocity``, or that of the pair in an earlier substep where it approached faster."""
@@ -344,3 +406,8 @@ class MujocoSimulation(Simulation):
         option = self._engine.model.opt
         gained: FloatArray = option.gravity * option.timestep
         return (falls[:, 1:] - falls[:, :1]) * gained
+
+
+def _shape(brick: Brick) -> Shape:
+    """Return what a slot must be like for a brick."""
+    return brick.size, HEAVY if brick.moved else brick.mass

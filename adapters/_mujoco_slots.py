@@ -18,6 +18,13 @@ CONTACT_STEPS = "contact_steps"
 """Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` tells it in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
+HEAVY = 1e3
+"""Mass [kg] of a moved body, because MuJoCo's mocap bodies have no velocity in contacts. With 1e6 kg a tower of planks
+on it sank at one step a frame. Its pose is set anew before each step, so that a load does not shift it."""
+
+_NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
+"""``contype`` and ``conaffinity``: two geoms collide if a bit of one's type is in the other's affinity. Moved bodies
+collide with live bricks only."""
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
 
@@ -47,6 +54,10 @@ class SlotModel:
             self.model.body_contype,
             self.model.body_conaffinity,
         )
+        light = [1 + slot for slot, (_, mass) in enumerate(shapes) if mass < HEAVY]
+        if len(light) < self.slots and light:  # the solver's tolerance is in units of it: heavy bodies would blind it
+            inertia = self.model.body_inertia[light].mean()
+            self.model.stat.meaninertia = (self.model.body_mass[light].mean() + inertia) / 2
         self._live_policy = _SLEEP_ALLOWED if "sleep" in profile.knobs else _SLEEP_NEVER
 
     def copy_state(self, smaller: SlotModel) -> None:
@@ -63,15 +74,21 @@ class SlotModel:
 
     def unpark(self, slot: int) -> None:
         """Hand a brick to the engine."""
-        self._collide(1 + slot, True)
+        self._collide(1 + slot, _LIVE)
         self.model.body_gravcomp[1 + slot] = 0
         self.model.tree_sleep_policy[slot] = self._live_policy
+        self.rouse(slot)
+
+    def unpark_moved(self, slot: int) -> None:
+        """Hand a body to the engine that collides with live bricks alone and is not pulled by gravity."""
+        self._collide(1 + slot, _MOVED)
+        self.model.tree_sleep_policy[slot] = _SLEEP_NEVER
         self.rouse(slot)
 
     def park(self, slot: int) -> None:
         """Let a brick collide with nothing, float and sleep, so that it costs nothing."""
         self._stop(slot)
-        self._collide(1 + slot, False)
+        self._collide(1 + slot, _NOTHING)
         self.model.body_gravcomp[1 + slot] = 1
         self.model.tree_sleep_policy[slot] = _SLEEP_ALLOWED
         if self.data.tree_asleep[slot] < 0:
@@ -85,21 +102,21 @@ class SlotModel:
         """Let the ghost stand where the brick is."""
         self.data.mocap_pos[slot] = self.poses[slot, :3]
         self.data.mocap_quat[slot] = self.poses[slot, 3:]
-        self._collide(1 + self.slots + slot, True)
+        self._collide(1 + self.slots + slot, _STILL)
 
     def hide_ghost(self, slot: int) -> None:
         """Let the ghost collide with nothing, and the brick be exactly where the ghost stood."""
         self.poses[slot, :3] = self.data.mocap_pos[slot]
         self.poses[slot, 3:] = self.data.mocap_quat[slot]
-        self._collide(1 + self.slots + slot, False)
+        self._collide(1 + self.slots + slot, _NOTHING)
 
     def _stop(self, slot: int) -> None:
         self.velocities[slot] = 0
         self._warm_starts[slot] = 0
 
-    def _collide(self, geom: int, on: bool) -> None:
-        for mask in self._masks:
-            mask[geom] = on
+    def _collide(self, geom: int, collides: tuple[int, int]) -> None:
+        for mask, bits in zip(self._masks, 2 * collides, strict=True):
+            mask[geom] = bits
 
 
 def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> str:

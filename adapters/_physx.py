@@ -16,7 +16,8 @@ step. The first world does not change.
 
 Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
 
-Traps. The scene's settings are global and read when a system is made. A box's inertia is that of its density, at least
+Traps. The scene's settings are global and read when a system is made: where gravity changes later, each body gets the
+difference times its mass as a force. A box's inertia is that of its density, at least
 1e-6 kg m2, more than a plank has: it is set by hand. Until the next step contacts go on naming a component that was
 removed, by its address: it is held so long. SAPIEN warns of a missing Vulkan when it is imported, though nothing is
 rendered.
@@ -26,7 +27,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -34,6 +35,9 @@ import numpy as np
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.driven import advanced
+from adapters.forces import SubstepForces, mean_force
+from adapters.friction_forces import with_friction
 from adapters.motions import Motions, fastest_approach
 from adapters.silence import silenced_stderr
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
@@ -119,10 +123,11 @@ class PhysxSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal, and friction by the bodies' momentum",
         freeze="kinematic",
         frozen_contacts=False,
         friction_law="cone",
+        moved="kinematic",
         deterministic="across processes",
     )
 
@@ -134,6 +139,8 @@ class PhysxSimulation(Simulation):
         self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
         scene = {name: knobs[name] for name in _SCENE if name in knobs}
         physx.set_scene_config(gravity=world.gravity, **scene)
+        self._built_gravity = world.gravity
+        self._gravity_change = np.zeros(3, np.float32)
         self._system = physx.PhysxCpuSystem()
         self._scene = sapien.Scene([self._system])
         self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
@@ -141,7 +148,10 @@ class PhysxSimulation(Simulation):
         self._removed_components: list[Any] = []  # since the latest step
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
         self._rows = np.empty(0, np.int64)
+        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies, in double precision
         self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+        self._substep_s = 0.0
         half_edges = self.ground_half_edges
         self._add_fixed(GROUND, half_edges, (0.0, 0.0, -half_edges[2]), UPRIGHT)
         for index, box in enumerate(world.fixed):
@@ -179,6 +189,16 @@ class PhysxSimulation(Simulation):
         self._bodies[component] = body
         self._count_rows()
 
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, brick)
+        self._components[body].kinematic = True
+        self._places[body] = np.array(brick.position), np.array(brick.quaternion)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        place = advanced(*self._places[body], np.array(linear), np.array(angular), seconds)
+        self._places[body] = place
+        self._components[body].kinematic_target = sapien.Pose(*place)
+
     def _remove(self, body: int) -> None:
         component = self._components.pop(body)
         del self._bodies[component]
@@ -197,10 +217,26 @@ class PhysxSimulation(Simulation):
         component.wake_up()
         component.linear_velocity = component.linear_velocity + np.array(impulse) / self.bricks[body].mass
 
+    def _press(self, body: int, force: Vector) -> None:
+        self._components[body].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
+        for body in self._live:
+            self._components[body].wake_up()
+
+    def _add_gravity_change(self) -> None:
+        """Let the difference from the gravity of the system, which SAPIEN cannot change, act in the next substep."""
+        if self._gravity_change.any():
+            for body, mass in self._live.items():
+                self._components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         component = self._components[body]
         component.entity.pose = sapien.Pose(position, quaternion)
-        if body not in self.frozen:
+        if body in self._moved:
+            self._places[body] = np.array(position), np.array(quaternion)
+        elif body not in self.frozen:
             self._stop(component)
 
     @staticmethod
@@ -217,17 +253,24 @@ class PhysxSimulation(Simulation):
 
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
-        self._system.timestep = seconds / substeps
-        bodies, _ = self._live_bodies()
+        self._substep_s = self._system.timestep = seconds / substeps
+        bodies = self._moving_bodies()
         before = []
-        for _ in range(substeps):
+        self._earlier_forces.clear()
+        for substep in range(substeps):
+            if substep and self.reads_forces and self._live:
+                self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
                 before.append(self._state(bodies))
+            self._act_on_bodies(self._substep_s)
+            self._add_gravity_change()
             self._system.step()
         self._removed_components.clear()
         self._before = None
         if before:
             states = np.array(before)
+            for body, velocities in self._moved.items():
+                states[:, bodies == body, 7:] = np.concatenate(velocities)
             self._before = Motions(bodies, states[..., 4:7], states[..., 7:10], states[..., 10:])
 
     def _state(self, bodies: IntArray) -> FloatArray:
@@ -262,28 +305,27 @@ class PhysxSimulation(Simulation):
         return state[:, 7:10], state[:, 10:13]
 
     def _contacts(self) -> Contacts:
-        live, body_of = self._live, self._bodies.get  # None for a brick that was removed since the step
         body_a: list[int] = []
         body_b: list[int] = []
         rows: list[tuple[float, ...]] = []
-        for contact in self._system.get_contacts():
-            first, second = contact.bodies
-            a, b = body_of(second), body_of(first)
-            points = contact.points
-            if a is None or b is None or not points or (a not in live and b not in live):
-                continue
+        for a, b, points in self._listed():
             normal = points[0].normal.tolist()
             for point in points:
-                separation = self._separation(point)
+                impulse = point.impulse.tolist()
+                separation = self._separation(point.separation, is_pressed=any(impulse))
                 if separation is not None:
                     body_a.append(a)
                     body_b.append(b)
-                    rows.append((*point.position.tolist(), *normal, separation))
+                    rows.append((*point.position.tolist(), *normal, separation, *impulse))
         if not rows:
             return Contacts.empty()
         pairs = np.array(body_a), np.array(body_b)
         numbers = np.array(rows)
         position, normal = numbers[:, :3], numbers[:, 3:6]
+        force = None
+        if self.reads_forces and self._substep_s:
+            last = SubstepForces(*pairs, numbers[:, 7:] / self._substep_s)
+            force = self._with_friction(pairs, normal, mean_force(last, normal, self._earlier_forces))
         return Contacts(
             *pairs,
             position,
@@ -291,7 +333,40 @@ class PhysxSimulation(Simulation):
             numbers[:, 6],
             fastest_approach(self._before, *pairs, position, normal),
             np.full(len(rows), self.world.friction),
+            force,
         )
+
+    def _with_friction(self, pairs: tuple[IntArray, IntArray], normal: FloatArray, force: FloatArray) -> FloatArray:
+        """Add friction, of which SAPIEN tells nothing, to the mean normal forces (n, 3) [N] of the frame."""
+        if self._before is None:
+            return force
+        seconds = self._substep_s * self.info.profile.substeps
+        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
+        return with_friction(pairs, normal, force, np.full(len(force), self.world.friction), bodies, borne)
+
+    def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
+        """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
+        live, body_of = self._live, self._bodies.get  # None for a brick that was removed since the step
+        for contact in self._system.get_contacts():
+            first, second = contact.bodies
+            a, b = body_of(second), body_of(first)
+            if a is None or b is None or (a not in live and b not in live):
+                continue
+            points = contact.points
+            if points:
+                yield a, b, points
+
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the forces of the substep that was just made."""
+        body_a: list[int] = []
+        body_b: list[int] = []
+        impulses: list[FloatArray] = []
+        for a, b, points in self._listed():
+            body_a += [a] * len(points)
+            body_b += [b] * len(points)
+            impulses += [point.impulse for point in points]
+        force = np.array(impulses, np.float64).reshape(-1, 3) / self._substep_s
+        return SubstepForces(np.array(body_a, np.int64), np.array(body_b, np.int64), force)
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()
@@ -302,12 +377,11 @@ class PhysxSimulation(Simulation):
         finally:
             twin.close()
 
-    def _separation(self, point: Any) -> float | None:
+    def _separation(self, separation: float, *, is_pressed: bool) -> float | None:
         """Of a point [m] that touches or nearly does; a point that the solver let bear is closed. None for others."""
-        separation: float = point.separation
         if separation <= 0.0:
             return separation
-        if any(point.impulse.tolist()):
+        if is_pressed:
             return 0.0
         return separation if separation <= FARTHEST * self.scale else None
 

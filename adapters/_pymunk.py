@@ -112,10 +112,11 @@ class PymunkSimulation(Simulation):
         near_contacts=False,
         separation=True,
         relative_velocity="from the velocities before each substep",
-        forces=False,
+        forces="no",
         freeze="static body",
         frozen_contacts=False,
         friction_law="Coulomb, product of both shapes' coefficients",
+        moved="kinematic",
         deterministic="across processes",
         planar=True,
     )
@@ -123,11 +124,8 @@ class PymunkSimulation(Simulation):
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         super().__init__(profile, world, sleeping, expected)
         self.info = replace(self.info, unit_scale=UNITS_PER_METRE)
-        x, y, z = world.gravity
-        if y != 0.0:
-            raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {world.gravity} m/s2")
         self._space = pymunk.Space()
-        self._space.gravity = x * UNITS_PER_METRE, z * UNITS_PER_METRE
+        self._space.gravity = _planar_gravity(world.gravity)
         for setting, knob in profile.knobs.items():
             setattr(self._space, setting, knob.value)
         for setting, value in _SLEEPING[sleeping].items():
@@ -172,8 +170,20 @@ class PymunkSimulation(Simulation):
         self._space.add(body, shape)
 
     def _spawn(self, body: int, brick: Brick) -> None:
+        self._insert(body, brick, pymunk.Body(brick.mass, _moment(brick)))
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._insert(body, brick, pymunk.Body(body_type=pymunk.Body.KINEMATIC))
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        planar = self._bodies[body]
+        planar.velocity = linear[0] * UNITS_PER_METRE, linear[2] * UNITS_PER_METRE
+        planar.angular_velocity = -angular[1]
+        self._latest_state = None
+
+    def _insert(self, body: int, brick: Brick, planar: pymunk.Body) -> None:
+        """Add the engine's body for a brick."""
         place = _in_plane(brick.position, brick.quaternion)
-        planar = pymunk.Body(brick.mass, _moment(brick))
         planar.position, planar.angle = place
         self._add(planar, (brick.size[0] * UNITS_PER_METRE, brick.size[2] * UNITS_PER_METRE))
         self._bodies[body] = planar
@@ -200,6 +210,14 @@ class PymunkSimulation(Simulation):
         planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
         self._latest_state = None
 
+    def _press(self, body: int, force: Vector) -> None:
+        x, _, z = force
+        planar = self._bodies[body]
+        planar.apply_force_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._space.gravity = _planar_gravity(gravity)
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         planar = self._bodies[body]
         planar.position, planar.angle = _in_plane(position, quaternion)
@@ -212,6 +230,7 @@ class PymunkSimulation(Simulation):
         substeps = self.info.profile.substeps
         self._before = np.empty((substeps if self.is_observed else 0, self._rows, 3))
         for substep in range(substeps):
+            self._act_on_bodies(seconds / substeps)
             if self.is_observed:
                 self._before[substep] = self._state[:, 3:]
             self._space.step(seconds / substeps)
@@ -328,6 +347,18 @@ class PymunkSimulation(Simulation):
     def _close(self) -> None:
         self._bodies.clear()
         del self._space, self._buffer
+
+
+def _planar_gravity(gravity: Vector) -> tuple[float, float]:
+    """Return gravity in engine units.
+
+    Raises:
+        ValueError: if it leaves the engine's plane.
+    """
+    x, y, z = gravity
+    if y != 0.0:
+        raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {gravity} m/s2")
+    return x * UNITS_PER_METRE, z * UNITS_PER_METRE
 
 
 def _moment(brick: Brick) -> float:

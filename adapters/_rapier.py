@@ -19,11 +19,12 @@ across a plank.)
 Stiffness: contacts are springs whose sag under load falls with the square of their natural frequency. The solver can
 follow a frequency of up to a quarter of its substeps' rate, which is ``num_solver_iterations`` a step.
 
-Traps: tolerances are multiples of ``length_unit``, among them the distance of predicted contacts and the top speed.
-Parry keeps a pair's points while they moved by less than 1 mm, a constant that nobody can set: planks of 0.78 mm topple
-from the second level on, and stand with ``scale=10``.
-A state that is not finite is silently put back and the body disabled: poses are then reported as NaN. A view of a
-removed body raises.
+Traps: while two bodies turn together Rapier keeps the normal of their contacts in the world's frame: on a platform that
+tilts a brick stuck at 30 deg, mu = 0.45. A moved body that turns has its contacts found anew in each step; between live
+bricks that turn together the normals stay old. Tolerances are multiples of ``length_unit``, among them the distance of
+predicted contacts and the top speed. Parry keeps a pair's points while they moved by less than 1 mm, a constant that
+nobody can set: planks of 0.78 mm topple from the second level on, and stand with ``scale=10``. A state that is not
+finite is silently put back and the body disabled: poses are then reported as NaN. A view of a removed body raises.
 """
 
 from __future__ import annotations
@@ -39,6 +40,8 @@ import rapier3d
 
 from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
 from adapters.box_table import fixed_id
+from adapters.forces import SubstepForces, mean_force
+from adapters.friction_forces import with_friction
 from adapters.motions import Motions, fastest_approach
 from adapters.vectors import dot, rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
@@ -131,10 +134,11 @@ class RapierSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="from the velocities before the step",
-        forces=True,
+        forces="normal, and friction by the bodies' momentum",
         freeze="fixed body",
         frozen_contacts=False,
         friction_law="cone",
+        moved="kinematic",
         deterministic="across processes",
     )
 
@@ -147,7 +151,10 @@ class RapierSimulation(Simulation):
         self._colliders: dict[int, rapier3d.ColliderHandle] = {}
         self._body_of: dict[rapier3d.ColliderHandle, int] = {}
         self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
+        self._turning: set[int] = set()  # moved bodies that turned in the latest substep
         self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+        self._substep_s = 0.0
         self._has_diverged = False
         for name, knob in self.info.profile.knobs.items():
             self._configure(name, knob.value)
@@ -187,6 +194,18 @@ class RapierSimulation(Simulation):
         free = rapier3d.RigidBody.dynamic().position((brick.position, _to_rapier(brick.quaternion)))
         self._insert(body, brick, free)
 
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        moved = rapier3d.RigidBody.kinematic_velocity_based().position((brick.position, _to_rapier(brick.quaternion)))
+        self._insert(body, brick, moved)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        view = self._views[body]
+        view.linvel, view.angvel = rapier3d.Vec3(*linear), rapier3d.Vec3(*angular)
+        if any(angular) or body in self._turning:
+            collider = self._engine.colliders[self._colliders[body]]
+            collider.shape = collider.shape  # makes Rapier find the contacts anew
+            (self._turning.add if any(angular) else self._turning.discard)(body)
+
     def _insert(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
         """Add the body that ``builder`` describes to Rapier's world, with the brick's box."""
         half_x, half_y, half_z = (edge / 2 for edge in brick.size)
@@ -213,12 +232,22 @@ class RapierSimulation(Simulation):
 
     def _remove(self, body: int) -> None:
         self._still_active.discard(body)
+        self._turning.discard(body)
         del self._views[body]
         del self._body_of[self._colliders.pop(body)]
         self._engine.remove_body(self._handles.pop(body))
 
     def _push(self, body: int, impulse: Vector) -> None:
         self._views[body].apply_impulse(impulse)
+
+    def _press(self, body: int, force: Vector) -> None:
+        view = self._views[body]
+        view.reset_forces(True)
+        view.add_force(force, True)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._engine.gravity = rapier3d.Vec3(*gravity)
+        self._engine.wake_up_all()
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         view = self._views[body]
@@ -237,12 +266,16 @@ class RapierSimulation(Simulation):
             for body in sorted(self._still_active):
                 self._replace_by_fixed(body)
         substeps = self.info.profile.substeps
-        self._engine.integration_parameters.dt = seconds / substeps
-        bodies, _ = self._live_bodies()
+        self._engine.integration_parameters.dt = self._substep_s = seconds / substeps
+        bodies = self._moving_bodies()
         before = []
-        for _ in range(substeps):
+        self._earlier_forces.clear()
+        for substep in range(substeps):
+            if substep and self.reads_forces and self._live:
+                self._earlier_forces.append(self._forces_of_substep())
             if self.is_observed and self._live:
-                before.append((self._positions(bodies), *self._velocities(bodies)))
+                before.append((self._positions(bodies), *self._velocities_now(bodies)))
+            self._act_on_bodies(self._substep_s)
             self._engine.step()
             self._has_diverged |= not self._engine.quarantine.is_empty()
         self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
@@ -291,7 +324,7 @@ class RapierSimulation(Simulation):
         return self._read_contacts(copied.narrow_phase)
 
     def _read_contacts(self, narrow_phase: rapier3d.NarrowPhase) -> Contacts:
-        pairs, local = self._listed(narrow_phase)
+        pairs, local, impulses = self._listed(narrow_phase)
         if not len(pairs):
             return Contacts.empty()
         normals, points_a, points_b = self._in_world(pairs, local)
@@ -299,6 +332,10 @@ class RapierSimulation(Simulation):
         near = np.flatnonzero(separations <= _NEAR * self.scale)
         body_a, body_b = pairs[near].T
         point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
+        force = None
+        if self.reads_forces and self._substep_s:
+            last = SubstepForces(body_a, body_b, normal * impulses[near, None] / self._substep_s)
+            force = self._with_friction((body_a, body_b), normal, mean_force(last, normal, self._earlier_forces))
         return Contacts(
             body_a,
             body_b,
@@ -307,23 +344,40 @@ class RapierSimulation(Simulation):
             separations[near],
             fastest_approach(self._before, body_a, body_b, point, normal),
             np.full(len(near), self.world.friction),
+            force,
         )
 
-    def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray]:
+    def _with_friction(self, pairs: tuple[IntArray, IntArray], normal: FloatArray, force: FloatArray) -> FloatArray:
+        """Add friction, of which Rapier tells nothing, to the mean normal forces (n, 3) [N] of the frame."""
+        if self._before is None:
+            return force
+        seconds = self._substep_s * self.info.profile.substeps
+        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
+        return with_friction(pairs, normal, force, np.full(len(force), self.world.friction), bodies, borne)
+
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the forces of the substep that was just made."""
+        listed = list(self._live_pairs(self._engine.narrow_phase))
+        body_a, body_b = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2).T
+        impulses = _rows([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
+        return SubstepForces(body_a, body_b, impulses / self._substep_s)
+
+    def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray, FloatArray]:
         """Rapier's own points of every contact that touches a live body, far ones too.
 
         Returns:
             The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the
-            point on b in b's frame [m], shape (n, 9).
+            point on b in b's frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
         """
-        pairs, rows = [], []
+        pairs, rows, impulses = [], [], []
         for body_a, body_b, pair in self._live_pairs(narrow_phase):
             for manifold in pair.manifolds:
                 normal = manifold.local_n1.to_tuple()
                 for point in manifold.points:
                     pairs.append((body_a, body_b))
                     rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
-        return np.array(pairs, np.int64), _rows(rows, 9)
+                    impulses.append(point.impulse)
+        return np.array(pairs, np.int64), _rows(rows, 9), np.array(impulses, np.float64)
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""

@@ -14,7 +14,8 @@ from typing import ClassVar, Literal, Self
 
 import numpy as np
 
-from adapters.box_table import BoxTable, prepare, selected
+from adapters.approaching import HORIZON
+from adapters.box_table import BoxTable, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
@@ -32,6 +33,8 @@ derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall
 GROUND_ROOM = 2.0
 """How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
+NO_FORCE: Vector = (0.0, 0.0, 0.0)
+NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
 
@@ -63,6 +66,8 @@ class Profile:
     tuned_by: str = "as shipped"
     scale: float = 1.0
     """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
+    forces: bool = True
+    """False to report no contact forces (``Contacts.force`` is None), whether or not the engine tells them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,12 +81,15 @@ class Capabilities:
     separation: bool
     relative_velocity: str
     """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
-    forces: bool
+    forces: str
+    """What of a contact's force is reported: "normal and friction"; "no"; or where friction comes from."""
     freeze: str
     """How the adapter freezes a body exactly."""
     frozen_contacts: bool
     """True if contacts between two frozen bodies stay listed by the engine."""
     friction_law: str
+    moved: str
+    """How the adapter moves a body at a prescribed velocity, so that friction carries what lies on it."""
     deterministic: str
     """"across processes", "within a process" or "no"."""
     planar: bool = False
@@ -160,6 +168,8 @@ class Simulation(ABC):
         self._live: dict[int, float] = {}  # mass [kg] of every live body, in the order of ids
         self._live_rows: tuple[IntArray, FloatArray] | None = None  # the same, once asked for
         self._removed: list[int] = []
+        self._moved: dict[int, tuple[Vector, Vector]] = {}  # velocity [m/s] and spin [rad/s] of bodies the host moves
+        self._steady: dict[int, Vector] = {}  # force [N] on each body that something presses
         self._next_id = 0
         self._boxes = BoxTable(world.fixed)
         self._found: Contacts | None = None  # by find_contacts, until the next step
@@ -172,8 +182,7 @@ class Simulation(ABC):
         """The core's view. An engine that is never asked for it need not record what only the core reads."""
         if self._port is None:
             self._port = EnginePort(self)
-            if not self.capabilities.near_contacts:
-                prepare()
+            prepare()
         return self._port
 
     @property
@@ -193,8 +202,13 @@ class Simulation(ABC):
         """True once the port has been handed out: contact velocities must then be recorded."""
         return self._port is not None
 
+    @property
+    def reads_forces(self) -> bool:
+        """True if contact forces must be recorded: the port has been handed out, and the profile asks for them."""
+        return self.is_observed and self.info.profile.forces
+
     def spawn(self, brick: Brick) -> int:
-        """Put a live brick at rest into the world; returns its id.
+        """Put a brick at rest into the world, live or moved by the host; returns its id.
 
         Raises:
             ValueError: if size or mass is not positive and finite, or the pose is not finite.
@@ -203,10 +217,14 @@ class Simulation(ABC):
             raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
         _check_box(brick)
         body, self._next_id = self._next_id, self._next_id + 1
-        self._spawn(body, brick)
+        if brick.moved:
+            self._spawn_moved(body, brick)
+            self._moved[body] = NO_VELOCITY, NO_VELOCITY
+        else:
+            self._spawn(body, brick)
+            self._live[body] = brick.mass
         self._boxes.add(body, brick.size)
         self.bricks[body] = brick
-        self._live[body] = brick.mass
         self._live_rows = None
         return body
 
@@ -217,16 +235,19 @@ class Simulation(ABC):
             KeyError: if there is no such body.
         """
         self._check_known((body,))
+        if self._steady.pop(body, None):
+            self._press(body, NO_FORCE)
         self._remove(body)
         self._boxes.remove(body)
         del self.bricks[body]
         self.frozen.discard(body)
         self._live.pop(body, None)
+        self._moved.pop(body, None)
         self._live_rows = None
         self._removed.append(body)
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body at its centre of mass with an impulse [N s]; a frozen body does not move.
+        """Strike a body at its centre of mass with an impulse [N s]; a frozen or moved body feels nothing.
 
         Raises:
             KeyError: if there is no such body.
@@ -235,8 +256,55 @@ class Simulation(ABC):
         self._check_known((body,))
         if not np.isfinite(impulse).all():
             raise ValueError(f"impulse must be finite, got {impulse} N s")
-        if body not in self.frozen:
+        if body in self._live:
             self._push(body, impulse)
+
+    def apply_force(self, body: int, force: Vector) -> None:
+        """Press on a body's centre of mass with a steady force [N], in every step until it is set to zero.
+
+        A frozen or moved body feels nothing; once a frozen one is woken the force acts on it.
+
+        Raises:
+            KeyError: if there is no such body.
+            ValueError: if the force is not finite, or leaves the plane of a planar engine.
+        """
+        self._check_known((body,))
+        if not np.isfinite(force).all():
+            raise ValueError(f"force must be finite, got {force} N")
+        if self.capabilities.planar and force[1] != 0.0:
+            raise ValueError(f"{self.engine} is planar: a force must lie in the x-z plane, got {force} N")
+        if any(force):
+            self._steady[body] = force
+        elif self._steady.pop(body, None):
+            self._press(body, NO_FORCE)
+
+    def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
+        """Move a body of the host's at this velocity [m/s] and spin [rad/s], in every step until it is driven anew.
+
+        Raises:
+            KeyError: if there is no such body, or it was not spawned with ``Brick.moved``.
+            ValueError: if the velocities are not finite, or leave the plane of a planar engine.
+        """
+        if body not in self._moved:
+            raise KeyError(f"body {body} is not moved by the host: spawn it as Brick(..., moved=True)")
+        if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
+            raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s")
+        if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
+            raise ValueError(
+                f"{self.engine} is planar: drive bodies in the x-z plane, got {linear} m/s, {angular} rad/s"
+            )
+        self._moved[body] = linear, angular
+
+    def set_gravity(self, gravity: Vector) -> None:
+        """Change gravity [m/s2] for all following steps, on live bodies and on those that are woken later.
+
+        Raises:
+            ValueError: if it is not finite, or leaves the plane of a planar engine.
+        """
+        if not np.isfinite(gravity).all():
+            raise ValueError(f"gravity must be finite, got {gravity} m/s2")
+        self._set_gravity(gravity)
+        self.world = replace(self.world, gravity=gravity)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         """Set a body's pose and stop it.
@@ -249,7 +317,7 @@ class Simulation(ABC):
         _check_pose(position, quaternion)
         self._move(body, position, quaternion)
         if self._found is not None:
-            self._found = selected(self._found, (self._found.body_a != body) & (self._found.body_b != body))
+            self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
         if body in self.frozen:
             self._note_boxes([body])
 
@@ -268,7 +336,8 @@ class Simulation(ABC):
           of their contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of
           exactly zero, or list normals there that are rounding.
         - Deeper overlaps and edges that cross are those that the engine finds at the present poses.
-        - Separations are measured at the present poses; relative velocities are those that the bodies have now.
+        - Separations are measured at the present poses; relative velocities are those that the bodies have now. There
+          are no forces, because no step has solved these contacts.
         - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or woken afterwards, and
           the moved ones, have no contacts until the next step or call.
 
@@ -282,7 +351,7 @@ class Simulation(ABC):
         self._note_boxes(self.bricks)
         whole = self._with_exact_faces(found)
         velocity = self._velocities_at(whole.body_b, whole.point) - self._velocities_at(whole.body_a, whole.point)
-        self._found = replace(whole, relative_velocity=velocity)
+        self._found = replace(whole, relative_velocity=velocity, force=None)
 
     def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
         """All bodies, frozen ones too, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
@@ -307,7 +376,7 @@ class Simulation(ABC):
         contacts = self._contacts()
         if not self.capabilities.near_contacts:
             contacts = self._completed(contacts, self._note_boxes(self._live))
-        return self._without_fixed_ids(contacts)
+        return self._without_fixed_ids(self._with_approaching(contacts))
 
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
         """Replace contacts of pairs that nearly touch by those of their geometry."""
@@ -315,8 +384,21 @@ class Simulation(ABC):
 
     def _completed(self, contacts: Contacts, live: IntArray) -> Contacts:
         """Add the corners and the pairs that nearly touch and that the engine did not list."""
+        if self._moved:
+            self._note_boxes(self._moved)
         whole = self._boxes.with_missing_corners(contacts)
         return self._boxes.with_near_pairs(whole, live, self.world.friction, self._velocities_at)
+
+    def _with_approaching(self, contacts: Contacts) -> Contacts:
+        """Add the pairs of bodies that will meet within the next frames, if any body is fast."""
+        movers = self._moving_bodies()
+        velocity, _ = self._velocities_now(movers)
+        if not self._boxes.are_fast(movers, velocity):
+            return contacts
+        self._note_boxes(movers.tolist())
+        seconds = HORIZON * self.info.frame_s
+        live, _ = self._live_bodies()
+        return self._boxes.with_approaching(contacts, live, movers, velocity, seconds, self.world.friction)
 
     def _of_live(self, contacts: Contacts) -> Contacts:
         """Return the contacts that touch a live body and no removed one."""
@@ -325,7 +407,7 @@ class Simulation(ABC):
             (a in live or b in live) and (a in there or a <= GROUND) and (b in there or b <= GROUND)
             for a, b in zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True)
         ]
-        return contacts if all(kept) else selected(contacts, np.array(kept, np.bool_))
+        return contacts if all(kept) else contacts.chosen(np.array(kept, np.bool_))
 
     def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
         """Replace the ids of fixed boxes, which the core does not know, by ``GROUND``."""
@@ -353,26 +435,72 @@ class Simulation(ABC):
     def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
         """Velocities (k, 3) [m/s] that bodies (k,) have at points (k, 3) [m]; the ground and frozen ones have none."""
         found = np.zeros(points.shape)
-        rows = np.flatnonzero([body in self._live for body in bodies.tolist()])
-        linear, angular = self._velocities(bodies[rows])
+        rows = np.flatnonzero([body in self._live or body in self._moved for body in bodies.tolist()])
+        linear, angular = self._velocities_now(bodies[rows])
         found[rows] = linear + np.cross(angular, points[rows] - self._positions(bodies[rows]))
         return found
+
+    def _velocities_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return linear and angular velocities (k, 3) of bodies (k,); of moved ones those at which they are driven."""
+        linear, angular = self._velocities(bodies)
+        if self._moved:
+            for row, body in enumerate(bodies.tolist()):
+                if body in self._moved:
+                    linear[row], angular[row] = self._moved[body]
+        return linear, angular
+
+    def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
+        """Return the live ones of ``bodies`` (k,), and the sum of contact forces [N] on each over a step, by momentum.
+
+        Args:
+            bodies: rising ids, shape (k,).
+            before: their velocities [m/s] at the start of the step, shape (k, 3).
+            seconds: length of the step.
+        """
+        rows = np.flatnonzero([body in self._live for body in bodies.tolist()])
+        live = bodies[rows]
+        mass = np.array([self._live[body] for body in live.tolist()])[:, None]
+        steady = np.array([self._steady.get(body, NO_FORCE) for body in live.tolist()]).reshape(-1, 3)
+        gained = (self._velocities(live)[0] - before[rows]) / seconds
+        return live, mass * (gained - np.array(self.world.gravity)) - steady
+
+    def _act_on_bodies(self, seconds: float) -> None:
+        """Let steady forces act, and driven bodies move, in the engine's next substep; adapters call it before each.
+
+        Args:
+            seconds: length of the substep.
+        """
+        for body, (linear, angular) in self._moved.items():
+            self._drive(body, linear, angular, seconds)
+        for body, force in self._steady.items():
+            if body in self._live:
+                self._press(body, force)
+
+    def _moving_bodies(self) -> IntArray:
+        """Return the ids (k,), rising, of the bodies that may move: live ones and those of the host."""
+        bodies, _ = self._live_bodies()
+        return np.union1d(bodies, np.fromiter(self._moved, np.int64, len(self._moved))) if self._moved else bodies
 
     def _masses(self) -> Masses:
         bodies, mass = self._live_bodies()
         removed, self._removed = self._removed, []
-        return Masses(bodies, mass, self._positions(bodies) if self._live else NOWHERE, removed)
+        if self._moved:
+            live, bodies = bodies, self._moving_bodies()
+            mass = np.full(len(bodies), np.inf)
+            mass[np.isin(bodies, live)] = self._live_bodies()[1]
+        return Masses(bodies, mass, self._positions(bodies) if len(bodies) else NOWHERE, removed)
 
     def _sleep(self, bodies: Sequence[int]) -> None:
         self._check_known(bodies)
         for body in bodies:
-            if body not in self.frozen:
+            if body in self._live:
+                if body in self._steady:
+                    self._press(body, NO_FORCE)
                 self._freeze(body)
                 self.frozen.add(body)
                 del self._live[body]
         self._live_rows = None
-        if not self.capabilities.near_contacts:
-            self._note_boxes(bodies)
+        self._note_boxes(bodies)
 
     def _wake(self, bodies: Sequence[int]) -> None:
         self._check_known(bodies)
@@ -395,7 +523,10 @@ class Simulation(ABC):
         places = zip(self.bricks.items(), positions.tolist(), quaternions.tolist(), strict=True)
         for (body, brick), (x, y, z), (w, i, j, k) in places:
             twin.bricks[body] = replace(brick, position=(x, y, z), quaternion=(w, i, j, k))
-            twin._spawn(body, twin.bricks[body])
+            if body in self._moved:
+                twin._spawn_moved(body, twin.bricks[body])
+            else:
+                twin._spawn(body, twin.bricks[body])
             if body in self.frozen:
                 twin._freeze(body)
         twin.frozen, twin._live = set(self.frozen), dict(self._live)
@@ -417,10 +548,28 @@ class Simulation(ABC):
     def _spawn(self, body: int, brick: Brick) -> None: ...
 
     @abstractmethod
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        """Put in a body that only ``_drive`` moves."""
+
+    @abstractmethod
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        """Move a body of the host's at these velocities [m/s, rad/s] in the next substep of ``seconds``."""
+
+    @abstractmethod
     def _remove(self, body: int) -> None: ...
 
     @abstractmethod
     def _push(self, body: int, impulse: Vector) -> None: ...
+
+    @abstractmethod
+    def _press(self, body: int, force: Vector) -> None:
+        """Let a force [N] act at a body's centre of mass in the next substep.
+
+        It is called before each substep while the force is not zero, and once with zero when it ends.
+        """
+
+    @abstractmethod
+    def _set_gravity(self, gravity: Vector) -> None: ...
 
     @abstractmethod
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None: ...

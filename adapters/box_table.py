@@ -9,10 +9,11 @@ the other as the engines themselves do.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import replace
 
 import numpy as np
 
+from adapters.approaching import approaches, fast_rows
 from adapters.near_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
 from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -83,7 +84,7 @@ class BoxTable:
             self._boxes, a[order], b[order], contacts.normal[order], contacts.point[order]
         )
         row = order[row]
-        return _joined(
+        return joined(
             contacts,
             Contacts(
                 contacts.body_a[row],
@@ -113,7 +114,7 @@ class BoxTable:
             return contacts
         a, b = a - self._first, b - self._first
         relative = velocities(b, corner) - velocities(a, corner)
-        return _joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
+        return joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
 
     def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
         """Return the corners of all pairs that nearly touch, and behind them the contacts of all other pairs.
@@ -132,7 +133,46 @@ class BoxTable:
         unknown = np.full_like(corner, np.nan)
         near = Contacts(a, b, corner, normal, gap, unknown, np.full(len(a), friction))
         others = ~np.isin(self._pairs(contacts), self._pairs(near))
-        return _joined(near, self.with_missing_corners(selected(contacts, others)))
+        return joined(near, self.with_missing_corners(contacts.chosen(others)))
+
+    def with_approaching(
+        self,
+        contacts: Contacts,
+        live: IntArray,
+        movers: IntArray,
+        velocity: FloatArray,
+        seconds: float,
+        friction: float,
+    ) -> Contacts:
+        """Return the contacts, and behind them a point of each pair of bodies that will meet within ``seconds``.
+
+        See ``adapters.approaching``. Separations are positive, and relative velocities are those of the centres.
+
+        Args:
+            contacts: of the frame.
+            live: ids of the live bodies, rising, shape (m,).
+            movers: ids of the bodies that may move, rising, shape (k,); all are placed where they are now.
+            velocity: theirs [m/s], shape (k, 3).
+            seconds: how far ahead to look.
+            friction: of every pair.
+        """
+        rows = movers + self._first
+        velocities, is_live = np.zeros((self._rows, 3)), np.zeros(self._rows, np.bool_)
+        velocities[rows] = velocity
+        is_live[live + self._first] = True
+        fast = rows[fast_rows(self._boxes[rows, HALF], velocity)]
+        listed = np.sort(self._pairs(contacts))
+        boxes = self._boxes[: self._rows]
+        a, b, point, normal, gap = approaches(boxes, velocities, fast, is_live, listed, self._first, seconds)
+        if not len(a):
+            return contacts
+        relative = velocities[b] - velocities[a]
+        a, b = a - self._first, b - self._first
+        return joined(contacts, Contacts(a, b, point, normal, gap, relative, np.full(len(a), friction)))
+
+    def are_fast(self, bodies: IntArray, velocity: FloatArray) -> bool:
+        """Return whether any of ``bodies`` (k,) is so fast that it must be swept; velocities (k, 3) [m/s]."""
+        return len(fast_rows(self._boxes[bodies + self._first, HALF], velocity)) > 0
 
     def _pairs(self, contacts: Contacts) -> IntArray:
         """Return a number (n,) for the pair of each contact, the same whichever body comes first."""
@@ -141,16 +181,16 @@ class BoxTable:
         return pairs
 
 
-def _joined(first: Contacts, second: Contacts) -> Contacts:
+def joined(first: Contacts, second: Contacts) -> Contacts:
+    """Return both lists of contacts in one; where only one tells forces, those of the other are zero."""
     if not len(second):
         return first
     columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")
-    return Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
-
-
-def selected(contacts: Contacts, rows: np.typing.NDArray[np.bool_]) -> Contacts:
-    """Return the contacts where ``rows`` is true."""
-    return Contacts(*(getattr(contacts, column.name)[rows] for column in fields(contacts)))
+    both = Contacts(*(np.concatenate([getattr(first, name), getattr(second, name)]) for name in columns))
+    if first.force is None and second.force is None:
+        return both
+    forces = [np.zeros(part.point.shape) if part.force is None else part.force for part in (first, second)]
+    return replace(both, force=np.concatenate(forces))
 
 
 def prepare() -> None:
@@ -163,3 +203,4 @@ def prepare() -> None:
     up, ids = np.array([[0.0, 0.0, 1.0]]), np.arange(2)
     contacts = Contacts(ids[:1], ids[1:], up, up, np.zeros(1), up, np.zeros(1))
     table.with_near_pairs(table.with_missing_corners(contacts), ids, 0.0, lambda _, points: points)
+    table.with_approaching(contacts, ids, ids, np.ones((2, 3)), 1.0, 0.0)

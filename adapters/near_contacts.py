@@ -1,6 +1,7 @@
 """Where boxes touch or nearly touch, in compiled code: the corners of contact faces, and the pairs that are near.
 
-All in one file, for Numba's cache does not notice a change of a kernel from another one.
+All in one file, for Numba's cache does not notice a change of a kernel from another one: after a change of what
+``adapters.approaching`` uses of it, clear the cache.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _MOST_CORNERS = 8
 
 
 @numba.njit(cache=True)
-def _half_diagonal(half: FloatArray) -> float:
+def half_diagonal(half: FloatArray) -> float:
     """Half the diagonal [m] of a box of half edges (3,)."""
     return math.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
 
@@ -38,11 +39,11 @@ def _half_diagonal(half: FloatArray) -> float:
 @numba.njit(cache=True)
 def _pair_size(box_a: FloatArray, box_b: FloatArray) -> float:
     """Size of the smaller of two boxes over that of the plank."""
-    return min(_half_diagonal(box_a[HALF]), _half_diagonal(box_b[HALF])) / PLANK
+    return min(half_diagonal(box_a[HALF]), half_diagonal(box_b[HALF])) / PLANK
 
 
 @numba.njit(cache=True)
-def _axes(quaternion: FloatArray) -> FloatArray:
+def axes_of(quaternion: FloatArray) -> FloatArray:
     """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
     w, x, y, z = quaternion
     return np.array(
@@ -100,7 +101,7 @@ def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, sid
 
 
 @numba.njit(cache=True)
-def _face_corners(
+def face_corners(
     box_a: FloatArray, box_b: FloatArray, normal: FloatArray, slack: float
 ) -> tuple[FloatArray, FloatArray]:
     """Corners (k, 3) of the contact face of two boxes, and their separations (k,).
@@ -111,7 +112,7 @@ def _face_corners(
         normal: from a to b.
         slack: distance [m] by which the face that clips is larger on each side.
     """
-    axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
+    axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     axis_a, cosine_a = _facing(axes_a, normal)
     axis_b, cosine_b = _facing(axes_b, -normal)
     a_is_reference = abs(cosine_a) >= abs(cosine_b)
@@ -143,7 +144,7 @@ def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> f
 
     The face's unit normal is written into ``normal`` (3,), from a to b.
     """
-    axes_a, axes_b = _axes(box_a[TURN]), _axes(box_b[TURN])
+    axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     widest = -np.inf
     for of_a in (True, False):
         axes, half = (axes_a, box_a[HALF]) if of_a else (axes_b, box_b[HALF])
@@ -169,7 +170,7 @@ def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> f
 def note_reach(boxes: FloatArray, rows: IntArray) -> None:
     """Work out how far the boxes of these ``rows`` reach along x, y and z."""
     for row in rows:
-        axes = _axes(boxes[row, TURN])
+        axes = axes_of(boxes[row, TURN])
         for k in range(3):
             reach = 0.0
             for axis in range(3):
@@ -192,7 +193,7 @@ def missing_corners(
         last = first
         while last < n and a[last] == a[first] and b[last] == b[first]:
             last += 1
-        points, separations = _face_corners(boxes[a[first]], boxes[b[first]], normal[first], 0.0)
+        points, separations = face_corners(boxes[a[first]], boxes[b[first]], normal[first], 0.0)
         pair_size = _pair_size(boxes[a[first]], boxes[b[first]])
         for i in range(len(points)):
             listed = False
@@ -258,7 +259,7 @@ def near_corners(
         pair_size = _pair_size(boxes[first], boxes[second])
         if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR * pair_size:
             continue
-        points, separations = _face_corners(boxes[first], boxes[second], normal, slack * pair_size)
+        points, separations = face_corners(boxes[first], boxes[second], normal, slack * pair_size)
         start = size
         for i in range(len(points)):
             is_new = True

@@ -1,10 +1,10 @@
 """A world that is larger than the scene: what practitioners do with engines that are made for bodies of a metre.
 
-All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses; times, masses, angles
-and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own wiki ("Scaling
-The World"), which finds no need to change masses. What changes is how the engine's absolute constants compare with the
-bricks: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only what a profile set
-for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
+All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses and forces; times,
+masses, angles and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own
+wiki ("Scaling The World"), which finds no need to change masses. What changes is how the engine's absolute constants
+compare with the bricks: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only
+what a profile set for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
 (``Simulation.scale``).
 
 Outside, all is in SI units of the scene, and the corners that an engine does not list are added there.
@@ -44,16 +44,28 @@ class _ScaledSimulation(Simulation):
     def _spawn(self, body: int, brick: Brick) -> None:  # noqa: ARG002 - both count alike
         self._larger.spawn(_enlarged(self.scale, brick))
 
+    _spawn_moved = _spawn
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        self._larger.drive(body, _times(self.scale, linear), angular)
+
     def _remove(self, body: int) -> None:
         self._larger.remove(body)
 
     def _push(self, body: int, impulse: Vector) -> None:
         self._larger.push(body, _times(self.scale, impulse))
 
+    def _press(self, body: int, force: Vector) -> None:
+        self._larger.apply_force(body, _times(self.scale, force))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._larger.set_gravity(_times(self.scale, gravity))
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         self._larger.move(body, _times(self.scale, position), quaternion)
 
     def _step(self, seconds: float) -> None:
+        self._act_on_bodies(seconds)
         self._larger.step(seconds)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -80,6 +92,7 @@ class _ScaledSimulation(Simulation):
             point=seen.point / self.scale,
             separation=seen.separation / self.scale,
             relative_velocity=seen.relative_velocity / self.scale,
+            force=None if seen.force is None else seen.force / self.scale,
         )
 
     def _freeze(self, body: int) -> None:

@@ -1,4 +1,4 @@
-"""Profiles by name, as they are or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,iterations=200``.
+"""Profiles by name, as they are or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
 A variation is told by the name alone, so that it goes wherever a profile's name goes: into studies, trials and records.
 """
@@ -70,6 +70,12 @@ def _with_iterations(simulation: type[Simulation], profile: Profile, iterations:
     return replace(profile, knobs={**profile.knobs, simulation.iterations: knob})
 
 
+def _with_forces(_: type[Simulation], profile: Profile, forces: float) -> Profile:
+    if forces not in (0.0, 1.0):
+        raise ValueError
+    return replace(profile, forces=bool(forces))
+
+
 def _whole(value: float) -> int:
     if not (value >= 1 and value.is_integer()):
         raise ValueError
@@ -80,5 +86,11 @@ _VARIATIONS: Mapping[str, Callable[[type[Simulation], Profile, float], Profile]]
     "scale": _with_scale,
     "substeps": _with_substeps,
     "iterations": _with_iterations,
+    "forces": _with_forces,
 }
-_MUST_BE = {"scale": "a positive number", "substeps": "a whole number from 1", "iterations": "a whole number from 1"}
+_MUST_BE = {
+    "scale": "a positive number",
+    "substeps": "a whole number from 1",
+    "iterations": "a whole number from 1",
+    "forces": "0 (contacts without forces) or 1",
+}

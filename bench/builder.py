@@ -1,4 +1,4 @@
-"""The hand that builds a scene in an engine: lets bricks go, takes them away, pushes and pulls them."""
+"""The hand that builds a scene in an engine: lets bricks go, takes them away, pushes, presses and pulls them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from adapters.base import Simulation
+from bench.drives import Drives
+from bench.gravity import TurningGravity
 from bench.grip import Grip, Listener
 from bench.measure import FloatArray, Plan
 from bench.support import drop_heights
 from scenarios.geometry import Boxes, resting_shift, side_by_side
-from scenarios.model import CLEARANCE, Action, Brick, Place, Pull, Push, Remove, Scene
+from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
 """How long [s] before it is pushed or pulled a brick is held: the extension wakes it in the frame after it is told."""
@@ -30,6 +32,9 @@ class Builder:
         self._fixed = Boxes.of(scene.world.fixed)
         self._is_poured = scene.poured
         self._grip = Grip(simulation, listener)
+        self._gravity = TurningGravity(simulation, listener.turn_gravity if listener else lambda _: None)
+        self._drives = Drives(simulation)
+        self._is_driving = False
         self._pending = list(reversed(scene.actions))
         self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
         self._bodies: list[int] = []  # in the order of placement
@@ -51,7 +56,7 @@ class Builder:
     @property
     def is_done(self) -> bool:
         """True when every action has been carried out."""
-        return not self._pending and not self._grip.pulls
+        return not (self._pending or self._grip.pulls or self._grip.presses or self._gravity.tilts or self._is_driving)
 
     def take_set_down(self) -> list[int]:
         """Return the bodies set down without a gap since the last call: a prebuilt stack, to be judged at once."""
@@ -63,24 +68,45 @@ class Builder:
         for body in self._grip.pull_on(time):
             self._forget(body)
             self._plan_anew()
+        self._grip.press_on(time + _EARLY_S)
         while action := self._due(time):
             self._pending.pop()
-            if isinstance(action, Place):
-                self._place(action, time)
-            elif isinstance(action, Remove):
-                body = self._bodies[action.brick]
-                self._simulation.remove(body)
-                self._forget(body)
-            elif isinstance(action, Push):
-                self._grip.push(self._bodies[action.brick], action.impulse)
-            else:
-                self._grip.pull(self._bodies[action.brick], action)
+            self._carry_out(action, time)
             self._plan_anew()
+        self._gravity.turn_on(time)
+        if moved := self._drives.go_on(time, self._planned):
+            self._planned |= moved
+            self._plan_anew()
+        self._is_driving = self._drives.is_changing(time)
         for action in self._pending:
-            if isinstance(action, Push | Pull) and action.time <= time + HOLD_S and action.brick < len(self._bodies):
+            if (
+                isinstance(action, Push | Press | Pull)
+                and action.time <= time + HOLD_S
+                and action.brick < len(self._bodies)
+            ):
                 self._grip.hold(self._bodies[action.brick])
         if self._grip.pulls:
             self._follow_the_hand()
+
+    def _carry_out(self, action: Action, time: float) -> None:
+        """Do what is due, or begin what takes longer."""
+        match action:
+            case Place():
+                self._place(action, time)
+            case Remove():
+                body = self._bodies[action.brick]
+                self._simulation.remove(body)
+                self._forget(body)
+            case Push():
+                self._grip.push(self._bodies[action.brick], action.impulse)
+            case Press():
+                self._grip.press(self._bodies[action.brick], action)
+            case Pull():
+                self._grip.pull(self._bodies[action.brick], action)
+            case Drive():
+                self._drives.begin(self._bodies[action.brick], action)
+            case Tilt():
+                self._gravity.begin(action)
 
     def _follow_the_hand(self) -> None:
         """What the hand pulls is in its place wherever it is."""
@@ -94,6 +120,7 @@ class Builder:
 
     def _forget(self, body: int) -> None:
         """Take a brick that the simulation no longer holds out of the plan."""
+        self._drives.forget(body)
         self._note_lost_support(self._planned.pop(body), body)
 
     def _note_lost_support(self, before: Brick, moved: int) -> None:

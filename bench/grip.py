@@ -1,4 +1,4 @@
-"""What a user does to a brick that lies: holds it, strikes it, pulls it; and the extension is told what is held."""
+"""What a user does to a brick that lies: holds, strikes, presses, pulls it; the extension hears what is held."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from adapters.base import Simulation
 from bench.measure import FloatArray
-from scenarios.model import Pull, Vector
+from scenarios.model import Press, Pull, Vector
 
 
 class Listener(Protocol):
@@ -21,6 +21,9 @@ class Listener(Protocol):
 
     def release(self, bodies: Sequence[int]) -> None:
         """The user let ``bodies`` go."""
+
+    def turn_gravity(self, gravity: Vector) -> None:
+        """Gravity [m/s2] has changed."""
 
 
 @dataclass(slots=True)
@@ -46,6 +49,8 @@ class Grip:
         self._held: set[int] = set()
         self.pulls: dict[int, _Pulling] = {}
         """The pulls that go on, by body."""
+        self.presses: dict[int, float] = {}
+        """When [s] each press that goes on ends, by body."""
 
     def hold(self, body: int) -> None:
         """Take hold of a body: it stays live, and what rests on it is looked at again."""
@@ -57,6 +62,21 @@ class Grip:
     def push(self, body: int, impulse: Vector) -> None:
         """Strike a body with an ``impulse`` [N s] and let it go."""
         self._simulation.push(body, impulse)
+        self._let_go(body)
+
+    def press(self, body: int, action: Press) -> None:
+        """Begin to press on a body."""
+        self._simulation.apply_force(body, action.force)
+        self.presses[body] = action.until
+
+    def press_on(self, time: float) -> None:
+        """Let go of the bodies whose press is over at ``time`` [s]."""
+        for body in [body for body, until in self.presses.items() if time >= until]:
+            del self.presses[body]
+            self._simulation.apply_force(body, (0.0, 0.0, 0.0))
+            self._let_go(body)
+
+    def _let_go(self, body: int) -> None:
         if body in self._held:
             self._held.remove(body)
             if self._listener is not None:

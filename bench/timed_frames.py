@@ -9,6 +9,7 @@ from time import perf_counter
 
 from adapters.base import Simulation
 from bench.timed_port import TimedPort
+from scenarios.model import Vector
 from stability_core import Change, StabilityExtension
 
 
@@ -62,6 +63,9 @@ class PlainFrames:
     def release(self, bodies: Sequence[int]) -> None:
         """There is no extension that must know what a user lets go."""
 
+    def turn_gravity(self, gravity: Vector) -> None:
+        """There is no extension that must know which way bricks fall."""
+
 
 class SteeredFrames:
     """Frames of the engine with the stability extension."""
@@ -109,6 +113,10 @@ class SteeredFrames:
     def release(self, bodies: Sequence[int]) -> None:
         """Tell the extension that the user let ``bodies`` go."""
         self._extension.release(bodies)
+
+    def turn_gravity(self, gravity: Vector) -> None:
+        """Tell the extension which way bricks fall, and how fast [m/s2]."""
+        self._extension.gravity = gravity  # type: ignore[attr-defined]
 
 
 def _total(times: Sequence[FrameTimes]) -> FrameTimes:

@@ -18,6 +18,7 @@ _PROPERTIES = (
     ("contact forces", "forces"),
     ("relative velocity", "relative_velocity"),
     ("freezes by", "freeze"),
+    ("bodies moved by the host", "moved"),
     ("contacts of frozen pairs", "frozen_contacts"),
     ("friction", "friction_law"),
     ("repeats bit for bit", "deterministic"),

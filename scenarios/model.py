@@ -47,6 +47,9 @@ class Brick:
     quaternion: Quaternion = UPRIGHT
     level: int = 1
     """The level of the stack that the brick belongs to, from 1."""
+    moved: bool = False
+    """True for a body that the host moves: a lift, a belt, a door. Nothing else moves it; it carries what lies on it.
+    Keep it clear of the ground, of fixed boxes and of its like. Its mass means nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +109,69 @@ class Pull:
         return self.time + self.seconds
 
 
-Action: TypeAlias = Place | Remove | Push | Pull
+@dataclass(frozen=True, slots=True)
+class Press:
+    """Press steadily on a brick at its centre of mass, then let it go."""
+
+    time: float
+    brick: int
+    """The brick's index in the order of placement, from 0."""
+    force: Vector
+    """Force [N]."""
+    seconds: float
+    """How long [s]."""
+
+    @property
+    def until(self) -> float:
+        """When it ends [s], from the start of the trial."""
+        return self.time + self.seconds
+
+
+@dataclass(frozen=True, slots=True)
+class Tilt:
+    """Turn gravity about a horizontal axis, which is how a table tilts as seen by who stands on it.
+
+    Every frame turns it by a step, so that after ``seconds`` the angle is ``speed`` times ``seconds``.
+    """
+
+    time: float
+    axis: tuple[float, float]
+    """Direction of the axis in x and y, about which a table would turn by the right-hand rule: about (0, 1) its +x end
+    goes down, so that gravity turns from -z towards +x."""
+    speed: float
+    """Degrees a second."""
+    seconds: float
+    """How long [s]."""
+
+    @property
+    def until(self) -> float:
+        """When it ends [s], from the start of the trial."""
+        return self.time + self.seconds
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Bring a moved brick to a velocity, which it keeps until it is driven anew."""
+
+    time: float
+    brick: int
+    """The brick's index in the order of placement, from 0; a brick with ``moved``."""
+    velocity: Vector
+    """Velocity of its centre [m/s]."""
+    spin: Vector = (0.0, 0.0, 0.0)
+    """Angular velocity [rad/s]."""
+    seconds: float = 0.0
+    """How long [s] it takes to reach them, evenly accelerated from the present ones; 0: at once."""
+    carries: bool = False
+    """Whether the bricks of higher levels are in place where the platform brings them; otherwise where they are now."""
+
+    @property
+    def until(self) -> float:
+        """When the velocity is reached [s], from the start of the trial."""
+        return self.time + self.seconds
+
+
+Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,8 +237,10 @@ class Scene:
 
     @property
     def done_s(self) -> float:
-        """When [s] the last action is over: a pull takes its time."""
-        return max(action.until if isinstance(action, Pull) else action.time for action in self.actions)
+        """When [s] the last action is over: some take their time."""
+        return max(
+            action.until if isinstance(action, Pull | Press | Tilt | Drive) else action.time for action in self.actions
+        )
 
 
 def pace_of(size: float) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from scenarios.at_once import BUILT, at_once, at_once_below
+from scenarios.belt_tower import belt_tower
 from scenarios.branches import branches
 from scenarios.brick_wall import brick_wall
 from scenarios.cantilever import cantilever
@@ -22,6 +23,7 @@ from scenarios.harmonic_overhang import harmonic_overhang
 from scenarios.incline import incline
 from scenarios.jenga import jenga
 from scenarios.leaning_tower import leaning_tower
+from scenarios.lifted_tower import lifted_tower
 from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
 from scenarios.neighbour_side import neighbour_side
@@ -30,6 +32,7 @@ from scenarios.parameters import Value, choice, defaults
 from scenarios.plank_bridge import plank_bridge
 from scenarios.plank_tower import plank_tower
 from scenarios.poured_pile import poured_pile
+from scenarios.pressed_plank import pressed_plank
 from scenarios.prop_between_walls import prop_between_walls
 from scenarios.pulled_plank import pulled_plank
 from scenarios.pushed_plank import pushed_plank
@@ -38,7 +41,9 @@ from scenarios.random_tower import random_tower
 from scenarios.robbed_stack import robbed_stack
 from scenarios.seesaw import seesaw
 from scenarios.table import table
+from scenarios.tilted_ground import tilted_ground
 from scenarios.transforms import resized
+from scenarios.trapdoor import trapdoor
 from scenarios.wall_plank import wall_plank
 from stability_core.lookup import look_up
 
@@ -63,7 +68,19 @@ class Scenario:
         return {**defaults(self.builder), **({"built": BUILT[0], "size": 1.0} if self.is_static else {})}
 
 
-_DYNAMIC = (character, pushed_plank, pulled_plank, dropped_plank, poured_pile, own_scene)
+_DYNAMIC = (
+    character,
+    pushed_plank,
+    pulled_plank,
+    dropped_plank,
+    pressed_plank,
+    tilted_ground,
+    lifted_tower,
+    belt_tower,
+    trapdoor,
+    poured_pile,
+    own_scene,
+)
 """Scenarios without the parameters ``built`` and ``size``. A scene of one's own says in its file which bricks come
 together, and has a ``size`` of its own."""
 SCENARIOS: Mapping[str, Scenario] = {
@@ -96,6 +113,11 @@ SCENARIOS: Mapping[str, Scenario] = {
         pushed_plank,
         pulled_plank,
         dropped_plank,
+        pressed_plank,
+        tilted_ground,
+        lifted_tower,
+        belt_tower,
+        trapdoor,
         poured_pile,
         own_scene,
     )

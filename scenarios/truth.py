@@ -29,7 +29,7 @@ from scenarios.contact_patch import GROUND, Patch, Ridge, contact_patches
 from scenarios.force_balance import Statics, solve_balance
 from scenarios.geometry import Boxes, FloatArray
 from scenarios.loading import load_from_zero
-from scenarios.model import Brick, Place, Pull, Push, Remove, Scene, World
+from scenarios.model import Brick, Place, Remove, Scene, World
 
 LESS_FRICTION = 0.9
 """Share of the friction with which a pile that needs friction must stand as well. In a trial with tight courses, two
@@ -84,8 +84,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 level = max(level, *(brick.level for brick in bricks))
             case Remove(brick=brick):
                 present.remove(brick)
-            case Push() | Pull():
-                raise ValueError(f"{scene.variant} pushes a brick: statics cannot tell what a push or pull does")
+            case _:
+                raise ValueError(f"{scene.variant} pushes, pulls or tilts: statics cannot tell what comes of it")
         if not present or (then is not None and then.time == action.time):
             continue
         statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)

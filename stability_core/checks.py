@@ -125,6 +125,8 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
         ValueError: naming the array and the shape it must have.
     """
     arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
+    if contacts.force is None:
+        del arrays["contacts.force"]
     arrays |= {f"masses.{name}": getattr(masses, name) for name in ("body", "mass", "center_of_mass")}
     for name, array in arrays.items():
         if not isinstance(array, np.ndarray):
@@ -136,6 +138,10 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
         raise ValueError(f"contacts.point, normal and relative_velocity must have shape ({n}, 3), as body_a has {n}")
     if not contacts.body_b.shape == contacts.separation.shape == contacts.friction.shape == (n,):
         raise ValueError(f"contacts.body_b, separation and friction must have shape ({n},), as body_a has {n}")
+    if contacts.force is not None and contacts.force.shape != (n, 3):
+        raise ValueError(
+            f"contacts.force must have shape ({n}, 3), as body_a has {n}, or be None, got {contacts.force.shape}"
+        )
     if masses.mass.shape != (m,) or masses.center_of_mass.shape != (m, 3):
         raise ValueError(f"masses.mass must have shape ({m},) and center_of_mass ({m}, 3), as body has {m}")
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from functools import partial
 from typing import NamedTuple, Self
 
@@ -319,8 +318,7 @@ class StabilityExtension:
         if not dropped:
             return contacts, masses
         self.dropped += dropped
-        kept = {item.name: getattr(contacts, item.name)[stays] for item in fields(contacts)}
-        return Contacts(**kept), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
+        return contacts.chosen(stays), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _follow_frozen(self, masses: Masses) -> None:
         """Take over what the port tells of frozen bodies: another mass is judged anew, one that has moved is live."""

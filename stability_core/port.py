@@ -8,7 +8,7 @@ frozen body does not move at all, whatever hits it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -49,6 +49,9 @@ class Contacts:
     fastest approach over the frame's substeps."""
     friction: FloatArray
     """Coulomb coefficient of the pair, shape (n,)."""
+    force: FloatArray | None = None
+    """Force [N] that acts on body b at each point, mean over the frame's substeps, shape (n, 3); the opposite acts on
+    body a. Zero at points that are listed but do not touch. None where the engine does not tell."""
 
     @classmethod
     def empty(cls) -> Contacts:
@@ -58,6 +61,11 @@ class Contacts:
 
     def __len__(self) -> int:
         return len(self.body_a)
+
+    def chosen(self, rows: BoolArray | IntArray) -> Contacts:
+        """Return the contacts of ``rows``: a mask of shape (n,), or row numbers."""
+        columns = {item.name: getattr(self, item.name) for item in fields(self)}
+        return replace(self, **{name: column[rows] for name, column in columns.items() if column is not None})
 
 
 @dataclass(frozen=True, slots=True)

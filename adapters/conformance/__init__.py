@@ -11,7 +11,17 @@ from dataclasses import dataclass
 
 from adapters import registry
 from adapters.base import Capabilities
-from adapters.conformance import contacts, finding, fixed_boxes, freezing, housekeeping, motion
+from adapters.conformance import (
+    approaching,
+    contacts,
+    driven,
+    finding,
+    fixed_boxes,
+    forces,
+    freezing,
+    housekeeping,
+    motion,
+)
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.variations import base_name
 
@@ -62,6 +72,8 @@ CHECKS: tuple[Check, ...] = (
     Check(housekeeping.repeats_bit_for_bit, capable=lambda capabilities: capabilities.deterministic != "no"),
     Check(motion.falls_freely, as_shipped=False),
     Check(motion.moves_by_impulse_over_mass, as_shipped=False),
+    Check(motion.accelerates_by_force_over_mass, as_shipped=False),
+    Check(motion.falls_along_gravity_that_changes, as_shipped=False),
     Check(motion.slides_on_the_ground_above_the_friction_angle),
     Check(motion.slides_on_a_frozen_brick_above_the_friction_angle),
     Check(motion.slides_sideways_above_the_friction_angle, capable=lambda capabilities: not capabilities.planar),
@@ -80,6 +92,10 @@ CHECKS: tuple[Check, ...] = (
     Check(contacts.reports_the_overlap, capable=lambda capabilities: capabilities.separation),
     Check(contacts.forgets_a_removed_brick),
     Check(contacts.reports_masses),
+    Check(forces.carries_a_resting_brick, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.carries_each_level, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.resists_a_steady_push, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.forgets_forces_without_a_step),
     Check(freezing.stays_frozen),
     Check(freezing.freezes_in_flight),
     Check(freezing.freezes_before_its_first_step),
@@ -93,6 +109,12 @@ CHECKS: tuple[Check, ...] = (
     Check(fixed_boxes.leans_on_a_fixed_wall, as_shipped=False),
     Check(fixed_boxes.stops_at_a_fixed_ceiling, as_shipped=False),
     Check(fixed_boxes.freezes_on_a_fixed_box),
+    Check(approaching.lists_what_is_about_to_strike, as_shipped=False),
+    Check(approaching.does_not_list_what_passes_by, as_shipped=False),
+    Check(driven.goes_where_it_is_driven),
+    Check(driven.carries_what_lies_on_it, as_shipped=False),
+    Check(driven.slides_on_a_tilted_platform_above_the_friction_angle, as_shipped=False),
+    Check(driven.reports_moved_bodies, as_shipped=False),
     Check(finding.finds_the_contacts_of_a_tower),
     Check(finding.finds_the_contacts_of_an_inverted_v),
     Check(finding.finds_an_overlap),

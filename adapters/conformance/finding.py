@@ -67,7 +67,7 @@ def _of_pair(contacts: Contacts, a: int, b: int) -> Contacts:
         ((contacts.body_a == a) & (contacts.body_b == b)) | ((contacts.body_a == b) & (contacts.body_b == a))
     )
     turn = np.where(contacts.body_a[rows] == a, 1.0, -1.0)[:, None]
-    chosen = Contacts(*(getattr(contacts, name)[rows] for name in Contacts.__dataclass_fields__))
+    chosen = contacts.chosen(rows)
     return replace(chosen, normal=turn * chosen.normal, relative_velocity=turn * chosen.relative_velocity)
 
 
@@ -194,8 +194,7 @@ def finds_contacts_with_fixed_boxes(rig: Rig) -> None:
     _require_pairs(contacts, {(GROUND, body)})
     mine = _of_pair(contacts, GROUND, body)
     is_level = np.abs(mine.normal[:, 2]) > 0.5
-    columns = Contacts.__dataclass_fields__
-    below, beside = (Contacts(*(getattr(mine, name)[rows] for name in columns)) for rows in (is_level, ~is_level))
+    below, beside = mine.chosen(is_level), mine.chosen(~is_level)
     _require_face(below, (-LENGTH / 2, edge), top, "on a fixed table")
     half, end = WIDTH / 2, LENGTH / 2
     _require_area(beside, (end, -half, top), (end, half, top + THICKNESS), "at a fixed wall")

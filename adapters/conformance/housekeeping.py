@@ -28,6 +28,7 @@ def refuses_bad_input(rig: Rig) -> None:
     for action in (
         lambda: simulation.remove(99),
         lambda: simulation.push(99, (0.0, 0.0, 0.0)),
+        lambda: simulation.apply_force(99, (0.0, 0.0, 0.0)),
         lambda: simulation.move(99, (0.0, 0.0, 0.1), (1.0, 0.0, 0.0, 0.0)),
         lambda: simulation.port.sleep([99]),
         lambda: simulation.port.wake([99]),
@@ -38,6 +39,8 @@ def refuses_bad_input(rig: Rig) -> None:
     _require_error(ValueError, lambda: simulation.spawn(replace(plank(), size=(0.1, -0.1, 0.1))), "a negative edge")
     _require_error(ValueError, lambda: simulation.move(body, nowhere, (1.0, 0.0, 0.0, 0.0)), "a move to NaN")
     _require_error(ValueError, lambda: simulation.push(body, nowhere), "an impulse of NaN")
+    _require_error(ValueError, lambda: simulation.apply_force(body, nowhere), "a force of NaN")
+    _require_error(ValueError, lambda: simulation.set_gravity(nowhere), "gravity of NaN")
     bodies = simulation.poses()[0].tolist()
     require(bodies == [body], f"after refused input the world holds the bodies {bodies}, must be [{body}]")
 

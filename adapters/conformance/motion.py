@@ -60,6 +60,48 @@ def moves_by_impulse_over_mass(rig: Rig) -> None:
     require_between(0.0, error, 5e-4, "error of the speed [m/s] after an impulse for 0.5 m/s, without gravity")
 
 
+def accelerates_by_force_over_mass(rig: Rig) -> None:
+    """A steady force F moves a brick at F t / m without turning it, until it is set to zero; a frozen brick stays."""
+    simulation = rig.open(gravity=WEIGHTLESS)
+    free, frozen = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(x=0.5, z=0.5))
+    advance(simulation, 0.1)
+    simulation.port.sleep([frozen])
+    before = pose(simulation, frozen)
+    for body in (free, frozen):
+        simulation.apply_force(body, (0.4 * MASS, 0.0, 0.3 * MASS))
+    advance(simulation, 0.5)
+    seconds = frames(simulation, 0.5) * simulation.info.frame_s
+    for what in ("at the end of a steady force", "after it"):
+        error = np.abs(velocity(simulation, free) - np.array((0.4, 0.0, 0.3, 0.0, 0.0, 0.0)) * seconds).max()
+        # 1 %: the shipped damping of some engines takes 5 % a second.
+        require_between(0.0, error / seconds, 0.005, f"error of the acceleration [m/s2] {what} of 0.5 m/s2")
+        simulation.apply_force(free, (0.0, 0.0, 0.0))
+        advance(simulation, 0.1)
+    require(bool((pose(simulation, frozen) == before).all()), "a frozen brick moved under a steady force")
+    simulation.port.wake([frozen])
+    advance(simulation, 0.1)
+    gained = velocity(simulation, frozen)[0] / (frames(simulation, 0.1) * simulation.info.frame_s)
+    require_between(0.38, gained, 0.42, "acceleration [m/s2] of a woken brick under its steady force for 0.4 m/s2")
+
+
+def falls_along_gravity_that_changes(rig: Rig) -> None:
+    """Gravity that is changed acts on live bricks, on frozen ones once they are woken, and on new ones."""
+    simulation = rig.open()
+    live, frozen = simulation.spawn(plank(z=5.0)), simulation.spawn(plank(x=1.0, z=5.0))
+    simulation.port.sleep([frozen])
+    advance(simulation, 0.1)
+    before = velocity(simulation, live)[:3]
+    simulation.set_gravity((6.0, 0.0, 3.0))
+    simulation.port.wake([frozen])
+    new = simulation.spawn(plank(x=-1.0, z=5.0))
+    advance(simulation, 0.2)
+    seconds = frames(simulation, 0.2) * simulation.info.frame_s
+    for body, start in ((live, before), (frozen, np.zeros(3)), (new, np.zeros(3))):
+        error = np.abs((velocity(simulation, body)[:3] - start) / seconds - (6.0, 0.0, 3.0)).max()
+        # 1 % of 6.7 m/s2, for the shipped damping of some engines.
+        require_between(0.0, error, 0.07, "error of the acceleration [m/s2] after gravity became (6, 0, 3) m/s2")
+
+
 def _slide(rig: Rig, degrees: float, heading: Vector, levels: int) -> float:
     """Distance [m] that a plank on a slope moves in 0.5 s, after 0.3 s in which it comes to rest or not."""
     angle = math.radians(degrees)

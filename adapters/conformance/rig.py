@@ -34,24 +34,25 @@ def require_between(low: float, value: float, high: float, what: str) -> None:
     require(low <= value <= high, f"{what}: measured {value:.6g}, must lie within [{low:.6g}, {high:.6g}]")
 
 
-def require_friction_angle(slide: Callable[[float], float]) -> None:
-    """Raise ``ConformanceError`` unless a plank holds one degree below atan(mu), and slides freely one degree above.
+def require_friction_angle(slide: Callable[[float], float], margin: float = 1.0) -> None:
+    """Raise ``ConformanceError`` unless a plank holds a little below atan(mu), and slides freely a little above.
 
     Args:
+        margin: how far [deg] below and above.
         slide: from a slope [deg] to the distance [m] that a plank moves in 0.5 s, after 0.3 s in which it comes to rest
             or not.
     """
     limit = math.degrees(math.atan(0.45))
-    above = math.radians(limit + 1.0)
+    above = math.radians(limit + margin)
     pull = GRAVITY * (math.sin(above) - 0.45 * math.cos(above))
     freely = pull * 0.5 * 0.3 + pull * 0.5**2 / 2
     # Regularised friction creeps by millimetres a second; a twentieth of a true slide is a creep, not a slide.
     require_between(
-        0.0, slide(limit - 1.0), freely / 20, "distance [m] slid in 0.5 s on a slope 1 deg below atan(mu), mu = 0.45"
+        0.0, slide(limit - margin), freely / 20, f"distance [m] slid in 0.5 s {margin:g} deg below atan(mu), mu = 0.45"
     )
     # Half: one degree is 4 % of mu, and an engine whose mu is 2 % too high slides half as fast here.
     require_between(
-        0.5 * freely, slide(limit + 1.0), 1.5 * freely, "distance [m] slid in 0.5 s on a slope 1 deg above atan(mu)"
+        0.5 * freely, slide(limit + margin), 1.5 * freely, f"distance [m] slid in 0.5 s {margin:g} deg above atan(mu)"
     )
 
 
@@ -117,7 +118,7 @@ def velocity(simulation: Simulation, body: int) -> FloatArray:
 def touching(contacts: Contacts, body: int) -> Contacts:
     """The contacts of one body."""
     rows = (contacts.body_a == body) | (contacts.body_b == body)
-    return Contacts(*(getattr(contacts, name)[rows] for name in Contacts.__dataclass_fields__))
+    return contacts.chosen(rows)
 
 
 def pairs(contacts: Contacts) -> set[tuple[int, int]]:

@@ -34,6 +34,14 @@ def skip_without_adapter(engine: str) -> None:
 @pytest.mark.parametrize("profile", ["game", "default", "game@scale=100"])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_engine_keeps_the_contract(engine: str, profile: str, check: Check) -> None:
+    if (engine, profile, check.name) == ("physx", "game@scale=100", "carries_each_level"):
+        pytest.xfail("PhysX never comes to rest there: a tower of three walks apart at 50 mm/s")
+    if (engine, profile, check.name) == (
+        "bullet",
+        "game@scale=100",
+        "slides_on_a_tilted_platform_above_the_friction_angle",
+    ):
+        pytest.xfail("Bullet keeps the normals of contacts between bodies that turn together")
     hold_to(check, engine, profile)
 
 

@@ -11,9 +11,10 @@ import pytest
 
 from adapters._bullet import PROFILES, BulletSimulation
 from adapters.base import Knob, Profile, Sleeping
+from adapters.box_table import BoxTable
 from adapters.conformance import CHECKS, ConformanceError, Rig
 from adapters.motions import Motions
-from scenarios.model import Brick, World
+from scenarios.model import Brick, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 CHECK = {check.name: check for check in CHECKS}
@@ -86,6 +87,89 @@ class FrictionOfOneBody(BulletSimulation):
     def _contacts(self) -> Contacts:
         contacts = super()._contacts()
         return replace(contacts, friction=np.sqrt(contacts.friction))
+
+
+class ForcesOnTheOther(BulletSimulation):
+    """Forces on body a."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=None if contacts.force is None else -contacts.force)
+
+
+class ForcesOfOneSubstep(BulletSimulation):
+    """Impulses of one of two substeps over the whole frame's time."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=None if contacts.force is None else contacts.force / 2)
+
+
+class ForcesWithoutFriction(BulletSimulation):
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=None if contacts.force is None else contacts.force * (0.0, 0.0, 1.0))
+
+
+class ForceForOneStep(BulletSimulation):
+    """A blow: the force acts in the first step only."""
+
+    def apply_force(self, body: int, force: Vector) -> None:
+        super().apply_force(body, force)
+        self._press(body, force)
+        self._steady.clear()
+
+
+class GravityAsBefore(BulletSimulation):
+    def _set_gravity(self, gravity: Vector) -> None: ...
+
+
+class PushedAside(BulletSimulation):
+    """A moved body that gives way, and that slides below what lies on it."""
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        super()._drive(body, linear, angular, seconds)
+        pybullet.changeDynamics(self._handles[body], -1, lateralFriction=0.0, physicsClientId=self._client)
+        x, y, z = linear
+        pybullet.resetBaseVelocity(self._handles[body], (x, y, 0.9 * z), angular, self._client)
+
+
+class MovedBodyGluesItsLoad(BulletSimulation):
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        super()._drive(body, linear, angular, seconds)
+        pybullet.changeDynamics(self._handles[body], -1, lateralFriction=2.0, physicsClientId=self._client)
+
+
+class MovedBodyNotListed(BulletSimulation):
+    def _masses(self) -> Masses:
+        masses = super()._masses()
+        return Masses(masses.body[np.isfinite(masses.mass)], masses.mass, masses.center_of_mass, masses.removed)
+
+
+class NothingAhead(BulletSimulation):
+    def _with_approaching(self, contacts: Contacts) -> Contacts:
+        return contacts
+
+
+class EverythingAhead(BulletSimulation):
+    """Sweeps boxes three times as large."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._boxes = LargerBoxes()
+
+
+class LargerBoxes(BoxTable):
+    def add(self, body: int, size: Vector) -> None:
+        x, y, z = size
+        super().add(body, (3 * x, 3 * y, 3 * z))
+
+
+class ForcesFoundWithoutAStep(BulletSimulation):
+    def find_contacts(self) -> None:
+        super().find_contacts()
+        if self._found is not None:
+            self._found = replace(self._found, force=np.zeros(self._found.point.shape))
 
 
 class NoContactsWithFrozen(BulletSimulation):
@@ -425,6 +509,17 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
             "stops_at_a_fixed_ceiling",
         ],
     ),
+    (ForcesOnTheOther, ["carries_a_resting_brick", "carries_each_level"]),
+    (ForcesOfOneSubstep, ["carries_a_resting_brick", "carries_each_level"]),
+    (ForcesWithoutFriction, ["resists_a_steady_push"]),
+    (ForceForOneStep, ["accelerates_by_force_over_mass"]),
+    (GravityAsBefore, ["falls_along_gravity_that_changes"]),
+    (PushedAside, ["goes_where_it_is_driven", "carries_what_lies_on_it"]),
+    (MovedBodyGluesItsLoad, ["slides_on_a_tilted_platform_above_the_friction_angle"]),
+    (MovedBodyNotListed, ["reports_moved_bodies"]),
+    (NothingAhead, ["lists_what_is_about_to_strike"]),
+    (EverythingAhead, ["does_not_list_what_passes_by"]),
+    (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),
 ]

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters.box_table import BoxTable, fixed_id
+from adapters.box_table import BoxTable, fixed_id, joined
 from scenarios.model import Brick, World
 from stability_core.port import GROUND, Contacts
 
@@ -58,7 +58,7 @@ def test_fixed_boxes_that_an_engine_does_not_list_are_found() -> None:
 def test_missing_corners_are_those_of_the_box_that_is_listed(order: int) -> None:
     """One point each of table and wall: each gets the other three of its own face."""
     points = [row(fixed_id(1), (0.06, 0.01, 0.1), (-1, 0, 0)), row(fixed_id(0), (-0.06, 0.01, 0.1), (0, 0, 1))][::order]
-    both = Contacts(*(np.concatenate([getattr(one, name) for one in points]) for name in Contacts.__dataclass_fields__))
+    both = joined(*points)
     assert completed(both) == FACES
 
 

@@ -43,7 +43,7 @@ def test_an_impact_that_physx_foresees_is_told_as_touch() -> None:
     for _ in range(60):
         simulation.step(1 / 60)
         contacts = touching(simulation.port.contacts(), body)
-        if len(contacts):
+        if len(contacts) > 1:  # one point is what the port lists ahead of every engine
             break
     assert pairs(contacts) == {(support, body)}
     assert contacts.separation.max() <= 0.0

@@ -28,10 +28,11 @@ class FakeSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="reported",
-        forces=False,
+        forces="no",
         freeze="exact",
         frozen_contacts=False,
         friction_law="none",
+        moved="no",
         deterministic="across processes",
     )
     profiles: ClassVar[Mapping[str, Profile]] = {"game": Profile("game", "", 1)}
@@ -41,6 +42,7 @@ class FakeSimulation(Simulation):
         self.pose: dict[int, tuple[Vector, Quaternion]] = {}
         self.steps = 0
         self.pushed: list[int] = []
+        self.pressed: dict[int, Vector] = {}
         self._on_step = on_step
 
     @staticmethod
@@ -50,17 +52,28 @@ class FakeSimulation(Simulation):
     def _spawn(self, body: int, brick: Brick) -> None:
         self.pose[body] = brick.position, brick.quaternion
 
+    def _spawn_moved(self, body, brick) -> None:
+        self._spawn(body, brick)
+
+    def _drive(self, body, linear, angular, seconds) -> None: ...
+
     def _remove(self, body: int) -> None:
         del self.pose[body]
 
     def _push(self, body: int, impulse: Vector) -> None:
         self.pushed.append(body)
 
+    def _press(self, body: int, force: Vector) -> None:
+        self.pressed[body] = force
+
+    def _set_gravity(self, gravity: Vector) -> None: ...
+
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         self.pose[body] = position, quaternion
 
     def _step(self, seconds: float) -> None:
         self.steps += 1
+        self._act_on_bodies(seconds)
         self._on_step(self, self.steps)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:

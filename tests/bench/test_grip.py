@@ -1,12 +1,14 @@
 """A user's hand on bricks that lie: who is told, and what becomes of the brick."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bench.builder import HOLD_S, Builder
 from bench.play import Play
-from scenarios.model import CLEARANCE, Expectation, Place, Pull, Push, Scene, World
+from scenarios.model import CLEARANCE, Drive, Expectation, Place, Press, Pull, Push, Scene, Tilt, World
 from scenarios.planks import THICKNESS, lay
 from scenarios.registry import build
 
@@ -17,13 +19,16 @@ class Told:
     """Writes down what an extension would be told."""
 
     def __init__(self) -> None:
-        self.words: list[tuple[str, int]] = []
+        self.words: list[tuple[str, object]] = []
 
     def disturb(self, bodies) -> None:
         self.words += [("disturb", body) for body in bodies]
 
     def release(self, bodies) -> None:
         self.words += [("release", body) for body in bodies]
+
+    def turn_gravity(self, gravity) -> None:
+        self.words.append(("gravity", gravity))
 
 
 def scene_of(*actions) -> Scene:
@@ -99,3 +104,66 @@ def test_a_struck_plank_slides_as_far_as_friction_lets_it(slide, end) -> None:
     _, position, _ = simulation.poses()
     assert position[1, 0] == pytest.approx(slide * 1e-3, rel=0.25)
     assert abs(position[0, 0]) < 0.5e-3
+
+
+def test_a_press_begins_and_ends_in_its_frames(fake_engine) -> None:
+    """It is held 0.1 s before, so that the extension keeps it live, and let go in the end."""
+    simulation, told = fake_engine(), Told()
+    scene = scene_of(Place(0, (lay(0, level=1),)), Press(1.0, 0, (0.5, 0.0, 0.0), 0.5))
+    builder = Builder(scene, simulation, told)
+    forces = {}
+    for frame in range(120):
+        builder.act(frame / 60)
+        simulation.step(1 / 60)
+        forces[frame] = simulation.pressed.get(0, (0.0, 0.0, 0.0))[0]
+    assert {frame for frame, force in forces.items() if force} == set(range(60, 90))
+    assert told.words == [("disturb", 0), ("release", 0)]
+    assert builder.is_done
+
+
+def test_a_tilt_turns_gravity_and_stops(fake_engine) -> None:
+    """20 degrees a second for half a second about y: gravity leans by 10 degrees towards +x."""
+    simulation, told = fake_engine(), Told()
+    builder = Builder(scene_of(Place(0, (lay(0, level=1),)), Tilt(1.0, (0, 1), 20.0, 0.5)), simulation, told)
+    for frame in range(120):
+        builder.act(frame / 60)
+    lean = math.radians(10.0)
+    assert simulation.world.gravity == pytest.approx((9.81 * math.sin(lean), 0.0, -9.81 * math.cos(lean)))
+    assert len(told.words) == 31
+    assert told.words[-1] == ("gravity", simulation.world.gravity)
+    assert builder.is_done
+
+
+def test_a_drive_reaches_its_velocity_evenly_and_the_plan_comes_along(fake_engine) -> None:
+    """From rest to 0.6 m/s in half a second: 150 mm; what a platform carries is planned as far along."""
+    platform = replace(lay(0, level=1), moved=True)
+    for carries in (True, False):
+        simulation = fake_engine()
+        after = Drive(0.5, 0, (0.6, 0.0, 0.0), seconds=0.5, carries=carries)
+        stop = Drive(1.0, 0, (0.0, 0.0, 0.0))
+        builder = Builder(scene_of(Place(0.0, (platform,)), Place(0.0, (lay(0, level=2),)), after, stop), simulation)
+        for frame in range(90):
+            builder.act(frame * FRAME_S)
+            simulation.step(FRAME_S)
+        assert builder.is_done
+        assert builder.plan.position[:, 0] == pytest.approx([0.15, 0.15 if carries else 0.0])
+
+
+def test_a_plan_turns_about_the_platform_that_carries_it(fake_engine) -> None:
+    """A quarter turn about y in half a second: a plank planned 7.8 mm above the platform is planned beside it."""
+    platform = replace(lay(0, level=1), moved=True)
+    builder = Builder(
+        scene_of(
+            Place(0.0, (platform,)),
+            Place(0.0, (lay(0, level=2),)),
+            Drive(0.5, 0, (0.0, 0.0, 0.0), (0.0, math.pi, 0.0), carries=True),
+            Drive(1.0, 0, (0.0, 0.0, 0.0), carries=True),
+        ),
+        fake_engine(),
+    )
+    for frame in range(90):
+        builder.act(frame * FRAME_S)
+    below, above = builder.plan.position
+    assert above - below == pytest.approx([THICKNESS, 0.0, 0.0], abs=1e-9)
+    half = math.sqrt(0.5)
+    assert builder.plan.quaternion == pytest.approx(np.tile((half, 0.0, half, 0.0), (2, 1)))

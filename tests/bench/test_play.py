@@ -9,12 +9,12 @@ from bench.builder import Builder
 from bench.play import Play
 from bench.sleepers import Sleepers
 from bench.timed_port import TimedPort
-from scenarios.model import CLEARANCE, Brick, Expectation, Place, Pull, Push, Remove, Scene, World
+from scenarios.model import CLEARANCE, Action, Brick, Expectation, Place, Pull, Push, Remove, Scene, World
 from scenarios.planks import LENGTH, THICKNESS, box, lay
 from scenarios.registry import build
 
 
-def scene_of(*actions: Place | Remove | Push | Pull, fixed: tuple[Brick, ...] = ()) -> Scene:
+def scene_of(*actions: Action, fixed: tuple[Brick, ...] = ()) -> Scene:
     world = World(fixed=fixed)
     return Scene("test", "test", {}, world, actions, Expectation("stand", ""), "", watch_s=2.0)
 

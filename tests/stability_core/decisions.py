@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -65,7 +64,7 @@ class Decision(NamedTuple):
 def part_of(contacts: Contacts, masses: Masses, bodies: np.ndarray, rows: np.ndarray) -> tuple[Contacts, Masses]:
     """Only those ``bodies`` and ``rows`` of contacts."""
     return (
-        Contacts(*(getattr(contacts, field.name)[rows] for field in fields(Contacts))),
+        contacts.chosen(rows),
         Masses(masses.body[bodies], masses.mass[bodies], masses.center_of_mass[bodies]),
     )
 

@@ -10,7 +10,6 @@ seconds. Then ``solve_equilibrium`` is asked about what the engine shows: contac
 from __future__ import annotations
 
 import time
-from dataclasses import fields
 from pathlib import Path
 from typing import NamedTuple
 
@@ -81,7 +80,7 @@ def pile_at_rest(count: int, seed: int) -> tuple[Contacts, Masses]:
     finally:
         simulation.close()
     touching = contacts.separation <= TOUCHING
-    return Contacts(**{item.name: getattr(contacts, item.name)[touching] for item in fields(Contacts)}), masses
+    return contacts.chosen(touching), masses
 
 
 def ask(count: int, seed: int) -> Found:

@@ -83,10 +83,11 @@ class RogueSimulation(Simulation):
         near_contacts=True,
         separation=True,
         relative_velocity="reported",
-        forces=False,
+        forces="no",
         freeze="exact",
         frozen_contacts=False,
         friction_law="none",
+        moved="no",
         deterministic="across processes",
     )
     profiles: ClassVar = {
@@ -107,10 +108,19 @@ class RogueSimulation(Simulation):
     def _spawn(self, body, brick) -> None:
         self.pose[body] = np.array(brick.position)
 
+    def _spawn_moved(self, body, brick) -> None:
+        self._spawn(body, brick)
+
+    def _drive(self, body, linear, angular, seconds) -> None: ...
+
     def _remove(self, body) -> None:
         del self.pose[body]
 
     def _push(self, body, impulse) -> None: ...
+
+    def _press(self, body, force) -> None: ...
+
+    def _set_gravity(self, gravity) -> None: ...
 
     def _move(self, body, position, quaternion) -> None: ...
 

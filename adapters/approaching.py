@@ -1,0 +1,223 @@
+"""Contacts ahead of time: which bodies will be struck within the next frames, by geometry, the same for every engine.
+
+Engines list pairs up to a margin of 0 to 20 mm, and a body at 10 m/s moves 167 mm a frame: it strikes between two looks
+at the contacts. So the boxes of fast bodies are swept along their velocities. Two boxes that translate meet when the
+last of the 15 separating axes (3 face normals each, 9 cross products of edges) closes:
+
+    gap(n) = |d . n| - r_a(n) - r_b(n),    t(n) = gap(n) / closing speed along n,    t = max over n of t(n)
+
+if no axis opens again before. The axis that closes last is the normal. Spin and gravity within these frames are left
+out.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from adapters.near_contacts import CENTER, HALF, PLANK, REACH, TURN, axes_of, face_corners, half_diagonal
+from stability_core.port import FloatArray, IntArray
+
+HORIZON = 2.0
+"""Frames ahead that are looked at: one to wake what will be struck, one for a blow that comes within the next step."""
+FAST = 0.2
+"""Speed [m/s] of a plank from which it is swept: twice that of one let go 0.5 mm above its support; a frame's way is
+then 3 mm, beyond what engines list. For other sizes times the root of the size over the plank's."""
+LEVEL = 0.05
+"""Corners that lie this part of the smaller box's half diagonal behind the foremost one do not count for the point of
+contact; of a face that strikes flat all corners do."""
+PARALLEL = 1e-6
+"""Squared length of a cross product of two edges below which they are parallel and give no axis."""
+
+Approaches = tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]
+
+
+@numba.njit(cache=True)
+def _extent(axes: FloatArray, half: FloatArray, normal: FloatArray) -> float:
+    """Half the width [m] of a box along ``normal``."""
+    width = 0.0
+    for axis in range(3):
+        width += abs(axes[0, axis] * normal[0] + axes[1, axis] * normal[1] + axes[2, axis] * normal[2]) * half[axis]
+    return width
+
+
+@numba.njit(cache=True)
+def _separating_axis(axes_a: FloatArray, axes_b: FloatArray, k: int, axis: FloatArray) -> bool:
+    """Write unit axis number k of 15 into ``axis`` (3,); False if two edges are parallel and give none."""
+    if k < 3:
+        axis[:] = axes_a[:, k]
+        return True
+    if k < 6:
+        axis[:] = axes_b[:, k - 3]
+        return True
+    u, v = axes_a[:, (k - 6) // 3], axes_b[:, (k - 6) % 3]
+    axis[0] = u[1] * v[2] - u[2] * v[1]
+    axis[1] = u[2] * v[0] - u[0] * v[2]
+    axis[2] = u[0] * v[1] - u[1] * v[0]
+    length2 = axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2
+    if length2 < PARALLEL:
+        return False
+    axis /= math.sqrt(length2)
+    return True
+
+
+@numba.njit(cache=True)
+def _impact(
+    box_a: FloatArray, box_b: FloatArray, velocity: FloatArray, most: float, normal: FloatArray
+) -> tuple[float, float, bool]:
+    """Time [s] until box b, which moves at ``velocity`` against a, meets it; inf if it does not within ``most``.
+
+    Also the present gap [m] along the axis that closes last, which is written into ``normal`` (3,), from a to b; and
+    whether it is the normal of a face. Boxes that overlap already never meet.
+    """
+    axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
+    between = box_b[CENTER] - box_a[CENTER]
+    enter, leave, gap_then, is_face = 0.0, most, -1.0, True
+    axis = np.empty(3)
+    for k in range(15):
+        if not _separating_axis(axes_a, axes_b, k, axis):
+            continue
+        distance = between[0] * axis[0] + between[1] * axis[1] + between[2] * axis[2]
+        speed = velocity[0] * axis[0] + velocity[1] * axis[1] + velocity[2] * axis[2]
+        if distance < 0.0:
+            distance, speed = -distance, -speed
+            axis *= -1.0
+        width = _extent(axes_a, box_a[HALF], axis) + _extent(axes_b, box_b[HALF], axis)
+        gap = distance - width
+        if gap > 0.0:
+            if speed >= 0.0:
+                return np.inf, 0.0, True
+            if gap / -speed >= enter:
+                enter, gap_then, is_face = gap / -speed, gap, k < 6
+                normal[:] = axis
+        if speed != 0.0:
+            leave = min(leave, (width - distance) / speed if speed > 0.0 else (width + distance) / -speed)
+    if gap_then <= 0.0 or enter > leave:
+        return np.inf, 0.0, True
+    return enter, gap_then, is_face
+
+
+@numba.njit(cache=True)
+def _edge_towards(box: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Middle (3,) [m] of the edge of a box that lies farthest along ``direction``, and its axis (3,), of unit length.
+
+    It is the edge whose axis is most across the direction.
+    """
+    axes = axes_of(box[TURN])
+    across, least = 0, np.inf
+    middle = box[CENTER].copy()
+    for axis in range(3):
+        along = axes[0, axis] * direction[0] + axes[1, axis] * direction[1] + axes[2, axis] * direction[2]
+        if abs(along) < least:
+            across, least = axis, abs(along)
+    for axis in range(3):
+        if axis != across:
+            along = axes[0, axis] * direction[0] + axes[1, axis] * direction[1] + axes[2, axis] * direction[2]
+            middle += np.sign(along) * box[HALF][axis] * axes[:, axis]
+    return middle, axes[:, across].copy()
+
+
+@numba.njit(cache=True)
+def _crossing(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> FloatArray:
+    """Point (3,) [m] on a's edge that is nearest to b's edge, for boxes that meet edge on edge."""
+    p, u = _edge_towards(box_a, normal)
+    q, v = _edge_towards(box_b, -normal)
+    w = q - p
+    cosine = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+    along_u = w[0] * u[0] + w[1] * u[1] + w[2] * u[2]
+    along_v = w[0] * v[0] + w[1] * v[1] + w[2] * v[2]
+    sine2 = max(1.0 - cosine * cosine, PARALLEL)
+    nearest: FloatArray = p + (along_u - cosine * along_v) / sine2 * u
+    return nearest
+
+
+@numba.njit(cache=True)
+def _meeting_point(box_a: FloatArray, box_b: FloatArray, normal: FloatArray, is_face: bool, slack: float) -> FloatArray:
+    """Middle (3,) [m] of where two boxes meet that just touch along ``normal``."""
+    if not is_face:
+        return _crossing(box_a, box_b, normal)
+    points, separations = face_corners(box_a, box_b, normal, slack)
+    if not len(points):
+        return _crossing(box_a, box_b, normal)
+    middle, count = np.zeros(3), 0
+    for i in range(len(points)):
+        if separations[i] <= separations.min() + slack:
+            middle += points[i]
+            count += 1
+    middle /= count
+    return middle
+
+
+@numba.njit(cache=True)
+def approaches(
+    boxes: FloatArray,
+    velocity: FloatArray,
+    fast: IntArray,
+    is_live: np.typing.NDArray[np.bool_],
+    listed: IntArray,
+    first: int,
+    seconds: float,
+) -> Approaches:
+    """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each pair that will meet within ``seconds``.
+
+    The point lies on the present surface of a, the body that the fast one, b, comes to. O(boxes) a fast one.
+
+    Args:
+        boxes: all of them, shape (n, 13).
+        velocity: of each [m/s], shape (n, 3).
+        fast: rows of the bodies to sweep, rising, shape (m,).
+        is_live: which rows are of live bodies, shape (n,); one of each pair must be.
+        listed: n a + b for each pair (a, b), a < b, that is known to be near, rising.
+        first: row of the first body; before it come the ground and the fixed boxes, which are not looked at.
+        seconds: how far ahead to look.
+    """
+    n = len(boxes)
+    found = [(0, 0) for _ in range(0)]
+    numbers = [np.empty(7) for _ in range(0)]
+    normal = np.empty(3)
+    for one in fast:
+        for other in range(first, n):
+            relative = velocity[one] - velocity[other]
+            near = other != one and (is_live[one] or is_live[other])
+            for k in range(3):  # written so that NaN, a row without a body, fails
+                reach = boxes[one, REACH][k] + boxes[other, REACH][k]
+                here = boxes[one, k] - boxes[other, k]
+                there = here + relative[k] * seconds
+                near = near and min(here, there) <= reach and max(here, there) >= -reach
+            if not near:
+                continue
+            at = np.searchsorted(fast, other)
+            if other < one and at < len(fast) and fast[at] == other:
+                continue  # a pair of fast bodies is met twice
+            key = min(one, other) * n + max(one, other)
+            at = np.searchsorted(listed, key)
+            if at < len(listed) and listed[at] == key:
+                continue
+            time, gap, is_face = _impact(boxes[other], boxes[one], relative, seconds, normal)
+            if time > seconds:
+                continue
+            met = boxes[one].copy()
+            met[CENTER] += relative * time
+            size = min(half_diagonal(boxes[one, HALF]), half_diagonal(boxes[other, HALF]))
+            point = _meeting_point(boxes[other], met, normal, is_face, LEVEL * size)
+            row = np.empty(7)
+            row[:3], row[3:6], row[6] = point, normal, gap
+            found.append((other, one))
+            numbers.append(row)
+    a, b, gap_of = np.empty(len(found), np.int64), np.empty(len(found), np.int64), np.empty(len(found))
+    points, normals = np.empty((len(found), 3)), np.empty((len(found), 3))
+    for k in range(len(found)):
+        a[k], b[k] = found[k]
+        points[k], normals[k], gap_of[k] = numbers[k][:3], numbers[k][3:6], numbers[k][6]
+    return a, b, points, normals, gap_of
+
+
+def fast_rows(half: FloatArray, velocity: FloatArray) -> IntArray:
+    """Return which of m bodies are so fast that they are swept; half edges (m, 3) [m], velocities (m, 3) [m/s]."""
+    speed2 = np.einsum("ij,ij->i", velocity, velocity)
+    if not (speed2 > 0.0).any():
+        return np.empty(0, np.int64)
+    size = np.sqrt(np.einsum("ij,ij->i", half, half)) / PLANK
+    return np.flatnonzero(speed2 > FAST * FAST * size)

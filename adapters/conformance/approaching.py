@@ -1,0 +1,63 @@
+"""Checks that bodies are listed before they strike, and that those that pass by are not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adapters.conformance.rig import LENGTH, WEIGHTLESS, Rig, pairs, plank, pose, require, require_between, velocity
+from scenarios.model import Brick
+
+EDGE = 0.04
+"""Edge of the cube that flies [m]."""
+HEIGHT = 0.5
+"""Of the plank that it flies to [m]."""
+
+
+def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float, bool]]:
+    """Let a cube fly at a frozen plank, or past it ``above`` its centre [m], until it is beyond or was stopped.
+
+    Returns:
+        A row a frame: the gap [m] between them along x; the listed separation [m] and closing speed [m/s], NaN if the
+        pair is not listed; and whether the cube still has its speed.
+    """
+    simulation = rig.open(gravity=WEIGHTLESS)
+    target = simulation.spawn(plank(z=HEIGHT))
+    simulation.port.sleep([target])
+    cube = simulation.spawn(Brick((EDGE, 0.02, EDGE), 0.1, (-0.5, 0.0, HEIGHT + above)))
+    simulation.push(cube, (0.1 * speed, 0.0, 0.0))
+    seen: list[tuple[float, float, float, bool]] = []
+    while pose(simulation, cube)[0] < LENGTH and len(seen) < 60:
+        simulation.step(simulation.info.frame_s)
+        contacts = simulation.port.contacts()
+        gap = -(LENGTH + EDGE) / 2 - pose(simulation, cube)[0]
+        separation = closing = np.nan
+        if (target, cube) in pairs(contacts):
+            separation = float(contacts.separation[0])
+            closing = -float(contacts.relative_velocity[0] @ contacts.normal[0])
+        is_flying = bool(velocity(simulation, cube)[0] > 0.9 * speed)
+        seen.append((gap, separation, closing, is_flying))
+        if not is_flying:
+            break
+    return seen
+
+
+def lists_what_is_about_to_strike(rig: Rig) -> None:
+    """A cube that flies at a frozen plank at 2 or 10 m/s is listed, across the gap, in the frame before it strikes."""
+    for speed in (2.0, 10.0):
+        seen = _fly(rig, speed, 0.0)
+        before = [row for row in seen if row[0] > 0.0 and row[3]]
+        require(len(before) > 0, f"a cube at {speed} m/s was never seen before it struck")
+        gap, separation, closing, _ = before[-1]
+        require(not np.isnan(separation), f"a cube at {speed} m/s, {gap * 1e3:.1f} mm before it strikes, is not listed")
+        # 0.1 mm: single precision, and a shipped damping of 5 % a second.
+        require_between(gap - 1e-4, separation, gap + 1e-4, f"separation [m] listed of a cube at {speed} m/s")
+        require_between(0.9 * speed, closing, 1.01 * speed, f"closing speed [m/s] listed of a cube at {speed} m/s")
+
+
+def does_not_list_what_passes_by(rig: Rig) -> None:
+    """A cube that passes 5 mm above a frozen plank at 2 or 10 m/s is never listed."""
+    for speed in (2.0, 10.0):
+        seen = _fly(rig, speed, EDGE / 2 + 3.9e-3 + 5e-3)
+        listed = [row for row in seen if not np.isnan(row[1])]
+        require(not listed, f"a cube that passes by at {speed} m/s is listed in {len(listed)} frames")
+        require(seen[-1][3], f"a cube that passes by at {speed} m/s was stopped")

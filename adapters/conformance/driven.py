@@ -1,0 +1,126 @@
+"""Checks of bodies that the host moves: they go where they are driven, and friction carries what lies on them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.conformance.rig import (
+    GRAVITY,
+    LENGTH,
+    THICKNESS,
+    WIDTH,
+    Rig,
+    advance,
+    frames,
+    pairs,
+    plank,
+    pose,
+    require,
+    require_between,
+    require_friction_angle,
+    touching,
+    velocity,
+)
+from scenarios.model import Brick, Vector
+
+TOP = 0.1
+"""Height [m] of a platform's upper face."""
+STILL: Vector = (0.0, 0.0, 0.0)
+
+
+def _platform(simulation: Simulation) -> int:
+    """Put in a platform of three planks' length that is clear of the ground; its id."""
+    size = (3 * LENGTH, 3 * WIDTH, 0.02)
+    return simulation.spawn(Brick(size, 1.0, (0.0, 0.0, TOP - 0.01), moved=True))
+
+
+def goes_where_it_is_driven(rig: Rig) -> None:
+    """A platform rises, travels and turns as it is driven, though a brick lies on it, and stops when it is stopped."""
+    simulation = rig.open()
+    platform = _platform(simulation)
+    simulation.spawn(plank(z=TOP + THICKNESS / 2))
+    advance(simulation, 0.2)
+    seconds = frames(simulation, 0.4) * simulation.info.frame_s
+    simulation.drive(platform, (0.05, 0.0, 0.1), (0.0, 0.3, 0.0))
+    advance(simulation, 0.4)
+    simulation.drive(platform, STILL)
+    advance(simulation, 0.2)
+    half = 0.15 * seconds
+    planned = np.array((0.05 * seconds, 0.0, TOP - 0.01 + 0.1 * seconds, math.cos(half), 0.0, math.sin(half), 0.0))
+    # 10 um and 0.6 mrad: single precision over a hundred steps, and a turn that an engine takes as a small one.
+    require_between(
+        0.0, np.abs(pose(simulation, platform) - planned).max(), 3e-4, "error of the pose of a driven platform"
+    )
+    require_between(0.0, np.abs(velocity(simulation, platform)).max(), 1e-5, "speed of a platform that was stopped")
+
+
+def carries_what_lies_on_it(rig: Rig) -> None:
+    """A brick on a platform that starts sideways is dragged along by friction, and rises with it."""
+    simulation = rig.open()
+    platform = _platform(simulation)
+    body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
+    advance(simulation, 0.5)
+    start = pose(simulation, body)
+    simulation.drive(platform, (0.1, 0.0, 0.05))
+    advance(simulation, 0.5)
+    seconds = frames(simulation, 0.5) * simulation.info.frame_s
+    came = pose(simulation, body)[:3] - start[:3]
+    slip = 0.1**2 / (2 * 0.45 * GRAVITY)
+    # 1.5 mm: friction acts in whole steps, and a rise of 50 mm/s loosens the brick for one.
+    require_between(0.1 * seconds - slip - 1.5e-3, came[0], 0.1 * seconds + 1e-4, "way [m] of a brick on a platform")
+    require_between(0.05 * seconds - 1e-3, came[2], 0.05 * seconds + 1.5e-3, "rise [m] of a brick on a lift")
+    require_between(0.095, velocity(simulation, body)[0], 0.105, "speed [m/s] of a brick on a platform at 0.1 m/s")
+
+
+def _slide(rig: Rig, degrees: float) -> float:
+    """Distance [m] that a plank moves in 0.5 s on a platform that was tilted so far, after 0.3 s."""
+    simulation = rig.open()
+    platform = _platform(simulation)
+    body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
+    advance(simulation, 0.3)
+    seconds = frames(simulation, 1.0) * simulation.info.frame_s
+    simulation.drive(platform, STILL, (0.0, math.radians(degrees) / seconds, 0.0))
+    advance(simulation, 1.0)
+    simulation.drive(platform, STILL)
+    advance(simulation, 0.3)
+    start = pose(simulation, body)[:3]
+    advance(simulation, 0.5)
+    return float(np.linalg.norm(pose(simulation, body)[:3] - start))
+
+
+def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
+    """A brick on a platform that tilts holds below atan(mu) and slides above."""
+    # 2 deg: MuJoCo, in one step a frame, slides a fifth as far as it should when it is tilted to 1 deg above.
+    require_friction_angle(lambda degrees: _slide(rig, degrees), margin=2.0)
+
+
+def reports_moved_bodies(rig: Rig) -> None:
+    """Masses list a moved body as infinitely heavy, even if nothing is live; contacts tell how fast it comes."""
+    simulation = rig.open()
+    platform = _platform(simulation)
+    body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
+    advance(simulation, 0.5)
+    masses = simulation.port.masses()
+    require(masses.body.tolist() == [platform, body], f"masses list {masses.body}, must list {[platform, body]}")
+    require(bool(np.isinf(masses.mass[0])), f"the mass of a moved body is reported as {masses.mass[0]}, must be inf")
+    contacts = simulation.port.contacts()
+    require(pairs(contacts) == {(platform, body)}, f"a brick on a platform touches {pairs(contacts)}")
+    simulation.drive(platform, (0.05, 0.0, 0.0))
+    simulation.step(simulation.info.frame_s)
+    mine = touching(simulation.port.contacts(), body)
+    turn = np.where(mine.body_b == platform, 1.0, -1.0)
+    speed = (turn * mine.relative_velocity[:, 0]).max(initial=-np.inf)
+    # The platform slips below the brick until friction has brought it to the same speed; the first substep sees most.
+    require_between(0.02, speed, 0.051, "speed [m/s] at which a platform at 50 mm/s moves below a brick at rest")
+    simulation.port.sleep([body])
+    before = pose(simulation, body)
+    advance(simulation, 0.2)
+    require(bool((pose(simulation, body) == before).all()), "a frozen brick moved with the platform below it")
+    listed = simulation.port.masses().body.tolist()
+    require(listed == [platform], f"with all bricks frozen masses list {listed}, must list the platform {[platform]}")
+    simulation.remove(platform)
+    removed = list(simulation.port.masses().removed)
+    require(removed == [platform], f"after its removal masses tell {removed} as removed, must be {[platform]}")

@@ -1,0 +1,104 @@
+"""Checks of the contact forces that the port reports: in sum they balance what presses on a brick at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.conformance.rig import (
+    GRAVITY,
+    MASS,
+    THICKNESS,
+    Rig,
+    advance,
+    frozen_column,
+    place_on,
+    plank,
+    require,
+    require_between,
+    touching,
+)
+from stability_core.port import GROUND, Contacts, FloatArray
+
+FRAMES = 20
+"""Frames over which forces are averaged: an engine's load may wander among a brick's corners from step to step."""
+PRECISION = 0.02
+"""Error of a mean force over the weight of a brick: solvers that stop early leave a percent in a scaled world."""
+
+
+def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
+    """Return the contacts after the latest step and their forces (n, 3) [N], which must be well formed."""
+    contacts = simulation.port.contacts()
+    force = contacts.force
+    require(force is not None, "Contacts.force is None, though the engine's capabilities say that it tells forces")
+    assert force is not None
+    require(force.shape == (len(contacts), 3), f"Contacts.force has the shape {force.shape} for {len(contacts)} rows")
+    require(bool(np.isfinite(force).all()), "contact forces must be finite")
+    pull = -min(np.einsum("ij,ij->i", force, contacts.normal), default=0.0)
+    # 1e-3: rounding in single precision, and a normal that turned within the frame.
+    require_between(
+        -np.inf, pull / (MASS * GRAVITY), 1e-3, "force over a weight by which a contact pulls at its bodies"
+    )
+    return contacts, force
+
+
+def _mean_force(simulation: Simulation, body: int, other: int) -> FloatArray:
+    """Return the mean force (3,), in weights of a brick, with which ``other`` acts on ``body``."""
+    total = np.zeros(3)
+    for _ in range(FRAMES):
+        simulation.step(simulation.info.frame_s)
+        contacts, force = _forces(simulation)
+        is_b = (contacts.body_b == body) & (contacts.body_a == other)
+        is_a = (contacts.body_a == body) & (contacts.body_b == other)
+        total += force[is_b].sum(axis=0) - force[is_a].sum(axis=0)
+    mean: FloatArray = total / (FRAMES * MASS * GRAVITY)
+    return mean
+
+
+def carries_a_resting_brick(rig: Rig) -> None:
+    """The forces on a brick at rest add up to its weight, on the ground and on a frozen brick."""
+    simulation = rig.open()
+    (support,) = frozen_column(simulation, 1, xs=(0.3,))
+    on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
+    advance(simulation, 1.0)
+    for body, other, where in ((on_ground, GROUND, "the ground"), (on_frozen, support, "a frozen brick")):
+        force = _mean_force(simulation, body, other)
+        error = np.abs(force - (0.0, 0.0, 1.0)).max()
+        require_between(0.0, error, PRECISION, f"error of the force over the weight of a brick at rest on {where}")
+
+
+def carries_each_level(rig: Rig) -> None:
+    """In a stack of three live bricks each interface carries the weight of all that lies above."""
+    simulation = rig.open()
+    stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
+    advance(simulation, 0.5)
+    for body, other, load in ((stack[0], GROUND, 3), (stack[1], stack[0], 2), (stack[2], stack[1], 1)):
+        force = _mean_force(simulation, body, other)
+        error = np.abs(force - (0.0, 0.0, load)).max()
+        require_between(0.0, error, load * PRECISION, f"error of the force below {load} live bricks, in weights of one")
+
+
+def resists_a_steady_push(rig: Rig) -> None:
+    """Friction balances a steady push of 0.2 weights, below the limit of 0.45; nothing moves."""
+    simulation = rig.open()
+    (support,) = frozen_column(simulation, 1, xs=(0.3,))
+    on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
+    advance(simulation, 1.0)
+    for body in (on_ground, on_frozen):
+        simulation.apply_force(body, (0.2 * MASS * GRAVITY, 0.0, 0.0))
+    advance(simulation, 0.3)
+    for body, other, where in ((on_ground, GROUND, "the ground"), (on_frozen, support, "a frozen brick")):
+        force = _mean_force(simulation, body, other)
+        error = np.abs(force - (-0.2, 0.0, 1.0)).max()
+        require_between(0.0, error, PRECISION, f"error of the force over the weight of a brick pushed on {where}")
+
+
+def forgets_forces_without_a_step(rig: Rig) -> None:
+    """``find_contacts`` reports contacts without forces, because no step has solved them."""
+    simulation = rig.open()
+    body = place_on(simulation, 0)
+    advance(simulation, 1.0)
+    simulation.find_contacts()
+    contacts = touching(simulation.port.contacts(), body)
+    require(len(contacts) > 0, "find_contacts lists no contact of a brick at rest")
+    require(contacts.force is None, "find_contacts reports forces")

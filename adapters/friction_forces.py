@@ -1,0 +1,123 @@
+"""Friction forces for engines that report normal forces only: what the bodies' change of momentum leaves for friction.
+
+Over a frame of length T, the contacts of body i bear in sum f_i = m_i (v_i - v_i') / T - m_i g - (steady forces). Less
+the normal forces N_c n_c that the engine reports, what is left is the friction of its contacts, t_c, across n_c:
+
+    sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
+    minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
+
+In a column each joint has just one answer. Where a body has several supports the balance alone does not tell how
+friction is shared, and this takes as much of each as it is loaded. Torques about the normal are left out. The least
+squares are solved by conjugate gradients (CGLS), whose start from zero gives the smallest answer.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from stability_core.port import FloatArray, IntArray
+
+MOST_ROUNDS = 100
+"""Rounds of the conjugate gradients at most: twice as many as a column of 25 bricks takes."""
+PRECISION = 1e-4
+"""Part of the first gradient at which they end: a hundredth of a percent of the forces."""
+
+
+def with_friction(
+    pairs: tuple[IntArray, IntArray],
+    normal: FloatArray,
+    force: FloatArray,
+    friction: FloatArray,
+    bodies: IntArray,
+    borne: FloatArray,
+) -> FloatArray:
+    """Return forces (n, 3) [N] on bodies b with friction added.
+
+    Args:
+        pairs: bodies a and b of each contact, each of shape (n,).
+        normal: unit normals from a to b, shape (n, 3).
+        force: normal forces [N] on b, shape (n, 3).
+        friction: coefficients, shape (n,).
+        bodies: ids of the live bodies, rising, shape (m,).
+        borne: sum of the contact forces [N] on each of them, shape (m, 3).
+    """
+    whole = force.copy()
+    if len(bodies) and len(force):
+        rows_a, rows_b = (_rows_of(ids, bodies) for ids in pairs)
+        _add_friction(rows_a, rows_b, normal, friction, borne.copy(), whole)
+    return whole
+
+
+def _rows_of(ids: IntArray, bodies: IntArray) -> IntArray:
+    """Return the row of each id in ``bodies``, -1 for those that are not in it."""
+    place = np.minimum(np.searchsorted(bodies, ids), len(bodies) - 1)
+    rows: IntArray = np.where(bodies[place] == ids, place, -1)
+    return rows
+
+
+@numba.njit(cache=True)
+def _gather(row_a: int, row_b: int, vectors: FloatArray, normal: FloatArray, weight: float, out: FloatArray) -> None:
+    """Write into ``out`` (3,) the difference of two bodies' vectors across the normal, times a weight."""
+    for k in range(3):
+        out[k] = 0.0
+        if row_b >= 0:
+            out[k] += vectors[row_b, k]
+        if row_a >= 0:
+            out[k] -= vectors[row_a, k]
+    along = out[0] * normal[0] + out[1] * normal[1] + out[2] * normal[2]
+    for k in range(3):
+        out[k] = weight * (out[k] - along * normal[k])
+
+
+@numba.njit(cache=True)
+def _scatter(row_a: int, row_b: int, vector: FloatArray, weight: float, sums: FloatArray) -> None:
+    """Add a contact's weighted ``vector`` (3,) to the sum of body b, and take it from that of body a."""
+    for k in range(3):
+        if row_b >= 0:
+            sums[row_b, k] += weight * vector[k]
+        if row_a >= 0:
+            sums[row_a, k] -= weight * vector[k]
+
+
+@numba.njit("(int64[:], int64[:], float64[:, :], float64[:], float64[:, :], float64[:, :])", cache=True)
+def _add_friction(
+    rows_a: IntArray,
+    rows_b: IntArray,
+    normal: FloatArray,
+    friction: FloatArray,
+    left: FloatArray,
+    force: FloatArray,
+) -> None:
+    """Add friction to ``force``, from what is ``left`` of the sums of contact forces (m, 3), which is overwritten."""
+    n = len(force)
+    weight, bound = np.empty(n), np.empty(n)
+    for c in range(n):
+        pressed = force[c, 0] * normal[c, 0] + force[c, 1] * normal[c, 1] + force[c, 2] * normal[c, 2]
+        bound[c] = friction[c] * max(pressed, 0.0)
+        weight[c] = math.sqrt(bound[c])
+        _scatter(rows_a[c], rows_b[c], force[c], -1.0, left)
+    answer, gradient = np.zeros((n, 3)), np.zeros((n, 3))
+    for c in range(n):
+        _gather(rows_a[c], rows_b[c], left, normal[c], weight[c], gradient[c])
+    direction = gradient.copy()
+    size = first = (gradient * gradient).sum()
+    for _ in range(MOST_ROUNDS):
+        if size <= PRECISION * PRECISION * first:
+            break
+        change = np.zeros_like(left)
+        for c in range(n):
+            _scatter(rows_a[c], rows_b[c], direction[c], weight[c], change)
+        step = size / (change * change).sum()
+        answer += step * direction
+        left -= step * change
+        for c in range(n):
+            _gather(rows_a[c], rows_b[c], left, normal[c], weight[c], gradient[c])
+        before, size = size, (gradient * gradient).sum()
+        direction = gradient + size / before * direction
+    for c in range(n):
+        length = weight[c] * math.sqrt((answer[c] * answer[c]).sum())
+        share = weight[c] * (1.0 if length <= bound[c] else bound[c] / length)
+        force[c] += share * answer[c]

@@ -1,0 +1,44 @@
+"""Gravity that turns while a scene is played: the simulation and the extension hear of it in the same frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from adapters.base import Simulation
+from scenarios.model import Tilt, Vector
+
+
+@dataclass(slots=True)
+class TurningGravity:
+    """Carries out the scene's tilts."""
+
+    simulation: Simulation
+    notify: Callable[[Vector], None]
+    """Is called with every new gravity [m/s2]."""
+    tilts: list[tuple[Tilt, Vector]] = field(default_factory=list)
+    """Those that go on, each with the gravity with which it began."""
+
+    def begin(self, tilt: Tilt) -> None:
+        """Begin to turn gravity."""
+        self.tilts.append((tilt, self.simulation.world.gravity))
+
+    def turn_on(self, time: float) -> None:
+        """Set gravity for the frame that begins at ``time`` [s]; end the tilts that are over."""
+        for tilt, start in self.tilts:
+            angle = math.radians(tilt.speed) * min(time - tilt.time, tilt.seconds)
+            gravity = turned(start, tilt.axis, -angle)
+            self.simulation.set_gravity(gravity)
+            self.notify(gravity)
+        self.tilts = [(tilt, start) for tilt, start in self.tilts if time < tilt.until]
+
+
+def turned(vector: Vector, axis: tuple[float, float], angle: float) -> Vector:
+    """Return ``vector`` turned by ``angle`` [rad] about a horizontal ``axis`` (Rodrigues' formula)."""
+    k = np.array([*axis, 0.0]) / math.hypot(*axis)
+    v = np.array(vector)
+    x, y, z = (v * math.cos(angle) + np.cross(k, v) * math.sin(angle) + k * (k @ v) * (1 - math.cos(angle))).tolist()
+    return x, y, z

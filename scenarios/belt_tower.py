@@ -1,0 +1,78 @@
+"""A column of cubes on a conveyor belt that starts and stops.
+
+Theory: while the belt accelerates at a, a column of n cubes of edge b on it is pushed back by m a at its middle, n b
+/ 2 high, and held by m g at b / 2 from its rear edge: it tips if a > g / n. It does not slide while a < mu g. So at
+half of g / n it is carried along and stands; at one and a half times it tips, if the start lasts long enough to carry
+the centre of mass beyond the edge.
+
+What to look for: a frozen column must come along with the belt, not stay behind in the air, and must tip where a live
+one does.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Action, Brick, Drive, Expectation, Place, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import DENSITY, MU
+
+EDGE = 0.04
+"""Edge of a cube [m]."""
+BELT = (2.4, 0.2, 0.02)
+"""Edges of the belt [m]: longer than the way of the column."""
+BOTTOM = 0.01
+"""Height of the belt's lower face [m]: clear of the ground."""
+GRAVITY = 9.81
+"""[m/s2]"""
+PAUSE_S = 2.0
+"""From the last cube to the start [s]."""
+START_S = 0.5
+"""How long the belt accelerates, and then slows down as fast [s]: three times as long as four cubes take to tip at one
+and a half times the limit."""
+SURE = 1.4
+"""Factor on either side of the limit from which the answer is known."""
+
+
+def belt_tower(*, start: float = 1.5, levels: int = 4) -> Scene:
+    """A column of cubes on a conveyor belt that starts and stops.
+
+    Args:
+        start: acceleration of the belt, in units of that at which the column tips.
+        levels: number of cubes.
+    """
+    start = real("start", start, least=0.1, most=3.0)
+    levels = whole("levels", levels, least=3, most=10)
+    parameters: dict[str, Value] = {"start": start, "levels": levels}
+    belt = Brick(BELT, 1.0, (0.0, 0.0, BOTTOM + BELT[2] / 2), moved=True)
+    top = BOTTOM + BELT[2]
+    actions: list[Action] = [Place(0.0, (belt,), height=BOTTOM)]
+    mass = DENSITY * EDGE**3
+    for index in range(levels):
+        cube = Brick((EDGE, EDGE, EDGE), mass, (0.0, 0.0, top + (index + 0.5) * EDGE), level=index + 2)
+        actions.append(Place(1.0 + index, (cube,)))
+    time = actions[-1].time + PAUSE_S
+    acceleration = start * GRAVITY / levels
+    actions += [
+        Drive(time, 0, (acceleration * START_S, 0.0, 0.0), seconds=START_S, carries=True),
+        Drive(time + START_S, 0, (0.0, 0.0, 0.0), seconds=START_S, carries=True),
+    ]
+    return Scene(
+        scenario="belt_tower",
+        variant=variant_of(belt_tower, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=tuple(actions),
+        expectation=_expected(start, levels, time),
+        look_for="the column comes along with the belt; started too fast, it tips backwards as a live one does",
+        pair=variant_of(belt_tower, parameters | {"start": 1.5}),
+        planar=True,
+    )
+
+
+def _expected(start: float, levels: int, time: float) -> Expectation:
+    """What must happen to a column whose belt starts at ``time`` [s]."""
+    theory = f"the belt starts at {start:g} g / n = {start / levels:.3g} g"
+    if start * SURE <= 1.0:
+        return Expectation("stand", f"{theory}, too slowly to tip {levels} cubes")
+    if start >= SURE and start / levels < MU / 1.1:
+        return Expectation("fall", f"{theory}: the column tips", levels + 1, not_before_s=time)
+    return Expectation("study", f"{theory}: near the limit, or so fast that it slides")

@@ -1,0 +1,58 @@
+"""A tower whose topmost plank is pressed steadily along its length.
+
+Theory: friction holds the plank while the force is below mu m g. Above, it slides off, and drags the tower below with
+mu m g, while that one's own friction resists with more: only the pressed plank moves.
+
+What to look for: nothing but the pressed plank may move, and it must move as soon as the force exceeds its friction.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Action, Expectation, Press, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import MASS, MU, lay, one_a_second
+
+GRAVITY = 9.81
+"""[m/s2]"""
+PAUSE_S = 2.0
+"""From the last plank to the press [s]."""
+PRESS_S = 1.0
+"""How long it is pressed [s]: at 1.5 times the limit a plank slides by its thickness within 0.1 s."""
+SURE = 1.2
+"""Factor on either side of the limit from which the answer is known: friction of some engines creeps near it."""
+
+
+def pressed_plank(*, force: float = 1.5, levels: int = 4) -> Scene:
+    """A tower whose topmost plank is pressed steadily along its length.
+
+    Args:
+        force: in units of the friction that holds the plank, mu m g.
+        levels: number of planks.
+    """
+    force = real("force", force, least=0.01, most=10)
+    levels = whole("levels", levels, least=2, most=100)
+    parameters: dict[str, Value] = {"force": force, "levels": levels}
+    actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
+    time = actions[-1].time + PAUSE_S
+    actions += (Press(time, levels - 1, (force * MU * MASS * GRAVITY, 0.0, 0.0), PRESS_S),)
+    return Scene(
+        scenario="pressed_plank",
+        variant=variant_of(pressed_plank, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=actions,
+        expectation=_expected(force, levels, time),
+        look_for="nothing but the pressed plank may move, and only if the force exceeds its friction",
+        pair=variant_of(pressed_plank, parameters | {"force": 1.5}),
+        planar=True,
+    )
+
+
+def _expected(force: float, levels: int, time: float) -> Expectation:
+    """What must happen to a plank that is pressed from ``time`` [s] on."""
+    theory = f"the force is {force:g} mu m g"
+    if force * SURE <= 1.0:
+        return Expectation("stand", f"{theory}: friction holds the plank")
+    if force >= SURE:
+        return Expectation("fall", f"{theory}: the plank slides off", levels, not_before_s=time)
+    return Expectation("study", f"{theory}: near the limit")

@@ -1,0 +1,69 @@
+"""Planks that lie across a table and a trapdoor, which drops away below them.
+
+Theory: the door drops faster than anything falls, so that it neither pulls nor pushes. Then the planks lie on the
+table alone, and stand if their centre of mass is above it.
+
+What to look for: a stack that is frozen on a door must feel that it opens; one that does not need it must stay.
+"""
+
+from __future__ import annotations
+
+from scenarios.model import Action, Brick, Drive, Expectation, Place, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, lay
+
+TOP = 0.15
+"""Height [m] of the table and of the closed door."""
+DOOR = (0.1, 3 * WIDTH, 0.01)
+"""Edges of the door [m]."""
+SLIT = 2e-3
+"""Between table and door [m]."""
+DROP_M_S, DROP_S = 2.0, 0.06
+"""Speed [m/s] at which the door drops, and for how long [s]."""
+PAUSE_S = 2.0
+"""From the last plank to the drop [s]."""
+SURE = 4.0
+"""Distance [mm] of the centre from the table's edge from which the answer is known: a dropped plank may shift by some
+tenths of a millimetre, and so may an edge that yields."""
+
+
+def trapdoor(*, beyond: float = 10.0, levels: int = 3) -> Scene:
+    """Planks that lie across a table and a trapdoor, which drops away below them.
+
+    Args:
+        beyond: how far [mm] the planks' centres lie beyond the table's edge; negative is above the table.
+        levels: number of planks.
+    """
+    beyond = real("beyond", beyond, least=-40.0, most=40.0)
+    levels = whole("levels", levels, least=1, most=10)
+    parameters: dict[str, Value] = {"beyond": beyond, "levels": levels}
+    table = Brick((2 * LENGTH, 3 * WIDTH, TOP), 1.0, (-LENGTH, 0.0, TOP / 2))
+    length, _, thickness = DOOR
+    door = Brick(DOOR, 1.0, (SLIT + length / 2, 0.0, TOP - thickness / 2), moved=True)
+    actions: list[Action] = [Place(0.0, (door,), height=TOP - thickness)]
+    for index in range(levels):
+        plank = lay(beyond * 1e-3, level=index + 2, bottom=TOP + index * THICKNESS)
+        actions.append(Place(1.0 + index, (plank,)))
+    time = actions[-1].time + PAUSE_S
+    actions += [Drive(time, 0, (0.0, 0.0, -DROP_M_S)), Drive(time + DROP_S, 0, (0.0, 0.0, 0.0))]
+    return Scene(
+        scenario="trapdoor",
+        variant=variant_of(trapdoor, parameters),
+        parameters=parameters,
+        world=World(friction=MU, fixed=(table,)),
+        actions=tuple(actions),
+        expectation=_expected(beyond, levels, time),
+        look_for="as the door drops, planks whose centre is beyond the table tip after it; others stay",
+        pair=variant_of(trapdoor, parameters | {"beyond": abs(beyond)}),
+        planar=True,
+    )
+
+
+def _expected(beyond: float, levels: int, time: float) -> Expectation:
+    """What must happen to planks whose centres lie so far [mm] beyond the table when the door drops at ``time`` [s]."""
+    theory = f"without the door the centres lie {abs(beyond):g} mm"
+    if beyond <= -SURE:
+        return Expectation("stand", f"{theory} inside the table's edge")
+    if beyond >= SURE:
+        return Expectation("fall", f"{theory} beyond the table's edge", levels + 1, not_before_s=time)
+    return Expectation("study", f"{theory} from the table's edge")
