@@ -13,7 +13,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
-from stability_core.stack import FROZEN, LIVE, Bodies, is_immovable, is_stack
+from stability_core.stack import LIVE, Bodies, is_immovable, is_stack
 
 CONTACT = np.dtype(
     [
@@ -22,6 +22,7 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
+        ("force", "f8", (3,)),  # [N], zero where the engine does not tell
         ("level", "?"),  # load-bearing: its cone contains the vertical, and it pushes a body up
     ],
     align=True,
@@ -75,9 +76,7 @@ def is_moving(body: Bodies, limits: Limits) -> bool:
 
 
 @compiled
-def _note(
-    bodies: Bodies, body: int, other: int, depth: float, slip: float, stands: bool, upward: float, limits: Limits
-) -> None:
+def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stands: bool, upward: float) -> None:
     """Note a contact with ``other`` on a live body.
 
     Penetration [m] counts where it ``stands`` on the other only. What pushes it ``upward``, by the normal, bears it.
@@ -90,8 +89,6 @@ def _note(
     row.neighbours |= bit_of(other)
     if is_stack(bodies, other):
         row.frozen_neighbours |= bit_of(other)
-    elif is_moving(bodies[other], limits) and np.isfinite(bodies[other].speed):
-        row.is_jostled = True
     if stands or upward > BEARS:
         row.supported_by |= bit_of(other)
     if stands and depth > row.depth:  # false for an unknown (NaN) depth
@@ -99,7 +96,7 @@ def _note(
 
 
 @compiled
-def _speeds(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
+def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
     """Approach and sliding speed [m/s] of a pair, (nan, 0) where the velocity is unknown."""
     along, total = 0.0, 0.0
     for k in range(3):
@@ -154,6 +151,13 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 
 @compiled
+def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
+    """True if a pair of this ``size`` [m] meets faster than bricks that are laid: at the speed ``approach`` [m/s]."""
+    laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
+    return bool(approach > laid)
+
+
+@compiled
 def keep_contacts(
     bodies: Bodies,
     body_a: IntArray,
@@ -163,11 +167,11 @@ def keep_contacts(
     separation: FloatArray,
     relative_velocity: FloatArray,
     friction: FloatArray,
+    force: FloatArray,
     limits: Limits,
     dt: float,
     kept: ContactRows,
-    struck: IntArray,
-) -> tuple[int, int]:
+) -> int:
     """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
 
     Args:
@@ -179,30 +183,24 @@ def keep_contacts(
         separation: signed distances [m], shape (n,).
         relative_velocity: of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
+        force: on b [N], shape (n, 3), or (0, 3) if the engine does not tell.
         limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
             drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
             What is not load-bearing counts only if it touches, to ``touch_gap``: friction needs pressure.
         dt: time since the last frame [s].
         kept: the contacts that count are written here, at least n rows of ``CONTACT``.
-        struck: the frozen bodies struck by an impact are written here, at least 2 n rows.
 
     Returns:
-        How many contacts count; and how many bodies were struck.
+        How many contacts count.
     """
-    size, hits = 0, 0
+    size = 0
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
         size_of = size_of_pair(bodies, a, b)
         if _reach(body_a, body_b, separation, i) > limits.contact_gap * size_of:
             continue  # never for an unknown (NaN) separation: it counts as touch
-        approach, slip = _speeds(relative_velocity[i], normal[i])
-        if approach > max(
-            limits.impact_speed * np.sqrt(limits.gravity * size_of), limits.impact_frames * limits.gravity * dt
-        ):
-            for body in (a, b):
-                if body != GROUND and bodies[body].state == FROZEN:
-                    struck[hits] = body
-                    hits += 1
+        approach, slip = speeds_of(relative_velocity[i], normal[i])
+        if is_impact(approach, size_of, limits, dt):
             continue
         upper = upper_of(a, b, normal[i, 2])  # a ceiling carries nothing
         level = is_level(normal[i, 2], friction[i], limits.level_tilt) and not is_immovable(bodies, upper)
@@ -212,8 +210,9 @@ def keep_contacts(
         row.body_a, row.body_b, row.friction = a, b, friction[i]
         for k in range(3):
             row.point[k], row.normal[k] = point[i, k], normal[i, k]
+            row.force[k] = force[i, k] if len(force) > 0 else 0.0
         row.level = level
         size += 1
-        _note(bodies, a, b, -separation[i], slip, level and upper == a, -normal[i, 2], limits)
-        _note(bodies, b, a, -separation[i], slip, level and upper == b, normal[i, 2], limits)
-    return size, hits
+        _note(bodies, a, b, -separation[i], slip, level and upper == a, -normal[i, 2])
+        _note(bodies, b, a, -separation[i], slip, level and upper == b, normal[i, 2])
+    return size

@@ -17,7 +17,17 @@ from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import BoolArray, Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
-from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, Bodies, drop_supports, note_change, with_all_above
+from stability_core.stack import (
+    FROZEN,
+    LIVE,
+    MOVING,
+    PROVEN,
+    Bodies,
+    around,
+    drop_supports,
+    note_change,
+    with_all_above,
+)
 from stability_core.upright import checked_gravity
 from stability_core.watch import AT_REST, LEANING, LYING, MOVED, STRUCK, skip_frame
 from stability_core.world import World
@@ -34,6 +44,8 @@ class Change(NamedTuple):
     """Why, for each of them."""
 
 
+DRAGGED_ALONG = 3
+"""How many bodies away, from one to the next, a body is dragged along by one that a blow flings away."""
 UNCHANGED = Change((), (), {})
 CLOSED = "this extension is closed: make a new StabilityExtension for the port"
 MOMENT_S = 1e-9
@@ -347,10 +359,18 @@ class StabilityExtension:
         frozen, unbalanced = self.policy.settle(self._world.graph, self._world.watch)
         struck = self._world.watch.due.item(STRUCK, 0)
         if struck:
-            self._wake_above(self._world.watch.due[STRUCK, 1 : 1 + struck], "struck", frozen, woken)
+            self._wake_struck(self._world.watch.due[STRUCK, 1 : 1 + struck].copy(), frozen, woken)
         if len(unbalanced):
             self._wake_above(unbalanced, "unbalanced", frozen, woken)
         return self._tell(frozen, woken)
+
+    def _wake_struck(self, struck: IntArray, frozen: dict[int, str], woken: dict[int, str]) -> None:
+        """Wake what blows move: what they fling away drags its neighbours along, within the same engine step."""
+        graph = self._world.graph
+        rows = graph.bodies[struck]
+        flung = struck[rows["blow"] > rows["size"]]
+        self._wake_above(around(graph, flung, DRAGGED_ALONG), "struck", frozen, woken)
+        self._wake_above(struck, "struck", frozen, woken)
 
     def _leave_moved(self, moved: IntArray, woken: dict[int, str]) -> None:
         """Wake what rested on kinematic bodies that began to move, and what they touch; these rest on nothing."""
@@ -414,6 +434,7 @@ class StabilityExtension:
         row = self._world.graph.bodies[number]
         row["state"], row["unsettled"], row["leans"], row["doubt"] = LIVE, True, False, PROVEN
         row["rest_s"] = row["still_s"] = row["lean_s"] = row["steady_s"] = 0.0
+        row["blow"] = row["slid"] = 0.0
         row["load_s"] = self.settings.load_s
         row["is_load"], row["load_center"] = True, row["center"]
         row["load_supported_by"] = supports_as_bits(self._world.graph, number)

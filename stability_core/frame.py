@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from stability_core.blows import list_struck
 from stability_core.checks import (
     BAD_CONTACT,
     BAD_MASS,
@@ -26,10 +27,11 @@ from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
 from stability_core.kinematic import follow_host, list_carried
 from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
 from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.pushes import list_pushed
 from stability_core.rows import find_rows, give_rows, take_row
 from stability_core.settings import Limits
 from stability_core.stack import ABSENT, Bodies, is_immovable, sorted_ids
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, MOVED, STRUCK, next_frame
+from stability_core.watch import AT_REST, GONE, LEANING, LYING, MOVED, NOW, PUSHED, STRUCK, TOLD, next_frame
 
 
 @compiled
@@ -153,6 +155,7 @@ def observe(
     separation: FloatArray,
     relative_velocity: FloatArray,
     friction: FloatArray,
+    force: FloatArray,
 ) -> tuple[int, int, int, int]:
     """Track the live bodies, filter the contacts, and write down what must be decided.
 
@@ -166,7 +169,7 @@ def observe(
         contacts: of ``Watch``, with room for n more, written here; the same for the next four.
         sizes: shape (frames,).
         latest: shape (1,).
-        clock: shape (2,).
+        clock: shape (4,).
         due: with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
@@ -180,6 +183,7 @@ def observe(
         separation: signed distances [m], shape (n,).
         relative_velocity: of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
+        force: on b [N], shape (n, 3), or (0, 3) if the engine does not tell.
 
     Returns:
         A fault (FINE if there is none); its row, for NO_ROOM how many rows of bodies are missing, for FINE how many
@@ -220,9 +224,17 @@ def observe(
         moved = list_carried(bodies, rows_a, rows_b, separation, relative_velocity, limit, due[MOVED, 1:], moved)
     due[MOVED, 0] = moved
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
-    sizes[latest[0]], due[STRUCK, 0] = keep_contacts(
-        bodies, rows_a, rows_b, point, normal, separation, relative_velocity, friction, limit, dt, kept, due[STRUCK, 1:]
+    due[STRUCK, 0] = list_struck(
+        bodies, rows_a, rows_b, normal, separation, relative_velocity, friction, limit, dt, due[STRUCK, 1:]
     )
+    sizes[latest[0]] = keep_contacts(
+        bodies, rows_a, rows_b, point, normal, separation, relative_velocity, friction, force, limit, dt, kept
+    )
+    clock[TOLD] = 1.0 if len(force) > 0 else 0.0
+    if len(force) > 0:
+        due[PUSHED, 0] = list_pushed(bodies, kept, sizes[latest[0]], limit, clock[NOW], dt, due[PUSHED, 1:])
+    else:
+        due[PUSHED, 0] = 0
     time_at_rest(bodies, rows, limit, dt)
     due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, rows, limit, dt, due[AT_REST, 1:], due[LEANING, 1:])
     due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, rows, limit, due[LYING, 1:], due[GONE, 1:])

@@ -28,7 +28,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.state = LIVE
             body.speed = np.inf
             body.unsettled = body.held = body.is_load = False
-            body.rest_s = body.still_s = body.lean_s = body.load_s = 0.0
+            body.idle_s = body.rest_s = body.still_s = body.lean_s = body.load_s = 0.0
             body.steady_s, body.steady_neighbours = 0.0, 0
             body.doubt, body.refusal = PROVEN, NOT_REFUSED
             body.wakes = 0
@@ -46,7 +46,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.center[k] = center[i, k]
         body.depth_before = body.depth
         body.slip = body.depth = 0.0
-        body.touches = body.is_jostled = False
+        body.touches = False
         body.supported_by = body.neighbours = body.frozen_neighbours = 0
     return frozen
 
@@ -100,7 +100,7 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
             continue
         fall_speed = np.sqrt(limits.gravity * body.size)
         _time_in_place(body, limits, fall_speed, dt)
-        free = body.touches and not body.held and not body.is_jostled
+        free = body.touches and not body.held
         if body.speed > limits.flight_speed * fall_speed:
             body.wakes = 0
         sinking = abs(body.depth - body.depth_before)
@@ -108,8 +108,10 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
         slow = body.speed <= limits.rest_speed * fall_speed and body.slip <= limits.rest_slip * fall_speed
         leans = body.speed <= limits.lean_speed * fall_speed and body.depth <= limits.lean_penetration * body.size
         lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
+        body.idle_s = body.idle_s + dt if slow and not is_deep and not body.held else 0.0
+        body.is_resting = body.idle_s >= limits.rest_s - ROUNDING_S
         body.rest_s = body.rest_s + dt if free and slow and not is_deep else 0.0
-        body.lean_s = body.lean_s + dt if body.touches and not body.held and leans else 0.0
+        body.lean_s = body.lean_s + dt if free and leans else 0.0
         body.load_s = body.load_s + dt if lies else 0.0
         if body.unsettled and (is_moving(body, limits) or body.lean_s >= limits.calm_s - ROUNDING_S):
             body.unsettled = False
@@ -161,14 +163,12 @@ def list_due(
     n, m = 0, 0
     for i in range(len(ids)):
         body = bodies[ids[i]]
-        body.is_resting = False
         if body.state != LIVE or body.unsettled or body.held or not body.touches:
             continue
         dwell = (
             body.rest_s if body.rest_s >= limits.rest_s - ROUNDING_S else body.still_s - limits.still_s + limits.rest_s
         )
         patience = _patience(body, limits)
-        body.is_resting = dwell - patience >= limits.rest_s - ROUNDING_S
         is_as_refused = body.frozen_neighbours == body.refused_among
         if is_as_refused and body.refusal == DOUBTED and body.steady_s < limits.doubt_s - ROUNDING_S:
             continue

@@ -97,6 +97,7 @@ class ScriptedPort:
             np.zeros(count),
             np.tile(self.velocity, (count, 1)),
             np.full(count, 0.6),
+            np.zeros((count, 3)),
         )
 
     def masses(self) -> Masses:

@@ -81,6 +81,9 @@ class Settings:
     impact_frames: float = _setting(
         3.0, "frames of gravity", "what is let go on its place gains two frames of gravity before the solver stops it"
     )
+    slide: float = _length(
+        78e-6, "78 um: a hundredth of a plank's thickness: a blow that moves a brick by less leaves it where it is"
+    )
     contact_gap: float = _length(
         0.5e-3, "0.5 mm: engines report contacts before touch and through thin bricks; those carry nothing"
     )

@@ -39,16 +39,22 @@ BODY = np.dtype(
         ("id", "i8"),  # by which the port knows it
         ("held", "?"),  # a user holds it: it stays live
         ("mass", "f8"),  # [kg], infinite for kinematic bodies
+        ("blow", "f8"),  # by how much the blows of the latest frame would let it slide [m]
+        ("slid", "f8"),  # the same, all that it has borne since it was frozen [m]; infinite for a hard blow
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
         ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
         ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
+        # the mean push of live bodies on a frozen one: see ``pushes``
+        ("push", "f8", (3,)),  # [N]
+        ("pushed_s", "f8"),  # when it was last pushed [s]
+        ("push_judged", "f8", (3,)),  # the push under which its balance was last looked at [N]
+        ("push_judged_s", "f8"),  # when that was [s]
         # how it moves and what it touches, in the latest frame
         ("speed", "f8"),  # of the centre of mass [m/s]
         ("slip", "f8"),  # fastest sliding at a contact [m/s]
         ("depth", "f8"),  # deepest penetration into a support [m]
         ("depth_before", "f8"),  # the same, in the frame before [m]
         ("touches", "?"),  # it touches the ground or a frozen body
-        ("is_jostled", "?"),  # it touches a live body that moves
         ("supported_by", "u8"),  # its supports as a set of 64 bits by id
         ("neighbours", "u8"),  # all that it touches, likewise
         ("frozen_neighbours", "u8"),  # those of them that are frozen, or the ground
@@ -59,7 +65,8 @@ BODY = np.dtype(
         ("lean_s", "f8"),  # at rest by the rule for leaning
         ("load_s", "f8"),  # slow enough to lie on its support
         ("unsettled", "?"),  # woken, and neither seen moving nor calm for long since then
-        ("is_resting", "?"),  # at rest for long enough to be frozen, if it stands
+        ("idle_s", "f8"),  # at rest by the strict rule, whatever it touches
+        ("is_resting", "?"),  # that for as long as freezing asks for
         ("wakes", "i8"),  # how often it was woken since it was last in flight
         # for how long it has kept its place among the same neighbours
         ("steady_s", "f8"),  # [s]
@@ -327,6 +334,36 @@ def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
                 size += 1
             at = graph.patches[at].next_support
         done += 1
+    return found[:size]
+
+
+@compiled
+def around(graph: Graph, roots: IntArray, hops: int) -> IntArray:
+    """``roots`` and the frozen bodies that touch them, and those that touch these, ``hops`` times, shape (k,)."""
+    bodies, patches = graph.bodies, graph.patches
+    reached = np.zeros(len(bodies), np.bool_)
+    found = np.empty(len(bodies), np.int64)
+    size = 0
+    for root in roots:
+        if not reached[root]:
+            reached[root] = True
+            found[size] = root
+            size += 1
+    done = 0
+    for _ in range(hops):
+        border = size
+        while done < border:
+            for upwards in range(2):
+                at = bodies[found[done]].first_load if upwards else bodies[found[done]].first_support
+                while at != NONE:
+                    patch = patches[at]
+                    other = patch.upper if upwards else patch.lower
+                    at = patch.next_load if upwards else patch.next_support
+                    if other != GROUND and not reached[other] and bodies[other].state == FROZEN:
+                        reached[other] = True
+                        found[size] = other
+                        size += 1
+            done += 1
     return found[:size]
 
 

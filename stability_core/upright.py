@@ -76,6 +76,7 @@ class Upright:
             contacts.separation,
             self._turn(contacts.relative_velocity),
             contacts.friction,
+            None if contacts.force is None else self._turn(contacts.force),
         )
 
     def turn_masses(self, masses: Masses) -> Masses:

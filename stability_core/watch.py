@@ -21,10 +21,12 @@ FRAME_S = 1 / 60
 """Least time [s] that a dwell frame covers. Of a host at 1 kHz the last of 17 frames is kept: six of them span the true
 contact area as they do at 60 Hz, at the same cost."""
 
-STRUCK, AT_REST, LEANING, LYING, GONE, MOVED = range(6)
+STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``Watch.due``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning test; live
 bodies that lie on the stack anew, and those that do so no more; kinematic bodies that began to move, and frozen bodies
-that one of them moves."""
+that one of them moves; frozen bodies on which a push has changed."""
+STOOD, LENGTH, NOW, TOLD = range(4)
+"""Entries of ``Watch.clock``."""
 
 
 class Watch(NamedTuple):
@@ -37,9 +39,10 @@ class Watch(NamedTuple):
     latest: IntArray
     """The latest frame, shape (1,): frames are written in turn."""
     clock: FloatArray
-    """For how long [s] the latest frame has stood there, and how long one stands at least, shape (2,)."""
+    """For how long [s] the latest frame has stood there; how long one stands at least; time since the first frame [s];
+    one if the engine tells contact forces; shape (4,)."""
     due: IntArray
-    """A list of bodies in each row: how many, then their rows, shape (6, 1 + room)."""
+    """A list of bodies in each row: how many, then their rows, shape (7, 1 + room)."""
 
 
 def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
@@ -52,8 +55,8 @@ def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
         np.zeros(frames * room, CONTACT),
         np.zeros(frames, np.int64),
         np.zeros(1, np.int64),
-        np.array([0.0, FRAME_S]),
-        np.zeros((6, 1 + room), np.int64),
+        np.array([0.0, FRAME_S, 0.0, 0.0]),
+        np.zeros((7, 1 + room), np.int64),
     )
     if known is not None:
         fresh.contacts.reshape(frames, room)[:, : len(known.contacts) // frames] = known.contacts.reshape(frames, -1)
@@ -63,11 +66,12 @@ def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
 
 def skip_frame(watch: Watch, dt: float) -> None:
     """Note a frame of ``dt`` seconds in which nothing is live: it has no contacts."""
-    stood = watch.clock.item(0) + dt
+    watch.clock[NOW] += dt
+    stood = watch.clock.item(STOOD) + dt
     if stood >= FRAME_S - ROUNDING_S:
         stood = 0.0
         watch.latest[0] = (watch.latest.item(0) + 1) % len(watch.sizes)
-    watch.clock[0] = stood
+    watch.clock[STOOD] = stood
     watch.sizes[watch.latest.item(0)] = 0
 
 
@@ -93,17 +97,18 @@ def forget_contacts(bodies: Bodies, watch: Watch) -> None:
 @compiled
 def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) -> None:
     """Go on to the next dwell frame, if the latest has stood for ``FRAME_S``: a faster host writes over it."""
-    clock[0] += dt
-    clock[1] = max(dt, FRAME_S)
-    if clock[0] >= FRAME_S - ROUNDING_S:
-        clock[0] = 0.0
+    clock[NOW] += dt
+    clock[STOOD] += dt
+    clock[LENGTH] = max(dt, FRAME_S)
+    if clock[STOOD] >= FRAME_S - ROUNDING_S:
+        clock[STOOD] = 0.0
         latest[0] = (latest[0] + 1) % len(sizes)
 
 
 @compiled
 def frames_of(watch: Watch, seconds: float) -> int:
     """How many of the latest dwell frames lie in as many ``seconds``: at least one."""
-    frames = int(np.ceil((seconds - ROUNDING_S) / watch.clock[1]))
+    frames = int(np.ceil((seconds - ROUNDING_S) / watch.clock[LENGTH]))
     return min(max(1, frames), len(watch.sizes))
 
 

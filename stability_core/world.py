@@ -23,6 +23,8 @@ from stability_core.turning import turn_memory
 from stability_core.upright import Upright
 from stability_core.watch import forget_contacts, watch_for
 
+_UNTOLD = np.zeros((0, 3))
+"""In place of the contact forces of an engine that does not tell them."""
 _IDS, _NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 
 
@@ -99,6 +101,7 @@ class World:
                     _laid_out(seen.separation, _NUMBERS),
                     _laid_out(seen.relative_velocity, _NUMBERS),
                     _laid_out(seen.friction, _NUMBERS),
+                    _UNTOLD if seen.force is None else _laid_out(seen.force, _NUMBERS),
                 )
             except WrongTypeError:  # an array has more or fewer dimensions
                 check_shapes(contacts, masses)

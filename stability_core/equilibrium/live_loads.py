@@ -14,7 +14,10 @@ from stability_core.equilibrium.assembly import FIXED, Part, add_wrench, part_of
 from stability_core.equilibrium.memory import Memory
 from stability_core.equilibrium.newton import nearest_forces
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
-from stability_core.stack import FROZEN, LIVE, NONE, Graph, sorted_ids
+from stability_core.pushes import is_push
+from stability_core.settings import Limits
+from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
+from stability_core.watch import Watch, frame_before, frames_of
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
@@ -78,8 +81,20 @@ def carriers(graph: Graph, ids: IntArray) -> IntArray:
 
 
 @compiled
+def is_upright(graph: Graph, live: IntArray) -> bool:
+    """True if all ``live`` bodies (k,) stand on level contacts alone: what they press is then straight down."""
+    for body in live:
+        at = graph.bodies[body].first_support
+        while at != NONE:
+            if graph.patches[at].kind == LEAN:
+                return False
+            at = graph.patches[at].next_support
+    return True
+
+
+@compiled
 def live_load(
-    graph: Graph, memory: Memory, part: Part, live: IntArray, gravity: float, y: FloatArray
+    graph: Graph, memory: Memory, part: Part, live: IntArray, gravity: float, told: bool, y: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """What the ``live`` bodies (k,) that lie on the bodies of ``part`` press on them: O(k) and some factorisations.
 
@@ -89,6 +104,7 @@ def live_load(
         part: what they lie on.
         live: all of them, shape (k,).
         gravity: gravitational acceleration [m/s2], positive.
+        told: whether the engine tells contact forces: then what live bodies press on side faces is not estimated.
         y: where the search begins, by body; overwritten (see ``nearest_forces``).
 
     Returns:
@@ -119,9 +135,34 @@ def live_load(
         patch = graph.patches[at]
         i = index[patch.lower] if patch.lower != GROUND else -1
         for vertex in range(patch.vertices):
-            if i >= 0:
+            if i >= 0 and not (told and patch.kind == LEAN):
                 for k in range(3):
                     lever[k] = patch.vertex[vertex, k] - graph.bodies[patch.lower].center[k]
                 add_wrench(pressed[i], -1.0, force[c], lever, part.size[i])
             c += 1
     return pressed, held
+
+
+@compiled
+def pushes_on(graph: Graph, watch: Watch, part: Part, limits: Limits) -> FloatArray:
+    """Mean force [N] and moment [N, over the body's size] of pushes on each body of ``part``, shape (n, 6).
+
+    O(contacts of the latest dwell frames). See ``pushes``.
+    """
+    pushed = np.zeros((len(part.ids), 6))
+    index = np.full(len(graph.bodies), -1)
+    for i in range(len(part.ids)):
+        index[part.ids[i]] = i
+    frames, room = frames_of(watch, limits[0].load_s), len(watch.contacts) // len(watch.sizes)
+    lever = np.empty(3)
+    for back in range(frames):
+        frame = frame_before(watch, back)
+        for at in range(frame * room, frame * room + watch.sizes[frame]):
+            contact = watch.contacts[at]
+            for target, pusher, sign in ((contact.body_b, contact.body_a, 1.0), (contact.body_a, contact.body_b, -1.0)):
+                if target == GROUND or index[target] < 0 or not is_push(graph.bodies, pusher, contact.level, limits[0]):
+                    continue
+                for k in range(3):
+                    lever[k] = contact.point[k] - graph.bodies[target].center[k]
+                add_wrench(pushed[index[target]], sign / frames, contact.force, lever, part.size[index[target]])
+    return pushed

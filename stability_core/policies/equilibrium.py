@@ -22,7 +22,7 @@ from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, part_of
 from stability_core.equilibrium.component import bearing, component
-from stability_core.equilibrium.live_loads import carriers, live_load, lying_on
+from stability_core.equilibrium.live_loads import carriers, is_upright, live_load, lying_on, pushes_on
 from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import Problem, relieved_of
@@ -61,7 +61,7 @@ from stability_core.stack import (
     take_changed,
 )
 from stability_core.stack_mass import support_polygon
-from stability_core.watch import AT_REST, LEANING, Watch, listed
+from stability_core.watch import AT_REST, LEANING, PUSHED, TOLD, Watch, listed
 
 SAFE, LEFT, UNSOLVED = range(3)
 """Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
@@ -117,7 +117,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 
 @compiled
 def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
-    """The ``candidates``, and the live bodies at rest that they touch, directly or through others, by rising id.
+    """The ``candidates``, and the live bodies at rest on which they rest, directly or through others, by rising id.
 
     Bodies that hold each other can only be frozen together, whichever of them came to rest first.
     """
@@ -129,17 +129,15 @@ def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
     reached[candidates] = True
     done = 0
     while done < size:
-        for upwards in range(2):
-            at = bodies[found[done]].first_load if upwards else bodies[found[done]].first_support
-            while at != NONE:
-                patch = patches[at]
-                other = patch.upper if upwards else patch.lower
-                at = patch.next_load if upwards else patch.next_support
-                if other != GROUND and not reached[other] and bodies[other].state == LIVE and bodies[other].is_resting:
-                    reached[other] = True
-                    found[size] = other
-                    size += 1
+        at = bodies[found[done]].first_support
         done += 1
+        while at != NONE:
+            other = patches[at].lower
+            at = patches[at].next_support
+            if other != GROUND and not reached[other] and bodies[other].state == LIVE and bodies[other].is_resting:
+                reached[other] = True
+                found[size] = other
+                size += 1
     return sorted_ids(found[:size])
 
 
@@ -292,7 +290,10 @@ class Equilibrium(Policy):
             reasons.update(together)
             unsolved = _finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
-        unbalanced = self._unbalanced(graph, self._found[UNSOLVED, :unsolved]) if unsolved else NOBODY
+        changed = self._found[UNSOLVED, :unsolved]
+        if watch.due.item(PUSHED, 0):
+            changed = _together(changed, listed(watch, PUSHED))
+        unbalanced = self._unbalanced(graph, watch, changed) if len(changed) else NOBODY
         self._wake_grip = WAKE_GRIP
         return Decision(reasons, unbalanced)
 
@@ -374,7 +375,7 @@ class Equilibrium(Policy):
             group = group[~goes]
         return group[:0], "", group[:0]
 
-    def _unbalanced(self, graph: Graph, unproven: IntArray) -> IntArray:
+    def _unbalanced(self, graph: Graph, watch: Watch, unproven: IntArray) -> IntArray:
         """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
 
         What stands with a live load is not proven to stand without it. A body that was frozen in doubt goes at any
@@ -386,24 +387,25 @@ class Equilibrium(Policy):
         if len(seeds) == 0:
             return doubtful
         for ids, is_whole in self._parts(graph, seeds, seeds[:0]):
-            goes = self._falls(graph, ids, seeds, AS_BEFORE)
+            goes = self._falls(graph, watch, ids, seeds, AS_BEFORE)
             if len(goes) == 0:
                 return doubtful
             if is_whole:
                 return _together(doubtful, goes)
-        certain = self._falls(graph, ids, seeds, FIXED)
+        certain = self._falls(graph, watch, ids, seeds, FIXED)
         return _together(doubtful, certain if len(certain) else seeds)
 
-    def _falls(self, graph: Graph, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
+    def _falls(self, graph: Graph, watch: Watch, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
         """Which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
 
         What live bodies press if the stack is rigid is one of many ways to share their weight. Where the stack does not
-        bear it, those that do not fall themselves are solved together with it.
+        bear it, those that do not fall themselves are solved together with it. If that does not prove that all of it
+        bears the load, what the load presses on is woken, and the rest is asked again without it.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self.settings.wake_margin, self._wake_grip))[len(live) > 0 :]:
             part = self._part(graph, ids, outside, margin, grip)
-            pressed, held = live_load(graph, self._memory, part, live, self.gravity, self._lift)
+            pressed, held = self._pressed(graph, watch, part, live)
             problem = part.problem._replace(load=part.problem.load - pressed)
             answer = self._decide(graph, part, problem, np.isin(ids, seeds))
             verdict, forces = answer[:2]
@@ -414,11 +416,28 @@ class Equilibrium(Policy):
                 return ids[:0]
         goes = self._moves(graph, part, problem, seeds, answer)
         if outside == AS_BEFORE and len(goes) and held.any():
-            return self._falls_together(graph, ids, seeds, live, held, goes)
+            goes = self._falls_together(graph, watch, ids, seeds, live, held, goes)
+        if len(goes) and len(live) and not (verdict == "unstable" and is_upright(graph, live)):
+            return seeds
         return goes
 
+    def _pressed(self, graph: Graph, watch: Watch, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
+        """What ``live`` bodies (k,) press on a part, (n, 6), and which of them are held, (k,): see ``live_load``."""
+        told = watch.clock.item(TOLD) > 0.0
+        pressed, held = live_load(graph, self._memory, part, live, self.gravity, told, self._lift)
+        if told:
+            pressed += pushes_on(graph, watch, part, self.limits)
+        return pressed, held
+
     def _falls_together(
-        self, graph: Graph, ids: IntArray, seeds: IntArray, live: IntArray, held: BoolArray, goes: IntArray
+        self,
+        graph: Graph,
+        watch: Watch,
+        ids: IntArray,
+        seeds: IntArray,
+        live: IntArray,
+        held: BoolArray,
+        goes: IntArray,
     ) -> IntArray:
         """Which frozen bodies fall if the live ones that are ``held`` (k,) share their weight as the stack needs it.
 
@@ -431,7 +450,7 @@ class Equilibrium(Policy):
             return goes
         part = self._part(graph, together, AS_BEFORE, self.settings.wake_margin, self._wake_grip)
         others = np.setdiff1d(lying_on(graph, together), together)
-        pressed, _ = live_load(graph, self._memory, part, others, self.gravity, self._lift)
+        pressed, _ = self._pressed(graph, watch, part, others)
         problem = part.problem._replace(load=part.problem.load - pressed)
         answer = self._decide(graph, part, problem, np.isin(together, seeds))
         return self._moves(graph, part, problem, seeds, answer)

@@ -1,0 +1,98 @@
+"""Pushes: the contact forces with which live bodies press on frozen ones other than by lying on them.
+
+What lies on a stack presses with its weight, which statics knows. A hand, a motor or a robot that leans on a stack
+presses with a force that only the engine knows: where it tells contact forces, those count that act at side faces, and
+all those of bodies that the user holds or the host moves. A mean over ``load_s`` is taken: a bump is no push.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.contact_filter import ContactRows
+from stability_core.port import GROUND, IntArray
+from stability_core.settings import Limits
+from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
+
+CHANGE = 0.2
+"""Change of a push, over the body's weight and that push, from which on its balance is looked at again."""
+
+
+@compiled
+def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
+    """True if what a body exerts at a contact with a frozen one is a push: it does not just lie there."""
+    if pusher == GROUND:
+        return False
+    row = bodies[pusher]
+    if row.state == MOVING:
+        return True
+    if row.state != LIVE or row.speed > limits.load_speed * np.sqrt(limits.gravity * row.size):
+        return False
+    return bool(row.held or not level)
+
+
+@compiled
+def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
+    """Make room for the share ``weight`` of the present frame in the mean; a push of long ago is forgotten."""
+    if now - row.pushed_s > limits.load_s:
+        row.push[:], row.push_judged[:], row.push_judged_s = 0.0, 0.0, now
+    row.pushed_s = now
+    row.push[:] *= 1.0 - weight
+
+
+@compiled
+def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
+    """True if a push has changed since the balance of the body was last looked at, or lasts since then."""
+    change, strength = 0.0, 0.0
+    for k in range(3):
+        change += (row.push[k] - row.push_judged[k]) ** 2
+        strength += row.push[k] ** 2
+    change, strength = np.sqrt(change), np.sqrt(strength)
+    own = row.mass * limits.gravity
+    lasts = now - row.push_judged_s >= limits.still_s and strength > CHANGE * own
+    if not lasts and change <= CHANGE * (own + strength):
+        return False
+    row.push_judged[:], row.push_judged_s = row.push, now
+    return True
+
+
+@compiled
+def list_pushed(
+    bodies: Bodies, contacts: ContactRows, size: int, limits: Limits, now: float, dt: float, pushed: IntArray
+) -> int:
+    """Write down the frozen bodies on which a push has changed, or lasts: O(size).
+
+    Args:
+        bodies: the table.
+        contacts: those of the latest frame that count.
+        size: how many they are.
+        limits: the settings.
+        now: time since the first frame [s].
+        dt: length of a frame [s].
+        pushed: written here, at least 2 ``size`` rows.
+
+    Returns:
+        How many they are.
+    """
+    touched = 0
+    for i in range(size):
+        contact = contacts[i]
+        for target, pusher, sign in ((contact.body_b, contact.body_a, 1.0), (contact.body_a, contact.body_b, -1.0)):
+            if target == GROUND or bodies[target].state != FROZEN:
+                continue
+            if not is_push(bodies, pusher, contact.level, limits):
+                continue
+            row, weight = bodies[target], min(1.0, dt / limits.load_s)
+            if row.pushed_s != now:
+                pushed[touched] = target
+                touched += 1
+                _begin(row, limits, now, weight)
+            for k in range(3):
+                row.push[k] += sign * contact.force[k] * weight
+    kept = 0
+    for target in pushed[:touched]:
+        if _is_due(bodies[target], limits, now):
+            pushed[kept] = target
+            kept += 1
+    return kept
