@@ -116,7 +116,7 @@ class SteeredFrames:
 
     def turn_gravity(self, gravity: Vector) -> None:
         """Tell the extension which way bricks fall, and how fast [m/s2]."""
-        self._extension.gravity = gravity  # type: ignore[attr-defined]
+        self._extension.gravity = gravity
 
 
 def _total(times: Sequence[FrameTimes]) -> FrameTimes:

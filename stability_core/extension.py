@@ -301,6 +301,7 @@ class StabilityExtension:
         if self._leaving or self._left:
             contacts, masses = self._without_removed(contacts, masses)
         if len(masses.body) == 0 and len(contacts) == 0 and not (self._is_pending or self._leaving):
+            self._left = frozenset()
             return None
         due, kept, frozen = self._world.observe(contacts, masses, dt)
         if frozen:

@@ -68,7 +68,8 @@ SAFE, LEFT, UNSOLVED = range(3)
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
 FEW_TOGETHER = 16
-"""Up to how many bodies the live ones are solved together with the stack that they press on."""
+"""Up to how many bodies the live ones are solved together with the stack that they press on; if they stand on level
+contacts up to ``FEW_BODIES``."""
 FEW_BODIES = 64
 """Up to how many bodies all of a part of the stack is solved where what bears the change does not decide."""
 
@@ -415,11 +416,14 @@ class Equilibrium(Policy):
                     self._prove(graph, ids)
                 return ids[:0]
         goes = self._moves(graph, part, problem, seeds, answer)
-        if outside == AS_BEFORE and len(goes) and held.any():
-            goes = self._falls_together(graph, watch, ids, seeds, live, held, goes)
-        if len(goes) and len(live) and not (verdict == "unstable" and is_upright(graph, live)):
-            return seeds
-        return goes
+        if len(goes) == 0 or len(live) == 0:
+            return goes
+        upright = is_upright(graph, live)
+        if outside == AS_BEFORE and (upright or held.any()):
+            most = FEW_BODIES if upright else FEW_TOGETHER
+            goes = self._falls_together(graph, watch, ids, seeds, live if upright else live[held], most, goes)
+        is_certain = upright and verdict == "unstable"
+        return goes if is_certain or len(goes) == 0 else seeds
 
     def _pressed(self, graph: Graph, watch: Watch, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
         """What ``live`` bodies (k,) press on a part, (n, 6), and which of them are held, (k,): see ``live_load``."""
@@ -435,18 +439,17 @@ class Equilibrium(Policy):
         watch: Watch,
         ids: IntArray,
         seeds: IntArray,
-        live: IntArray,
-        held: BoolArray,
+        joint: IntArray,
+        most: int,
         goes: IntArray,
     ) -> IntArray:
-        """Which frozen bodies fall if the live ones that are ``held`` (k,) share their weight as the stack needs it.
+        """Which frozen bodies fall if the live bodies ``joint`` (k,) share their weight as the stack needs it.
 
-        Those of the ``live`` (k,) that fall press as estimated. ``goes``: the answer if the problem is too large.
+        All other live bodies press as estimated. ``goes``: the answer if there are more than ``most`` bodies.
         """
-        joint = live[held]
         borne = bearing(graph, self._memory, _together(seeds, carriers(graph, joint)), joint, self.gravity)
         together = _together(_together(ids, borne), joint)
-        if len(together) > FEW_TOGETHER:
+        if len(together) > most:
             return goes
         part = self._part(graph, together, AS_BEFORE, self.settings.wake_margin, self._wake_grip)
         others = np.setdiff1d(lying_on(graph, together), together)

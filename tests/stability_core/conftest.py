@@ -23,6 +23,8 @@ class Touch:
     friction: float = 0.45
     separation: float = 0.0
     velocity: Sequence[float] = STILL
+    force: Sequence[float] | None = None
+    """On the upper body at each point [N]; None if the engine does not tell."""
 
 
 @dataclass
@@ -71,7 +73,14 @@ class FakePort:
             np.array([touch.separation for touch, _ in rows], float),
             np.array([touch.velocity for touch, _ in rows], float),
             np.array([touch.friction for touch, _ in rows], float),
+            self._forces([touch for touch, _ in rows]),
         )
+
+    @staticmethod
+    def _forces(rows: Sequence[Touch]) -> np.ndarray | None:
+        if all(touch.force is None for touch in rows):
+            return None
+        return np.array([touch.force or STILL for touch in rows], float)
 
     def masses(self) -> Masses:
         live = sorted(self.mass.keys() - (set() if self.show_frozen else self.frozen))

@@ -290,9 +290,9 @@ def test_only_a_fast_impact_wakes_a_frozen_brick_and_all_above_it(port, speed, w
     column(port, 2)
     extension = StabilityExtension(port)
     settle(extension)
-    port.add(9, (0.0, 0.03, 0.005))
-    velocity = (0.0, -speed * SETTINGS.impact_speed * FALL, 0.0)
-    port.touch(9, 0, [(x, 0.01, 0.005) for x in WIDE], normal=(0.0, 1.0, 0.0), velocity=velocity)
+    port.add(9, (0.2, 0.0, 0.02))
+    velocity = (0.0, 0.0, -speed * SETTINGS.impact_speed * FALL)
+    port.touch(0, 9, [(0.05, y, 0.01) for y in DEEP], velocity=velocity)
     change = extension.update(DT)
     assert change.woken == woken
     assert set(change.reasons.values()) <= {"struck", "rested on what was struck"}
