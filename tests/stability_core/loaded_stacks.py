@@ -127,6 +127,8 @@ def kept_runs(
 ) -> list[dict[str, Any]]:
     """Return what ``play`` found for each of ``keys``, its arguments; runs that the file of this core holds are kept.
 
+    Delete the file when the measurement itself changes: its name tells only the core.
+
     Args:
         name: of the measurement.
         core: digest of the core.

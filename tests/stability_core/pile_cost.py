@@ -109,15 +109,17 @@ def page(rows: Sequence[dict[str, Any]]) -> str:
     lines = [
         "# What a poured pile costs",
         "",
-        f"Made by `uv run python -m tests.stability_core.{NAME}`, whose docstring says how each pile is poured and how",
-        f"it is timed. Milliseconds a frame, {' / '.join('max' if p == 100 else f'p{p}' for p in PERCENTILES)}. Engine:",
-        "its step. Reading: what the port took to read and to steer it. Frozen: share of the bricks ten seconds after the",
-        "last one. Steady: spread of the fixed calculation. Marked **no** is what misses a target for 300 bricks: core p50",
-        f"{MOST_MS[50]:g} ms, p99 {MOST_MS[99]:g} ms, {LEAST_FROZEN:.0%} frozen, {MOST_WAKES:g} wakes a freeze; and a",
-        f"spread above {STEADY:.0%}.",
+        f"Made by `uv run python -m tests.stability_core.{NAME}`, whose docstring says how each pile is poured and",
+        f"timed. Milliseconds a frame, {' / '.join('max' if p == 100 else f'p{p}' for p in PERCENTILES)}.",
+        "",
+        "- Engine: its step. Reading: what the port took to read and to steer it.",
+        "- Frozen: share of the bricks ten seconds after the last one.",
+        "- Steady: spread of the fixed calculation.",
+        f"- **no**: misses a target for 300 bricks, core p50 {MOST_MS[50]:g} ms, p99 {MOST_MS[99]:g} ms,",
+        f"  {LEAST_FROZEN:.0%} frozen, {MOST_WAKES:g} wakes a freeze; or the spread is above {STEADY:.0%}.",
         "",
     ]
-    head = ["engine", "bricks", "draw", "forces", "core", "engine alone", "reading", "frozen", "freezes", "wakes"]
+    head = ["engine", "bricks", "draw", "forces", "core", "engine step", "reading", "frozen", "freezes", "wakes"]
     lines += [*table([*head, "wakes a freeze", "steady"], map(_cells, rows)), "", "Why bricks were woken:", ""]
     why = Counter[str]()
     for row in rows:
