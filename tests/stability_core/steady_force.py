@@ -24,6 +24,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import islice, product
 from typing import Any, NamedTuple
@@ -55,6 +56,8 @@ MOST = 5.0
 """Greatest limit, in weights of the stack: ten times of it still is no blow."""
 HELD_S, GROWTH_S, PRESSED_S = 0.2, 0.5, 2.0
 """How long a user holds the live body before the force begins, how long the force grows, and when it ends [s]."""
+GAP = 0.05e-3
+"""Between stack and cube when that is put down [m]: MuJoCo (``game``) throws a cube that touches 1 mm back."""
 MOVED = 1e-3
 """[m]"""
 PRECISION = 1e-3
@@ -159,11 +162,17 @@ def _draw(number: int) -> Draw:
 def play(engine: str, profile: str, arm: str, number: int, factor: float) -> dict[str, Any]:
     """Play one case and return its figures."""
     draw = _draw(number)
-    cube = draw.bricks[-1] if draw.through == "cube" else None
+    cube = _apart(draw.bricks[-1], draw.direction) if draw.through == "cube" else None
     stack = draw.bricks[:-1] if cube else draw.bricks
     with standing(engine, profile, ARMS[arm], stack, later=[cube] if cube else []) as stands:
         figures = _pressed(stands, cube, draw.direction, factor * draw.limit)
         return {"kind": draw.kind, "through": draw.through, "frozen": stands.is_frozen, **figures}
+
+
+def _apart(cube: Brick, direction: Vector) -> Brick:
+    """Return the cube, ``GAP`` before the stack towards which ``direction`` points."""
+    x, y, z = (np.array(cube.position) - GAP * np.array(direction)).tolist()
+    return replace(cube, position=(x, y, z))
 
 
 def _pressed(stands: Standing, cube: Brick | None, direction: Vector, force: float) -> dict[str, Any]:
