@@ -63,14 +63,20 @@ class TestStruckWall:
         assert striker.position[2] == striker.size[2] / 2, "it stays on the ground"
 
     def test_medians_must_lie_in_the_widened_range_and_flights_below_their_limit(self):
-        alone = [{"displaced": n, "momentum": 0.1 + 0.001 * n, "farthest": 0.1} for n in range(10, 21)]
+        alone = [
+            {"displaced": n, "momentum": 0.1 + 0.001 * n, "farthest": 0.1, "diverged": False} for n in range(10, 21)
+        ]
         assert struck_wall.wide_range([0.0, 1.0]) == pytest.approx((0.05 - 0.225, 0.95 + 0.225))
 
-        def run(displaced, momentum, farthest):
-            return struck_wall.passes(alone, [{"displaced": displaced, "momentum": momentum, "farthest": farthest}])
+        def run(displaced, momentum, farthest, diverged=False):
+            figures = {"displaced": displaced, "momentum": momentum, "farthest": farthest, "diverged": diverged}
+            return struck_wall.passes(alone, [figures])
 
         assert run(20, 0.12, 0.14) == {"displaced": True, "momentum": True, "farthest": True}
         assert run(0, 0.5, 0.16) == {"displaced": False, "momentum": False, "farthest": False}
+        assert not run(20, 0.12, 0.14, diverged=True)["farthest"]
+        alone[0]["diverged"] = True
+        assert "farthest" not in run(20, 0.12, 0.14), "there is nothing to compare with"
 
     def test_a_run_gives_all_figures_of_the_page(self):
         keys = [("bullet", "tuned", "slow push", arm, 0) for arm in ("alone", "equilibrium")]
