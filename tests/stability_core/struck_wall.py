@@ -189,8 +189,8 @@ def page(rows: Sequence[dict[str, Any]]) -> str:
         f"arrival less that {EXCHANGE_S * 1e3:g} ms after the blow, along the blow; of a cube that slides the ground",
         "takes a part of it. Displaced: planks that end more than their thickness away from where they stood.",
         "Farthest: greatest displacement of a plank at any time; in brackets its 95th percentile. Diverged: runs that",
-        "ended early because the engine's numbers grew beyond all bounds; where runs alone do, flights are not compared.",
-        "What does not pass is marked **no**.",
+        "ended early because the engine's numbers grew beyond all bounds; where they did alone, flights are not",
+        "compared. What does not pass is marked **no**.",
         "",
     ]
     groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
