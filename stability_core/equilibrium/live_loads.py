@@ -94,7 +94,7 @@ def is_upright(graph: Graph, live: IntArray) -> bool:
 
 @compiled
 def live_load(
-    graph: Graph, memory: Memory, part: Part, live: IntArray, gravity: float, told: bool, y: FloatArray
+    graph: Graph, memory: Memory, part: Part, live: IntArray, gravity: float, y: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """What the ``live`` bodies (k,) that lie on the bodies of ``part`` press on them: O(k) and some factorisations.
 
@@ -104,7 +104,6 @@ def live_load(
         part: what they lie on.
         live: all of them, shape (k,).
         gravity: gravitational acceleration [m/s2], positive.
-        told: whether the engine tells contact forces: then what live bodies press on side faces is not estimated.
         y: where the search begins, by body; overwritten (see ``nearest_forces``).
 
     Returns:
@@ -135,7 +134,7 @@ def live_load(
         patch = graph.patches[at]
         i = index[patch.lower] if patch.lower != GROUND else -1
         for vertex in range(patch.vertices):
-            if i >= 0 and not (told and patch.kind == LEAN):
+            if i >= 0:
                 for k in range(3):
                     lever[k] = patch.vertex[vertex, k] - graph.bodies[patch.lower].center[k]
                 add_wrench(pressed[i], -1.0, force[c], lever, part.size[i])
@@ -144,10 +143,17 @@ def live_load(
 
 
 @compiled
-def pushes_on(graph: Graph, watch: Watch, part: Part, limits: Limits) -> FloatArray:
-    """Mean force [N] and moment [N, over the body's size] of pushes on each body of ``part``, shape (n, 6).
+def contact_load(graph: Graph, watch: Watch, part: Part, limits: Limits, everything: bool) -> FloatArray:
+    """Mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
 
-    O(contacts of the latest dwell frames). See ``pushes``.
+    O(contacts of the latest dwell frames).
+
+    Args:
+        graph: the stack.
+        watch: with contact forces as the engine tells them.
+        part: the bodies pressed on.
+        limits: the settings, shape (1,).
+        everything: whether all live bodies count, or only their pushes (see ``pushes``).
     """
     pushed = np.zeros((len(part.ids), 6))
     index = np.full(len(graph.bodies), -1)
@@ -160,7 +166,10 @@ def pushes_on(graph: Graph, watch: Watch, part: Part, limits: Limits) -> FloatAr
         for at in range(frame * room, frame * room + watch.sizes[frame]):
             contact = watch.contacts[at]
             for target, pusher, sign in ((contact.body_b, contact.body_a, 1.0), (contact.body_a, contact.body_b, -1.0)):
-                if target == GROUND or index[target] < 0 or not is_push(graph.bodies, pusher, contact.level, limits[0]):
+                if target == GROUND or index[target] < 0 or pusher == GROUND:
+                    continue
+                presses = everything and graph.bodies[pusher].state == LIVE
+                if not presses and not is_push(graph.bodies, pusher, contact.level, limits[0]):
                     continue
                 for k in range(3):
                     lever[k] = contact.point[k] - graph.bodies[target].center[k]

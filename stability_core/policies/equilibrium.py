@@ -22,7 +22,7 @@ from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, part_of
 from stability_core.equilibrium.component import bearing, component
-from stability_core.equilibrium.live_loads import carriers, is_upright, live_load, lying_on, pushes_on
+from stability_core.equilibrium.live_loads import carriers, contact_load, is_upright, live_load, lying_on
 from stability_core.equilibrium.loading import STIFFNESSES
 from stability_core.equilibrium.memory import hand_on, memory_for, recall, remember
 from stability_core.equilibrium.problem import Problem, relieved_of
@@ -67,6 +67,8 @@ SAFE, LEFT, UNSOLVED = range(3)
 """Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
+UNCERTAIN = 0.2
+"""Share of the greatest load that may lack where loads are estimates: contact forces tremble by as much."""
 FEW_TOGETHER = 16
 """Up to how many bodies the live ones are solved together with the stack that they press on; if they stand on level
 contacts up to ``FEW_BODIES``."""
@@ -422,15 +424,23 @@ class Equilibrium(Policy):
         if outside == AS_BEFORE and (upright or held.any()):
             most = FEW_BODIES if upright else FEW_TOGETHER
             goes = self._falls_together(graph, watch, ids, seeds, live if upright else live[held], most, goes)
-        is_certain = upright and verdict == "unstable"
-        return goes if is_certain or len(goes) == 0 else seeds
+        if verdict == "unstable" and (upright or len(goes) == 0):
+            return goes
+        lacking = np.abs(answer[2]).max() if verdict == "unstable" else np.inf
+        return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
 
     def _pressed(self, graph: Graph, watch: Watch, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
-        """What ``live`` bodies (k,) press on a part, (n, 6), and which of them are held, (k,): see ``live_load``."""
+        """What ``live`` bodies (k,) press on a part, (n, 6), and which of them are known to be held, (k,).
+
+        What stands on level contacts presses with its weight. Of what wedges itself in only the engine knows the force;
+        where it does not tell, see ``live_load``.
+        """
         told = watch.clock.item(TOLD) > 0.0
-        pressed, held = live_load(graph, self._memory, part, live, self.gravity, told, self._lift)
+        if told and not is_upright(graph, live):
+            return contact_load(graph, watch, part, self.limits, True), np.zeros(len(live), np.bool_)
+        pressed, held = live_load(graph, self._memory, part, live, self.gravity, self._lift)
         if told:
-            pressed += pushes_on(graph, watch, part, self.limits)
+            pressed += contact_load(graph, watch, part, self.limits, False)
         return pressed, held
 
     def _falls_together(

@@ -1,0 +1,242 @@
+"""Blows and slow pushes on frozen stacks, against the same stacks alone.
+
+    uv run python -m tests.stability_core.struck_wall [--runs N] [--engine E] [--profile P] [--strike S]
+
+writes ``docs/results/loads/struck_wall.md`` if nothing is left out; it goes on from where an earlier run was stopped.
+
+- Throws: a cube of 0.1 kg strikes the middle of a wall of 25 planks, across it, at one third of its height, with 2 or
+  10 m/s. It is let go ``FLIGHT_S`` before the blow, so that the extension sees it come.
+- Slow push: a cube of 1 kg slides on the ground into the ends of a tower of 8 planks, which it reaches with 0.45 m/s.
+
+Before that the stack stood for a second; with the extension it was set down whole, and all of it is frozen. Run number
+i shifts the striker by up to ``MOST_SHIFT`` along each axis, alike in all arms; one that slides stays on the ground.
+Where a plank of the stack alone is more than a quarter of its thickness off its place before the blow, the engine does
+not hold the stack, and there is nothing to compare with.
+
+The extension passes if the median number of displaced planks and the median momentum given to the stack lie within the
+5-95 % range of the runs alone, each end moved outwards by a quarter of that range, and if the 95th percentile of the
+farthest displacement of a plank is at most 1.5 times that alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bench.core_digest import present_core
+from bench.page_marks import write_page
+from scenarios.brick_wall import brick_wall
+from scenarios.model import Brick, Vector
+from scenarios.plank_tower import plank_tower
+from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH
+from tests.stability_core.loaded_stacks import ARMS, PAGES, FloatArray, Standing, kept_runs, standing, table
+
+SEED = 20261128
+"""Named before the first run, and never changed."""
+RUNS = 20
+ENGINES = ("bullet", "mujoco")
+PROFILES = ("game", "tuned")
+MOST_SHIFT = 0.5e-3
+"""[m]"""
+GRAVITY = 9.81
+"""[m/s2]"""
+FLIGHT_S = 0.06
+"""From the throw to the blow [s]: 3.6 frames, so that the blow falls within a frame, not between two."""
+SLIDE = 5e-3
+"""What a sliding striker has before it [m]."""
+HELD_S = 0.2
+"""How long [s] a striker that slides stands before it is pushed; the extension is told that a user holds it."""
+EXCHANGE_S = 0.05
+"""After the blow, when the striker's momentum is read [s]: a cube that was thrown has not yet reached the ground."""
+WATCH_S = 2.0
+"""From the throw or push to the end [s]."""
+WIDENED = 0.25
+"""How far each end of the range of the runs alone is moved outwards, over its width."""
+ABSURD = 1e3
+"""Displacement [m] from which the engine's numbers have diverged; the run ends there."""
+MOST_OFF_PLAN = THICKNESS / 4
+"""How far [m] a plank of the stack alone may be off its place before the blow."""
+MOST_FLIGHT = 1.5
+"""Farthest displacement over that alone, at the 95th percentile."""
+NAME = "struck_wall"
+
+
+class Strike(NamedTuple):
+    """What strikes which stack."""
+
+    stack: tuple[Brick, ...]
+    mass: float
+    """[kg]"""
+    edge: float
+    """[m]"""
+    speed: float
+    """On arrival [m/s]."""
+    slides: bool = False
+
+    def striker(self, shift: FloatArray) -> Brick:
+        """Return the striker where it is let go, moved by ``shift`` [m], shape (3,)."""
+        if self.slides:
+            place = np.array([-(LENGTH + self.edge) / 2 - SLIDE, 0.0, self.edge / 2]) + shift * (1.0, 1.0, 0.0)
+        else:
+            height = max(brick.position[2] + brick.size[2] / 2 for brick in self.stack)
+            place = np.array([0.0, -(WIDTH + self.edge) / 2 - self.speed * FLIGHT_S, height / 3]) + shift
+        x, y, z = place.tolist()
+        return Brick((self.edge,) * 3, self.mass, (x, y, z))
+
+    @property
+    def along(self) -> int:
+        """Axis of the blow."""
+        return 0 if self.slides else 1
+
+    @property
+    def impulse(self) -> Vector:
+        """Impulse [N s] with which the striker is let go."""
+        if self.slides:  # the ground slows it down on its way
+            return self.mass * math.sqrt(self.speed**2 + 2 * MU * GRAVITY * SLIDE), 0.0, 0.0
+        return 0.0, self.mass * self.speed, self.mass * GRAVITY * FLIGHT_S / 2
+
+    @property
+    def blow_s(self) -> float:
+        """From the impulse to the blow [s]."""
+        if self.slides:
+            return (self.impulse[0] / self.mass - self.speed) / (MU * GRAVITY)
+        return FLIGHT_S
+
+
+WALL = brick_wall(courses=10, width=2).bricks
+TOWER = plank_tower(levels=8).bricks
+STRIKES = {
+    "thrown at 2 m/s": Strike(WALL, 0.1, 0.03, 2.0),
+    "thrown at 10 m/s": Strike(WALL, 0.1, 0.03, 10.0),
+    "slow push": Strike(TOWER, 1.0, 0.05, 0.45, slides=True),
+}
+
+
+def shift_of(run: int) -> FloatArray:
+    """Return the shift [m] of run number ``run``, shape (3,)."""
+    return np.random.default_rng([SEED, run]).uniform(-MOST_SHIFT, MOST_SHIFT, 3)
+
+
+def play(engine: str, profile: str, name: str, arm: str, run: int) -> dict[str, Any]:
+    """Play one run and return its figures."""
+    strike = STRIKES[name]
+    striker = strike.striker(shift_of(run))
+    with standing(engine, profile, ARMS[arm], strike.stack, later=[striker]) as stack:
+        return {"frozen": stack.is_frozen, "off_plan": stack.off_plan, **_struck(stack, strike, striker)}
+
+
+def _struck(stack: Standing, strike: Strike, striker: Brick) -> dict[str, Any]:
+    simulation, before = stack.simulation, stack.positions()
+    body = simulation.spawn(striker)
+    woken = 0
+    if strike.slides:
+        woken += stack.play(simulation.info.frame_s)
+        stack.frames.disturb([body])
+        woken += stack.play(HELD_S)
+    simulation.push(body, strike.impulse)
+    read_s = strike.blow_s + EXCHANGE_S
+    given, farthest, displaced = math.nan, 0.0, 0
+    for frame in range(1, round(WATCH_S / simulation.info.frame_s) + 1):
+        try:
+            woken += stack.play(simulation.info.frame_s)
+        except ValueError:  # the core refuses poses that are not finite
+            break
+        moved = np.linalg.norm(stack.positions()[: len(before)] - before, axis=1)
+        if not moved.max() <= ABSURD:  # true for NaN too
+            break
+        farthest, displaced = max(farthest, float(moved.max())), int((moved > THICKNESS).sum())
+        if math.isnan(given) and frame * simulation.info.frame_s >= read_s:
+            given = strike.mass * (strike.speed - float(simulation.velocities()[0][-1, strike.along]))
+    else:
+        return {"displaced": displaced, "momentum": given, "farthest": farthest, "woken": woken, "diverged": False}
+    return {"displaced": displaced, "momentum": given, "farthest": farthest, "woken": woken, "diverged": True}
+
+
+def wide_range(values: Sequence[float]) -> tuple[float, float]:
+    """Return the 5-95 % range of ``values``, each end moved outwards by a quarter of its width."""
+    low, high = np.percentile(values, [5, 95]).tolist()
+    return low - WIDENED * (high - low), high + WIDENED * (high - low)
+
+
+def passes(alone: Sequence[dict[str, Any]], steered: Sequence[dict[str, Any]]) -> dict[str, bool]:
+    """Compare the runs of an arm with those alone, by figure; flights not where numbers diverged alone."""
+
+    def values(runs: Sequence[dict[str, Any]], figure: str) -> list[float]:
+        return [run[figure] for run in runs]
+
+    passed = {}
+    for figure in ("displaced", "momentum"):
+        low, high = wide_range(values(alone, figure))
+        passed[figure] = low <= float(np.median(values(steered, figure))) <= high
+    if not any(values(alone, "diverged")):
+        farthest, limit = (float(np.percentile(values(runs, "farthest"), 95)) for runs in (steered, alone))
+        passed["farthest"] = farthest <= MOST_FLIGHT * limit and not any(values(steered, "diverged"))
+    return passed
+
+
+def page(rows: Sequence[dict[str, Any]]) -> str:
+    """Return the results as a page."""
+    lines = [
+        "# Blows and slow pushes on frozen stacks",
+        "",
+        f"Made by `uv run python -m tests.stability_core.{NAME}`, whose docstring says how each run is made and what",
+        f"passes (seed {SEED}). Figures are medians, with the 5-95 % range in brackets. Momentum is the striker's on",
+        f"arrival less that {EXCHANGE_S * 1e3:g} ms after the blow, along the blow; of a cube that slides the ground",
+        "takes a part of it. Displaced: planks that end more than their thickness away from where they stood.",
+        "Farthest: greatest displacement of a plank at any time; in brackets its 95th percentile. Diverged: runs that",
+        "ended early because the engine's numbers grew beyond all bounds; where they did alone, flights are not",
+        "compared. What does not pass is marked **no**.",
+        "",
+    ]
+    groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row["key"][:4]), []).append(row)
+    for name in STRIKES:
+        cells = [_cells(key, runs, groups) for key, runs in groups.items() if key[2] == name]
+        head = ["engine", "profile", "with", "runs", "diverged", "all frozen", "woken"]
+        lines += [f"## {name.capitalize()}", ""]
+        lines += [*table([*head, "displaced", "momentum [mN s]", "farthest [mm]"], cells), ""]
+    return "\n".join(lines)
+
+
+def _cells(
+    key: tuple[str, ...], runs: Sequence[dict[str, Any]], groups: dict[tuple[str, ...], list[dict[str, Any]]]
+) -> list[str]:
+    engine, profile, name, arm = key
+    alone = groups.get((engine, profile, name, "alone"), [])
+    stands = all(run["off_plan"] <= MOST_OFF_PLAN for run in alone)
+    passed = passes(alone, runs) if alone and stands and arm != "alone" else {}
+    told = arm if stands else "alone: does not stand" if arm == "alone" else f"{arm}, not compared"
+    cells = [engine, profile, told, f"{len(runs)}", f"{sum(run['diverged'] for run in runs)}"]
+    cells.append(f"{sum(run['frozen'] for run in runs)}")
+    cells.append(f"{np.median([run['woken'] for run in runs]):g}")
+    for figure, factor in (("displaced", 1), ("momentum", 1e3), ("farthest", 1e3)):
+        low, median, high = factor * np.percentile([run[figure] for run in runs], [5, 50, 95])
+        spread = f"{high:.3g}" if figure == "farthest" else f"{low:.3g}-{high:.3g}"
+        cells.append(f"{median:.3g} ({spread})" + ("" if passed.get(figure, True) else " **no**"))
+    return cells
+
+
+def options() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--runs", type=int, default=RUNS)
+    parser.add_argument("--engine", choices=ENGINES, nargs="+", default=ENGINES)
+    parser.add_argument("--profile", choices=PROFILES, nargs="+", default=PROFILES)
+    parser.add_argument("--strike", choices=tuple(STRIKES), nargs="+", default=tuple(STRIKES))
+    parser.add_argument("--arm", choices=tuple(ARMS), nargs="+", default=tuple(ARMS))
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    asked, core = options(), present_core()
+    keys = list(product(asked.engine, asked.profile, asked.strike, asked.arm, range(asked.runs)))
+    found = page(kept_runs(NAME, core, keys, play))
+    print(found)  # noqa: T201 - the result
+    if len(keys) == len(ENGINES) * len(PROFILES) * len(STRIKES) * len(ARMS) * RUNS:
+        write_page(PAGES / f"{NAME}.md", found, core)
