@@ -18,8 +18,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stability_core.compiled import compiled
-from stability_core.contact_filter import ContactRows
 from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, part_of
 from stability_core.equilibrium.component import bearing, component
 from stability_core.equilibrium.live_loads import carriers, contact_load, is_upright, live_load, lying_on
@@ -28,43 +26,24 @@ from stability_core.equilibrium.memory import hand_on, memory_for, recall, remem
 from stability_core.equilibrium.problem import Problem, relieved_of
 from stability_core.equilibrium.region import (
     REGION,
-    Regions,
-    is_safe,
-    is_unchanged,
-    keep_proof,
-    keep_proof_of_neighbours,
-    note_doubts,
-    region_of,
     regions_for,
-    topples_alone,
-    topples_off,
 )
+from stability_core.equilibrium.safe_settle import LEFT, SAFE, UNSOLVED, finish, keep_proofs, settle_safely
 from stability_core.equilibrium.verdict import Answer, decide, takes_part
 from stability_core.policies.base import NOBODY, Decision, Policy
-from stability_core.polygon import width
-from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
-from stability_core.settings import ROUNDING_S, Limits, Settings
-from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
+from stability_core.port import BoolArray, FloatArray, IntArray
+from stability_core.settings import ROUNDING_S, Settings
 from stability_core.stack import (
     DOUBTED,
     FALLS,
     FROZEN,
     IN_DOUBT,
-    LIVE,
     NONE,
     PROVEN,
-    TOPPLES,
-    Bodies,
     Graph,
-    Patches,
-    sorted_ids,
-    take_changed,
 )
-from stability_core.stack_mass import support_polygon
-from stability_core.watch import AT_REST, LEANING, PUSHED, TOLD, Watch, listed
+from stability_core.watch import PUSHED, TOLD, Watch, listed
 
-SAFE, LEFT, UNSOLVED = range(3)
-"""Rows of what ``_settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
 UNCERTAIN = 0.2
@@ -74,151 +53,6 @@ FEW_TOGETHER = 16
 contacts up to ``FEW_BODIES``."""
 FEW_BODIES = 64
 """Up to how many bodies all of a part of the stack is solved where what bears the change does not decide."""
-
-
-@compiled
-def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
-    """Freeze the ``candidates``, lowest first, that lie in safe regions; returns them, and those left undecided.
-
-    What topples alone is decided as well: it stays live.
-    """
-    bodies = graph.bodies
-    frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
-    n, m = 0, 0
-    for body in candidates:
-        region = region_of(graph, regions, body)
-        if is_safe(graph, regions, body, region):
-            bodies[body].state = FROZEN
-            bodies[body].leans = False
-            keep_proof(graph, regions, body, region)
-            keep_proof_of_neighbours(graph, regions, body)
-            frozen[n] = body
-            n += 1
-        elif not topples_alone(graph, body, support_polygon(graph, body)):
-            left[m] = body
-            m += 1
-        else:
-            bodies[body].refusal = TOPPLES
-    return frozen[:n], left[:m]
-
-
-@compiled
-def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
-    """The live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
-
-    They may be frozen while they still move a little; a flat body can wait.
-    """
-    bodies = graph.bodies
-    found = np.empty(len(candidates), np.int64)
-    n = 0
-    for body in candidates:
-        if bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width * bodies[body].size:
-            found[n] = body
-            n += 1
-    return found[:n]
-
-
-@compiled
-def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
-    """The ``candidates``, and the live bodies at rest on which they rest, directly or through others, by rising id.
-
-    Bodies that hold each other can only be frozen together, whichever of them came to rest first.
-    """
-    bodies, patches = graph.bodies, graph.patches
-    reached = np.zeros(len(bodies), np.bool_)
-    found = np.empty(len(bodies), np.int64)
-    size = len(candidates)
-    found[:size] = candidates
-    reached[candidates] = True
-    done = 0
-    while done < size:
-        at = bodies[found[done]].first_support
-        done += 1
-        while at != NONE:
-            other = patches[at].lower
-            at = patches[at].next_support
-            if other != GROUND and not reached[other] and bodies[other].state == LIVE and bodies[other].is_resting:
-                reached[other] = True
-                found[size] = other
-                size += 1
-    return sorted_ids(found[:size])
-
-
-@compiled
-def _keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
-    for body in bodies:
-        keep_proof(graph, regions, body, region_of(graph, regions, body))
-
-
-@compiled
-def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if the stack is known to bear a live body that lies on it, or that topples off it."""
-    region = region_of(graph, regions, body)
-    return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
-
-
-@compiled
-def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
-    """Those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
-    table = graph.bodies
-    found = np.empty(len(bodies), np.int64)
-    n = 0
-    for body in bodies:
-        row = table[body]
-        is_load = row.state == LIVE and row.first_support != NONE
-        if (row.state == FROZEN and not is_unchanged(graph, regions, body)) or (
-            is_load and not _is_borne(graph, regions, body)
-        ):
-            found[n] = body
-            n += 1
-    return found[:n]
-
-
-@compiled
-def _finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits, unsolved: IntArray) -> int:
-    """What comes after the candidates are decided: O(1) a changed body.
-
-    Returns:
-        How many bodies are written into ``unsolved``: their part of the stack must be solved again.
-    """
-    lay_frozen(graph, watch, limits)
-    note_doubts(graph, regions)
-    return write_down(unsolved, _unproven(graph, regions, take_changed(graph)))
-
-
-@compiled
-def _settle_safely(
-    bodies: Bodies,
-    patches: Patches,
-    spare: IntArray,
-    changed: IntArray,
-    regions: Regions,
-    contacts: ContactRows,
-    sizes: IntArray,
-    latest: IntArray,
-    clock: FloatArray,
-    due: IntArray,
-    limits: Limits,
-    found: IntArray,
-) -> tuple[int, int, int]:
-    """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
-
-    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph`` and ``Watch`` come one by
-    one: Numba takes longer to look at two tuples than a plank takes to freeze.
-
-    Returns:
-        How many bodies are written into the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
-        solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
-    """
-    graph = Graph(bodies, patches, spare, changed)
-    watch = Watch(contacts, sizes, latest, clock, due)
-    lay_due(graph, watch, limits)
-    frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
-    on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
-    safe = write_down(found[SAFE], frozen)
-    if len(left) + len(on_edge) > 0:
-        return safe, write_down(found[LEFT], _with_resting(graph, np.unique(np.concatenate((left, on_edge))))), 0
-    return safe, 0, _finish(graph, regions, watch, limits, found[UNSOLVED])
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
@@ -276,7 +110,7 @@ class Equilibrium(Policy):
             self._lift = np.concatenate([self._lift, np.zeros((more, 6))])
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
-        safe, left, unsolved = _settle_safely(
+        safe, left, unsolved = settle_safely(
             *graph,
             self._regions,
             watch.contacts,
@@ -291,7 +125,7 @@ class Equilibrium(Policy):
         if left:
             together, patches = self._freeze_together(graph, self._found[LEFT, :left].copy())
             reasons.update(together)
-            unsolved = _finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
+            unsolved = finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
         changed = self._found[UNSOLVED, :unsolved]
         if watch.due.item(PUSHED, 0):
@@ -491,4 +325,4 @@ class Equilibrium(Policy):
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
         """Note that the frozen bodies ``ids`` stand together, lowest first, as regions rest on those below."""
-        _keep_proofs(graph, self._regions, ids[np.argsort(graph.bodies["center"][ids, 2], kind="stable")])
+        keep_proofs(graph, self._regions, ids[np.argsort(graph.bodies["center"][ids, 2], kind="stable")])

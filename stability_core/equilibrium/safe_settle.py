@@ -1,0 +1,178 @@
+"""Cheap proofs, in compiled calls: what lies in safe regions is frozen, what topples alone is refused.
+
+The rest is left to be solved: see ``policies.equilibrium``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stability_core.compiled import compiled
+from stability_core.contact_filter import ContactRows
+from stability_core.equilibrium.region import (
+    Regions,
+    is_safe,
+    is_unchanged,
+    keep_proof,
+    keep_proof_of_neighbours,
+    note_doubts,
+    region_of,
+    topples_alone,
+    topples_off,
+)
+from stability_core.polygon import width
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.settings import Limits
+from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
+from stability_core.stack import FROZEN, LIVE, NONE, TOPPLES, Bodies, Graph, Patches, sorted_ids, take_changed
+from stability_core.stack_mass import support_polygon
+from stability_core.watch import AT_REST, LEANING, Watch, listed
+
+SAFE, LEFT, UNSOLVED = range(3)
+"""Rows of what ``settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
+
+
+@compiled
+def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
+    """Freeze the ``candidates``, lowest first, that lie in safe regions; returns them, and those left undecided.
+
+    What topples alone is decided as well: it stays live.
+    """
+    bodies = graph.bodies
+    frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
+    n, m = 0, 0
+    for body in candidates:
+        region = region_of(graph, regions, body)
+        if is_safe(graph, regions, body, region):
+            bodies[body].state = FROZEN
+            bodies[body].leans = False
+            keep_proof(graph, regions, body, region)
+            keep_proof_of_neighbours(graph, regions, body)
+            frozen[n] = body
+            n += 1
+        elif not topples_alone(graph, body, support_polygon(graph, body)):
+            left[m] = body
+            m += 1
+        else:
+            bodies[body].refusal = TOPPLES
+    return frozen[:n], left[:m]
+
+
+@compiled
+def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
+    """The live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
+
+    They may be frozen while they still move a little; a flat body can wait.
+    """
+    bodies = graph.bodies
+    found = np.empty(len(candidates), np.int64)
+    n = 0
+    for body in candidates:
+        if bodies[body].state == LIVE and width(support_polygon(graph, body)) <= flat_width * bodies[body].size:
+            found[n] = body
+            n += 1
+    return found[:n]
+
+
+@compiled
+def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
+    """The ``candidates``, and the live bodies at rest on which they rest, directly or through others, by rising id.
+
+    Bodies that hold each other can only be frozen together, whichever of them came to rest first.
+    """
+    bodies, patches = graph.bodies, graph.patches
+    reached = np.zeros(len(bodies), np.bool_)
+    found = np.empty(len(bodies), np.int64)
+    size = len(candidates)
+    found[:size] = candidates
+    reached[candidates] = True
+    done = 0
+    while done < size:
+        at = bodies[found[done]].first_support
+        done += 1
+        while at != NONE:
+            other = patches[at].lower
+            at = patches[at].next_support
+            if other != GROUND and not reached[other] and bodies[other].state == LIVE and bodies[other].is_resting:
+                reached[other] = True
+                found[size] = other
+                size += 1
+    return sorted_ids(found[:size])
+
+
+@compiled
+def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
+    """Note that the ``bodies`` (k,), lowest first, stand together: regions rest on those below."""
+    for body in bodies:
+        keep_proof(graph, regions, body, region_of(graph, regions, body))
+
+
+@compiled
+def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
+    """True if the stack is known to bear a live body that lies on it, or that topples off it."""
+    region = region_of(graph, regions, body)
+    return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
+
+
+@compiled
+def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
+    """Those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
+    table = graph.bodies
+    found = np.empty(len(bodies), np.int64)
+    n = 0
+    for body in bodies:
+        row = table[body]
+        is_load = row.state == LIVE and row.first_support != NONE
+        if (row.state == FROZEN and not is_unchanged(graph, regions, body)) or (
+            is_load and not _is_borne(graph, regions, body)
+        ):
+            found[n] = body
+            n += 1
+    return found[:n]
+
+
+@compiled
+def finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits, unsolved: IntArray) -> int:
+    """What comes after the candidates are decided: O(1) a changed body.
+
+    Returns:
+        How many bodies are written into ``unsolved``: their part of the stack must be solved again.
+    """
+    lay_frozen(graph, watch, limits)
+    note_doubts(graph, regions)
+    return write_down(unsolved, _unproven(graph, regions, take_changed(graph)))
+
+
+@compiled
+def settle_safely(
+    bodies: Bodies,
+    patches: Patches,
+    spare: IntArray,
+    changed: IntArray,
+    regions: Regions,
+    contacts: ContactRows,
+    sizes: IntArray,
+    latest: IntArray,
+    clock: FloatArray,
+    due: IntArray,
+    limits: Limits,
+    found: IntArray,
+) -> tuple[int, int, int]:
+    """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
+
+    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph`` and ``Watch`` come one by
+    one: Numba takes longer to look at two tuples than a plank takes to freeze.
+
+    Returns:
+        How many bodies are written into the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
+        solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
+    """
+    graph = Graph(bodies, patches, spare, changed)
+    watch = Watch(contacts, sizes, latest, clock, due)
+    lay_due(graph, watch, limits)
+    frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
+    on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
+    safe = write_down(found[SAFE], frozen)
+    if len(left) + len(on_edge) > 0:
+        return safe, write_down(found[LEFT], _with_resting(graph, np.unique(np.concatenate((left, on_edge))))), 0
+    return safe, 0, finish(graph, regions, watch, limits, found[UNSOLVED])
