@@ -75,7 +75,10 @@ def test_freezing_survives_a_compilation_bit_by_bit() -> None:
 @pytest.mark.parametrize("height", [0.05, 0.3, 1.0])
 def test_a_falling_plank_does_not_pass_through_a_frozen_one(profile: str, height: float) -> None:
     """It falls up to 70 mm in a frame, nine times the thickness; the speculative contact must stop it and
-    tell how fast it came, to within what gravity adds in a frame."""
+    tell how fast it came, to within what gravity adds in a frame.
+
+    Before that it is listed across the gap, at the lower speeds of the last frames of its fall.
+    """
     simulation = open_engine("mujoco", profile, expected=[PLANK] * 2)
     simulation.port.sleep([simulation.spawn(at(PLANK))])
     simulation.spawn(at(PLANK, z=0.0078 + height))
@@ -85,7 +88,7 @@ def test_a_falling_plank_does_not_pass_through_a_frozen_one(profile: str, height
         contacts = simulation.port.contacts()
         speeds.extend(-(contacts.relative_velocity * contacts.normal).sum(axis=1))
     assert simulation.poses()[1][1, 2] == pytest.approx(0.0117, abs=0.1e-3)
-    assert speeds[0] == pytest.approx(np.sqrt(2 * 9.81 * height), abs=9.81 * FRAME_S)
+    assert max(speeds) == pytest.approx(np.sqrt(2 * 9.81 * height), abs=9.81 * FRAME_S)
 
 
 @pytest.mark.parametrize(("lower_by", "listed"), [(0.0, True), (0.3e-3, True), (0.9e-3, False)])
