@@ -78,7 +78,7 @@ class Equilibrium(Policy):
         self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
-        self._wake_grip = WAKE_GRIP
+        self._wake_margin, self._wake_grip = settings.wake_margin, WAKE_GRIP
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
         """Displacements to which loading last came, by body: where it looks first for the next."""
         self._lift = np.zeros((0, 6))
@@ -87,11 +87,11 @@ class Equilibrium(Policy):
     def set_gravity(self, gravity: float) -> None:
         """Forget proofs, regions and forces.
 
-        The next frame judges without hysteresis in friction: contacts of frozen bodies do not change while gravity
-        turns, so that bodies wake at their exact angle of friction.
+        The next frame judges without hysteresis: contacts of frozen bodies do not change while gravity turns, so that
+        bodies wake at the exact angle at which they slide or topple.
         """
         super().set_gravity(gravity)
-        self._wake_grip = 1.0
+        self._wake_margin, self._wake_grip = 0.0, 1.0
         self._regions["vertices"] = self._regions["links"] = 0
         self._memory.pair[:] = NONE
         self._sag[:] = 0.0
@@ -131,7 +131,7 @@ class Equilibrium(Policy):
         if watch.due.item(PUSHED, 0):
             changed = _together(changed, listed(watch, PUSHED))
         unbalanced = self._unbalanced(graph, watch, changed) if len(changed) else NOBODY
-        self._wake_grip = WAKE_GRIP
+        self._wake_margin, self._wake_grip = self.settings.wake_margin, WAKE_GRIP
         return Decision(reasons, unbalanced)
 
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray]:
@@ -240,7 +240,7 @@ class Equilibrium(Policy):
         bears the load, what the load presses on is woken, and the rest is asked again without it.
         """
         live = lying_on(graph, ids)
-        for margin, grip in ((0.0, 1.0), (self.settings.wake_margin, self._wake_grip))[len(live) > 0 :]:
+        for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
             part = self._part(graph, ids, outside, margin, grip)
             pressed, held = self._pressed(graph, watch, part, live)
             problem = part.problem._replace(load=part.problem.load - pressed)
@@ -295,7 +295,7 @@ class Equilibrium(Policy):
         together = _together(_together(ids, borne), joint)
         if len(together) > most:
             return goes
-        part = self._part(graph, together, AS_BEFORE, self.settings.wake_margin, self._wake_grip)
+        part = self._part(graph, together, AS_BEFORE, self._wake_margin, self._wake_grip)
         others = np.setdiff1d(lying_on(graph, together), together)
         pressed, _ = self._pressed(graph, watch, part, others)
         problem = part.problem._replace(load=part.problem.load - pressed)

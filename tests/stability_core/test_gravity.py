@@ -92,18 +92,21 @@ def test_a_column_slides_at_its_angle_of_friction(port, policy):
 
 @pytest.mark.parametrize("policy", JUDGES)
 def test_a_tall_column_topples_before_it_slides(port, policy):
-    """Ten planks, 20 mm deep and 100 mm high, tilted about their long side: arctan(10 / 50) = 11.31 deg."""
+    """Ten planks, 20 mm deep and 100 mm high, tilted about their long side: arctan(10 / 50) = 11.31 deg.
+
+    Exact statics wakes at the angle itself, the paper's rule once the centre lies outside by the wake margin.
+    """
     column(port, 10)
     extension = StabilityExtension(port, policy)
     settle(extension)
     expected = math.degrees(math.atan(0.2))
-    margin = math.degrees(SETTINGS.wake_margin * 0.0512 / 0.05)
+    margin = math.degrees(SETTINGS.wake_margin * 0.0512 / 0.05) if policy == "paper" else 0.0
     for degrees in np.arange(10.0, 14.0, 0.05):
         x, _, z = tilted(degrees)
         extension.gravity = (0.0, x, z)
         if extension.update(DT).woken:
             break
-    assert expected <= degrees <= expected + margin + 0.1
+    assert expected <= degrees <= expected + margin + 0.06
 
 
 @pytest.mark.parametrize("policy", JUDGES)
