@@ -12,7 +12,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows
 from stability_core.port import GROUND, IntArray
-from stability_core.settings import Limits
+from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
@@ -36,14 +36,19 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
     """Make room for the share ``weight`` of the present frame in the mean; a push of long ago is forgotten."""
     if now - row.pushed_s > limits.load_s:
-        row.push[:], row.push_judged[:], row.push_judged_s = 0.0, 0.0, now
+        row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now
     row.push[:] *= 1.0 - weight
 
 
 @compiled
 def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
-    """True if a push has changed since the balance of the body was last looked at, or lasts since then."""
+    """True if a push has changed since the balance of the body was last looked at, or lasts since then.
+
+    What has not lasted for ``load_s`` may be the bump of a body that has just arrived.
+    """
+    if now - row.push_began_s < limits.load_s - ROUNDING_S:
+        return False
     change, strength = 0.0, 0.0
     for k in range(3):
         change += (row.push[k] - row.push_judged[k]) ** 2

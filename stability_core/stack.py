@@ -46,6 +46,7 @@ BODY = np.dtype(
         ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
         # the mean push of live bodies on a frozen one: see ``pushes``
         ("push", "f8", (3,)),  # [N]
+        ("push_began_s", "f8"),  # when that began [s]
         ("pushed_s", "f8"),  # when it was last pushed [s]
         ("push_judged", "f8", (3,)),  # the push under which its balance was last looked at [N]
         ("push_judged_s", "f8"),  # when that was [s]

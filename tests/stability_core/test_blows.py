@@ -92,6 +92,16 @@ def test_a_steady_push_wakes_what_friction_does_not_hold(port, share, woken):
         assert all(set(change.woken) <= {1, 2, 3} for change in changes), "the joint above holds as much"
 
 
+def test_a_bump_is_no_push(port):
+    """A body that arrives presses for a frame or two with many times the force that it exerts afterwards."""
+    extension = frozen_column(port)
+    limit = MU * G * 3.0
+    approach(port, 1, 0.0, 0.0, force=(2.0 * limit, 0.0, 0.0))
+    assert not any(change.woken for change in run(extension, 2))
+    port.touches[-1].force = (0.2 * limit, 0.0, 0.0)
+    assert not any(change.woken for change in run(extension, 60))
+
+
 def test_a_push_that_the_engine_does_not_tell_is_not_felt(port):
     extension = frozen_column(port)
     approach(port, 1, 0.0, 0.0)
