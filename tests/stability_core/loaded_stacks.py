@@ -52,6 +52,8 @@ ARMS = {
     "equilibrium, no forces": Arm("equilibrium", reads_forces=False),
     "paper": Arm("paper"),
 }
+NEEDED = ("alone", "equilibrium")
+"""Arms without which a measurement's page is not written."""
 
 
 class Standing(NamedTuple):
@@ -150,6 +152,13 @@ def kept_runs(
                 out.flush()
             found.append(row)
     return found
+
+
+def left_out(arms: Iterable[str]) -> list[str]:
+    """Return the lines of a page that name the arms which were not played."""
+    played = set(arms)
+    missing = [arm for arm in ARMS if arm not in played]
+    return [f"Not played with this core: {'; '.join(missing)}.", ""] if missing else []
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

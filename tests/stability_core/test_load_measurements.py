@@ -66,15 +66,18 @@ class TestStruckWall:
         alone = [
             {"displaced": n, "momentum": 0.1 + 0.001 * n, "farthest": 0.1, "diverged": False} for n in range(10, 21)
         ]
-        assert struck_wall.wide_range([0.0, 1.0]) == pytest.approx((0.05 - 0.225, 0.95 + 0.225))
+        assert struck_wall.wide_range([0.0, 1.0], "by length") == pytest.approx((0.05 - 0.225, 0.95 + 0.225))
+        assert struck_wall.wide_range([0.0, 1.0], "by ends") == pytest.approx((0.75 * 0.05, 1.25 * 0.95))
 
         def run(displaced, momentum, farthest, diverged=False):
             figures = {"displaced": displaced, "momentum": momentum, "farthest": farthest, "diverged": diverged}
-            return struck_wall.passes(alone, [figures])
+            return struck_wall.failures(alone, [figures])
 
-        assert run(20, 0.12, 0.14) == {"displaced": True, "momentum": True, "farthest": True}
-        assert run(0, 0.5, 0.16) == {"displaced": False, "momentum": False, "farthest": False}
-        assert not run(20, 0.12, 0.14, diverged=True)["farthest"]
+        both = struck_wall.READINGS
+        assert run(20, 0.12, 0.14) == {"displaced": (), "momentum": (), "farthest": ()}
+        assert run(0, 0.5, 0.16) == {"displaced": both, "momentum": both, "farthest": both}
+        assert run(22, 0.12, 0.14)["displaced"] == ("by length",)
+        assert run(20, 0.12, 0.14, diverged=True)["farthest"]
         alone[0]["diverged"] = True
         assert "farthest" not in run(20, 0.12, 0.14), "there is nothing to compare with"
 
