@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from scenarios.model import Action, Brick, Drive, Expectation, Place, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
-from scenarios.planks import DENSITY, MU
+from scenarios.planks import DENSITY, GRAVITY, MU
 
 EDGE = 0.04
 """Edge of a cube [m]."""
@@ -21,8 +21,6 @@ BELT = (2.4, 0.2, 0.02)
 """Edges of the belt [m]: longer than the way of the column."""
 BOTTOM = 0.01
 """Height of the belt's lower face [m]: clear of the ground."""
-GRAVITY = 9.81
-"""[m/s2]"""
 PAUSE_S = 2.0
 """From the last cube to the start [s]."""
 START_S = 0.5

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import math
 
-from scenarios.model import Action, Brick, Drive, Expectation, Place, Scene, World
+from scenarios.model import Action, Brick, Drive, Place, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, lay
+from scenarios.slopes import TILT_S, on_slope
 
 BOTTOM, PLATE = 0.1, 0.02
 """Height [m] of the platform's lower face as it begins, and its thickness [m]."""
@@ -21,10 +22,6 @@ PAUSE_S = 2.0
 """From the last plank to the lift [s]."""
 RISE, RISE_S = 0.1, 2.0
 """How far [m] the platform rises, and in how long [s]."""
-TILT_S = 3.0
-"""How long [s] it takes to tilt."""
-SURE = 2.0
-"""Degrees off the friction angle from which the answer is known."""
 
 
 def lifted_tower(*, angle: float = 28.0, levels: int = 3) -> Scene:
@@ -60,21 +57,8 @@ def lifted_tower(*, angle: float = 28.0, levels: int = 3) -> Scene:
         parameters=parameters,
         world=World(friction=MU),
         actions=tuple(actions),
-        expectation=_expected(angle, levels, tilt),
+        expectation=on_slope(angle, levels + 1, tilt),
         look_for="the tower rises and tilts with the platform; above the friction angle it slides off",
         pair=variant_of(lifted_tower, parameters | {"angle": 28.0}),
         planar=True,
     )
-
-
-def _expected(angle: float, levels: int, tilt: float) -> Expectation:
-    """What must happen at this angle [deg] of a platform that begins to tilt at ``tilt`` [s]."""
-    limit = math.degrees(math.atan(MU))
-    theory = f"a plank on a slope of {angle:g} deg, friction angle {limit:.1f} deg"
-    if angle <= limit - SURE:
-        return Expectation("stand", f"{theory}: it holds")
-    if angle >= limit + SURE:
-        return Expectation(
-            "fall", f"{theory}: it slides", levels + 1, not_before_s=tilt + TILT_S * (limit - 1.0) / angle
-        )
-    return Expectation("study", f"{theory}: near the limit")

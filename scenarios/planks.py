@@ -23,6 +23,8 @@ MASS = 11.9e-3
 MU = 0.45
 """Coulomb coefficient of every pair. It is OUR choice: reported values for pine on pine spread from 0.12 to 0.45, and
 only the upper end lets a card house stand whichever normal an engine reports at its ridge (see ``card_house``)."""
+GRAVITY = 9.81
+"""Strength [m/s2] of the gravity of ``World``."""
 DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
 """Mean density [kg/m3]."""
 GAP = 2.0e-3

@@ -10,10 +10,8 @@ from __future__ import annotations
 
 from scenarios.model import Action, Expectation, Press, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
-from scenarios.planks import MASS, MU, lay, one_a_second
+from scenarios.planks import GRAVITY, MASS, MU, lay, one_a_second
 
-GRAVITY = 9.81
-"""[m/s2]"""
 PAUSE_S = 2.0
 """From the last plank to the press [s]."""
 PRESS_S = 1.0

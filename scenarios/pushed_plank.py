@@ -15,10 +15,8 @@ import math
 
 from scenarios.model import Action, Expectation, Push, Scene, World
 from scenarios.parameters import Value, real, variant_of, whole
-from scenarios.planks import LENGTH, MASS, MU, THICKNESS, lay, one_a_second
+from scenarios.planks import GRAVITY, LENGTH, MASS, MU, THICKNESS, lay, one_a_second
 
-GRAVITY = 9.81
-"""[m/s2]"""
 PAUSE_S = 2.0
 """From the last plank to the blow [s]."""
 SURE = 1.5

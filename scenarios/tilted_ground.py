@@ -8,18 +8,13 @@ What to look for: a frozen tower must feel that the ground tilts, though nothing
 
 from __future__ import annotations
 
-import math
-
-from scenarios.model import Action, Expectation, Scene, Tilt, World
+from scenarios.model import Action, Scene, Tilt, World
 from scenarios.parameters import Value, real, variant_of, whole
 from scenarios.planks import MU, lay, one_a_second
+from scenarios.slopes import TILT_S, on_slope
 
 PAUSE_S = 2.0
 """From the last plank to the tilt [s]."""
-TILT_S = 3.0
-"""How long [s] it takes to tilt."""
-SURE = 2.0
-"""Degrees off the friction angle from which the answer is known."""
 
 
 def tilted_ground(*, angle: float = 28.0, levels: int = 4) -> Scene:
@@ -41,19 +36,8 @@ def tilted_ground(*, angle: float = 28.0, levels: int = 4) -> Scene:
         parameters=parameters,
         world=World(friction=MU),
         actions=actions,
-        expectation=_expected(angle, levels, time),
+        expectation=on_slope(angle, levels, time),
         look_for="above the friction angle the tower slides off, though nothing has touched it",
         pair=variant_of(tilted_ground, parameters | {"angle": 28.0}),
         planar=True,
     )
-
-
-def _expected(angle: float, levels: int, time: float) -> Expectation:
-    """What must happen at this angle [deg] of ground that begins to tilt at ``time`` [s]."""
-    limit = math.degrees(math.atan(MU))
-    theory = f"a plank on a slope of {angle:g} deg, friction angle {limit:.1f} deg"
-    if angle <= limit - SURE:
-        return Expectation("stand", f"{theory}: it holds")
-    if angle >= limit + SURE:
-        return Expectation("fall", f"{theory}: it slides", levels, not_before_s=time + TILT_S * (limit - 1.0) / angle)
-    return Expectation("study", f"{theory}: near the limit")

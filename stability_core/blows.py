@@ -1,9 +1,9 @@
 """Blows: which frozen bodies a live one is about to strike, or has struck, so hard that they would move.
 
-A frozen body is a rock: what strikes it loses its momentum, and whoever wakes it afterwards wakes it too late. So a
-contact that closes within the next frame counts before it touches, and the engine plays a real impact. Blows sideways
-are judged by the slide that they would cause: after a plastic impact with the striker the body has the speed
-v' = v M / (M + m) and slides by v'^2 / (2 mu g). Slides too short to be seen add up.
+A frozen body has infinite mass: what strikes it loses its momentum within one step, and to wake it afterwards is too
+late. So a contact that closes within the next frame counts before it touches, and the engine simulates the impact.
+Blows sideways are judged by the slide that they would cause: after a plastic impact with the striker the body has the
+speed v' = v M / (M + m) and slides by v'^2 / (2 mu g). Slides below the limit are added up.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""The contact forces that last held the stack: where the search for the next ones begins.
+"""The contact forces that last held the stack: where the search for the next ones begins, and a part of the proof.
 
-Nothing is taken on trust. Forces that are out of date, or another patch's, only make a search longer, for every
-answer is proven anew.
+What bears a change is solved anew, and the forces kept for all other bodies go on to hold those. ``is_held`` recomputes
+that from the patches as they are now. Forces that are out of date, or another patch's, fail there, and their bodies are
+solved as well.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from stability_core.port import FloatArray, IntArray
 from stability_core.stack import MAX_VERTICES, NONE, Graph, is_stack
 
 KEPT_BALANCED = 1e-8
-"""Imbalance, relative to the largest force on a body, up to which kept forces balance it: they did so to a tenth."""
+"""Imbalance, relative to the largest force on a body, up to which kept forces balance it: ten times that to which they
+were solved, because sizes are measured anew."""
 
 
 class Memory(NamedTuple):

@@ -1,7 +1,7 @@
 """The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the stack with it.
 
 Cheap proofs first. What topples alone is refused, and what lies in the safe region of its supports is accepted, in
-O(1) whatever the height. Only what is left costs a solve of the component: leaning bodies, counterweights, lost
+O(1) whatever the height. Only what is left costs a solve of what bears it: leaning bodies, counterweights, lost
 supports. What falls then is what moves in the mechanism.
 
 A proof holds for frozen bodies alone: no certificate is kept of what stands with a live load, nor after a change of
@@ -99,7 +99,7 @@ class Equilibrium(Policy):
     def settle(self, graph: Graph, watch: Watch) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
 
-        O(1) a changed body while safe regions decide, else some solves of its component that begin at its latest
+        O(1) a changed body while safe regions decide, else some solves of what bears it that begin at its latest
         forces.
         """
         if len(graph.bodies) > len(self._regions):
