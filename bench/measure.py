@@ -21,9 +21,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.records import CollapseKind, Status, Verdict
-from scenarios import falling
 from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
 from scenarios.model import Brick, Expectation
+from scenarios.statics import falling
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import product
 
 from bench.studies import Study
-from scenarios.hand import with_hand
 from scenarios.model import Scene
+from scenarios.placement_noise import with_placement_noise
 from scenarios.registry import build
 
 
@@ -39,7 +39,7 @@ class Trial:
         Raises:
             NoRoomError: if its bricks fit too closely for placement noise.
         """
-        return with_hand(self.planned_scene(), self.seed)
+        return with_placement_noise(self.planned_scene(), self.seed)
 
     def planned_scene(self) -> Scene:
         """Return the scene without placement noise."""

@@ -26,8 +26,8 @@ from bench.studies import Limits
 from reports.frames import UNTIMED_FRAMES, FrameRow
 from reports.recording import Recording
 from reports.records import Status, TrialRecord
-from scenarios.hand import NoRoomError
 from scenarios.model import Scene
+from scenarios.placement_noise import NoRoomError
 from stability_core import warm_up
 
 

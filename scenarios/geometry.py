@@ -8,6 +8,7 @@ axes of both boxes, each times anything from -1 to 1. Its facets are normal to t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -15,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from scenarios.model import CLEARANCE, Brick
+from scenarios.model import CLEARANCE, Brick, Quaternion
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
@@ -177,3 +178,10 @@ def rotation(quaternion: FloatArray) -> FloatArray:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), 2, 0)
+
+
+def turned(quaternion: Quaternion, turn: float) -> Quaternion:
+    """The orientation turned about the world's z by ``turn`` [rad]."""
+    c, s = math.cos(turn / 2), math.sin(turn / 2)
+    w, x, y, z = quaternion
+    return (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)

@@ -219,7 +219,7 @@ class Scene:
     watch_s: float = 5.0
     """How long [s] the trial watches after the last action."""
     size: float = 1.0
-    """Factor by which the scene was enlarged: see ``scenarios.transforms``. Placement noise grows with it."""
+    """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows with it."""
     bricks: tuple[Brick, ...] = field(init=False)
     """All bricks in the order of placement."""
     levels: int = field(init=False)

@@ -7,44 +7,44 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from scenarios.at_once import BUILT, at_once, at_once_below
-from scenarios.belt_tower import belt_tower
-from scenarios.branches import branches
-from scenarios.brick_wall import brick_wall
-from scenarios.cantilever import cantilever
-from scenarios.card_house import card_house
-from scenarios.ceiling import ceiling
-from scenarios.character import character
-from scenarios.corbelled_arch import corbelled_arch
-from scenarios.dropped_plank import dropped_plank
-from scenarios.four_stack import four_stack
-from scenarios.groove import groove
-from scenarios.harmonic_overhang import harmonic_overhang
-from scenarios.incline import incline
-from scenarios.jenga import jenga
-from scenarios.leaning_tower import leaning_tower
-from scenarios.lifted_tower import lifted_tower
-from scenarios.log_cabin import log_cabin
 from scenarios.model import Scene
-from scenarios.neighbour_side import neighbour_side
-from scenarios.own_scene import own_scene
 from scenarios.parameters import Value, choice, defaults
-from scenarios.plank_bridge import plank_bridge
-from scenarios.plank_tower import plank_tower
-from scenarios.poured_pile import poured_pile
-from scenarios.pressed_plank import pressed_plank
-from scenarios.prop_between_walls import prop_between_walls
-from scenarios.pulled_plank import pulled_plank
-from scenarios.pushed_plank import pushed_plank
-from scenarios.pyramid import pyramid
-from scenarios.random_tower import random_tower
-from scenarios.robbed_stack import robbed_stack
-from scenarios.seesaw import seesaw
-from scenarios.table import table
-from scenarios.tilted_ground import tilted_ground
-from scenarios.transforms import resized
-from scenarios.trapdoor import trapdoor
-from scenarios.wall_plank import wall_plank
+from scenarios.scenes.belt_tower import belt_tower
+from scenarios.scenes.branches import branches
+from scenarios.scenes.brick_wall import brick_wall
+from scenarios.scenes.cantilever import cantilever
+from scenarios.scenes.card_house import card_house
+from scenarios.scenes.ceiling import ceiling
+from scenarios.scenes.character import character
+from scenarios.scenes.corbelled_arch import corbelled_arch
+from scenarios.scenes.dropped_plank import dropped_plank
+from scenarios.scenes.four_stack import four_stack
+from scenarios.scenes.from_file import own_scene
+from scenarios.scenes.groove import groove
+from scenarios.scenes.harmonic_overhang import harmonic_overhang
+from scenarios.scenes.incline import incline
+from scenarios.scenes.jenga import jenga
+from scenarios.scenes.leaning_tower import leaning_tower
+from scenarios.scenes.lifted_tower import lifted_tower
+from scenarios.scenes.log_cabin import log_cabin
+from scenarios.scenes.neighbour_side import neighbour_side
+from scenarios.scenes.plank_bridge import plank_bridge
+from scenarios.scenes.plank_tower import plank_tower
+from scenarios.scenes.poured_pile import poured_pile
+from scenarios.scenes.pressed_plank import pressed_plank
+from scenarios.scenes.prop_between_walls import prop_between_walls
+from scenarios.scenes.pulled_plank import pulled_plank
+from scenarios.scenes.pushed_plank import pushed_plank
+from scenarios.scenes.pyramid import pyramid
+from scenarios.scenes.random_tower import random_tower
+from scenarios.scenes.seesaw import seesaw
+from scenarios.scenes.shared.prebuilt import BUILT, at_once, at_once_below
+from scenarios.scenes.shared.transforms import resized
+from scenarios.scenes.support_removal import robbed_stack
+from scenarios.scenes.table import table
+from scenarios.scenes.tilted_ground import tilted_ground
+from scenarios.scenes.trapdoor import trapdoor
+from scenarios.scenes.wall_plank import wall_plank
 from stability_core.lookup import look_up
 
 

@@ -8,9 +8,9 @@ import pytest
 
 from bench import measure
 from bench.measure import Plan
-from scenarios import falling
 from scenarios.model import Expectation
 from scenarios.planks import THICKNESS, box, lay, lean
+from scenarios.statics import falling
 
 TOWER = [lay(0.0, level=level) for level in (1, 2, 3)]
 PLAN = Plan.of(TOWER)

@@ -9,8 +9,8 @@ from bench import trial as trials
 from bench.plan import Trial
 from bench.studies import Limits
 from reports.records import TrialRecord
-from scenarios.hand import NoRoomError
 from scenarios.model import Place
+from scenarios.placement_noise import NoRoomError
 from scenarios.registry import build
 
 
@@ -102,7 +102,7 @@ def test_a_seed_whose_noise_finds_no_room_is_unsupported(monkeypatch) -> None:
     def refuse(*_: object) -> None:
         raise NoRoomError("no room; use seed 0")
 
-    monkeypatch.setattr(plan, "with_hand", refuse)
+    monkeypatch.setattr(plan, "with_placement_noise", refuse)
     record = run("bullet", "leaning_tower", levels=2)
     assert (record.status, record.verdict, record.message) == ("unsupported", "none", "no room; use seed 0")
     assert record.levels_planned == 2

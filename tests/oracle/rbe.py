@@ -23,11 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.contact_patch import GROUND, contact_patches
 from scenarios.model import Brick, Pull, Remove, Scene
 from scenarios.planks import LENGTH, MASS
 from scenarios.registry import build
-from scenarios.robbed_stack import STACKS
+from scenarios.scenes.support_removal import STACKS
+from scenarios.statics.contact_patch import GROUND, contact_patches
 from tests.stability_core.piles import Pile, laden_pair, leaned_on_tower, level_pile
 
 FIXTURE = Path(__file__).parents[1] / "fixtures" / "rbe.json"

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenarios.contact_patch import Patch
-from scenarios.force_balance import solve_balance
 from scenarios.planks import LENGTH, MASS
 from scenarios.registry import build
+from scenarios.statics.contact_patch import Patch
+from scenarios.statics.force_balance import solve_balance
 from stability_core import Contacts, Masses, solve_equilibrium
 from tests.oracle.rbe import FAMILIES, at_the_end
 

@@ -5,7 +5,7 @@
 writes the table ``docs/results/truth/decisions.md``; the slow test ``test_decisions.py`` asserts what it must say.
 
 A pile is laid plank by plank, the first planks of a V in pairs. From the third plank on each is a decision: does the
-pile stand with it? The first that lets it fall is the last. The judge is ``scenarios.truth.judge`` (linear
+pile stand with it? The first that lets it fall is the last. The judge is ``scenarios.statics.truth.judge`` (linear
 programs by HiGHS that close in on Coulomb's cone). ``solve_equilibrium`` is asked about each pile from scratch. A
 policy sees the pile at rest, as it grows, as an engine would show it: it says "stable" if it now freezes every plank
 and wakes none. One that refuses a pile that stands is asked no more about that pile, for it never froze what the next
@@ -26,8 +26,8 @@ import numpy as np
 
 from bench.core_digest import present_core
 from bench.page_marks import write_page
-from scenarios.contact_patch import Patch
-from scenarios.truth import judge
+from scenarios.statics.contact_patch import Patch
+from scenarios.statics.truth import judge
 from stability_core import Contacts, Masses, Settings, StabilityExtension, solve_equilibrium
 from tests.stability_core.piles import LENGTH, Pile, laden_pair, leaned_on_tower, level_pile
 

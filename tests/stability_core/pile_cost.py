@@ -31,7 +31,7 @@ from bench.core_digest import present_core
 from bench.page_marks import write_page
 from bench.timed_port import TimedPort
 from scenarios.model import Scene
-from scenarios.poured_pile import poured_pile
+from scenarios.scenes.poured_pile import poured_pile
 from stability_core import StabilityExtension, warm_up
 from tests.stability_core.loaded_stacks import PAGES, Arm, kept_runs, table
 

@@ -14,10 +14,10 @@ A case is a stack (tower, wall or leaning tower), a live body through which a fo
 A user holds the live body: the extension has been told (``disturb``). The force grows from zero within ``GROWTH_S`` and
 lasts until ``PRESSED_S``. The stack moves if any body, also the live one, is then more than ``MOVED`` off its place.
 
-The limit is the force up to which forces in the Coulomb cones balance all bodies (``scenarios.force_balance``), found
-by bisection. A draw counts only if the judge (``scenarios.truth``) calls the pile stable at 0.5 and at 0.9 times the
-limit, so that it stands also when it is loaded from zero, and only if the limit is at most ``MOST`` weights of the
-stack. Each draw is played with all five factors.
+The limit is the force up to which forces in the Coulomb cones balance all bodies (``scenarios.statics.force_balance``),
+found by bisection. A draw counts only if the judge (``scenarios.statics.truth``) calls the pile stable at 0.5 and at
+0.9 times the limit, so that it stands also when it is loaded from zero, and only if the limit is at most ``MOST``
+weights of the stack. Each draw is played with all five factors.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ import numpy as np
 
 from bench.core_digest import present_core
 from bench.page_marks import write_page
-from scenarios.brick_wall import brick_wall
-from scenarios.contact_patch import contact_patches
-from scenarios.force_balance import solve_balance
 from scenarios.geometry import Boxes
-from scenarios.leaning_tower import leaning_tower
 from scenarios.model import Brick, Vector
-from scenarios.plank_tower import plank_tower
 from scenarios.planks import LENGTH, MU, WIDTH
-from scenarios.truth import judge
+from scenarios.scenes.brick_wall import brick_wall
+from scenarios.scenes.leaning_tower import leaning_tower
+from scenarios.scenes.plank_tower import plank_tower
+from scenarios.statics.contact_patch import contact_patches
+from scenarios.statics.force_balance import solve_balance
+from scenarios.statics.truth import judge
 from tests.stability_core.loaded_stacks import (
     ARMS,
     NEEDED,

@@ -35,10 +35,10 @@ import numpy as np
 
 from bench.core_digest import present_core
 from bench.page_marks import write_page
-from scenarios.brick_wall import brick_wall
 from scenarios.model import Brick, Vector
-from scenarios.plank_tower import plank_tower
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH
+from scenarios.scenes.brick_wall import brick_wall
+from scenarios.scenes.plank_tower import plank_tower
 from tests.stability_core.loaded_stacks import (
     ARMS,
     NEEDED,

@@ -3,9 +3,9 @@
     uv run python -m tests.stability_core.tight_courses [CASES]
 
 writes ``docs/results/truth/tight_courses.md``; it goes on from where an earlier run was stopped. Each case is asked of
-``solve_equilibrium`` and of the judge (``scenarios.truth``), with the ideal contacts of the plan, and played alone in
-three engines, tuned by experts, from the planned pose at rest: no drop, no placement noise. Where contact at exactly
-zero gap decides, one engine is no truth; three that agree are.
+``solve_equilibrium`` and of the judge (``scenarios.statics.truth``), with the ideal contacts of the plan, and played
+alone in three engines, tuned by experts, from the planned pose at rest: no drop, no placement noise. Where contact at
+exactly zero gap decides, one engine is no truth; three that agree are.
 
 A case has 1 to 3 courses of 2 to 4 bricks each, in the x-z plane. Each course begins at a random place and its bricks
 touch at their ends, so that bricks which lie more than half beyond what carries them have a neighbour's side to rub on.
@@ -26,9 +26,9 @@ from typing import NamedTuple
 import numpy as np
 
 from adapters import open_engine
-from scenarios.contact_patch import GROUND, contact_patches
 from scenarios.model import Brick, World
-from scenarios.truth import equilibrium
+from scenarios.statics.contact_patch import GROUND, contact_patches
+from scenarios.statics.truth import equilibrium
 from stability_core import Contacts, Masses, solve_equilibrium
 
 SEED = 20261127
@@ -205,7 +205,7 @@ def table(counts: Counter[Outcome]) -> str:
         f"played (seed {SEED}, {', '.join(ENGINES)}, profile `tuned`, friction {', '.join(map(str, FRICTIONS))}).",
         "",
     ]
-    for who, name in (("core", "`solve_equilibrium`"), ("judge", "the judge, `scenarios.truth`")):
+    for who, name in (("core", "`solve_equilibrium`"), ("judge", "the judge, `scenarios.statics.truth`")):
         lines += [
             f"Verdicts of {name}:",
             "",

@@ -9,7 +9,7 @@ degree before the limit, then by ``SLOW``. Limits of exact statics:
 
     column along its planks:    atan(mu) = 24.228 deg, it slides
     column across them:         atan(width / height) = 16.699 deg, it tips
-    V:                          the judge (``scenarios.truth``), with either normal of the ridge
+    V:                          the judge (``scenarios.statics.truth``), with either normal of the ridge
 
 *Onset* is the angle at which a plank is 1 % of a thickness off the place where it stood before the tilt, or turned by
 0.5 deg. *Own exact* is the angle at which no forces in the Coulomb cones balance the planks, at the contacts that the
@@ -34,12 +34,12 @@ from adapters.base import Simulation
 from bench.core_digest import present_core
 from bench.gravity import turned
 from bench.page_marks import write_page
-from scenarios.card_house import card_house
-from scenarios.contact_patch import Patch, Ridge, contact_patches
-from scenarios.force_balance import solve_balance
 from scenarios.model import Brick, Vector, World
-from scenarios.plank_tower import plank_tower
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH
+from scenarios.scenes.card_house import card_house
+from scenarios.scenes.plank_tower import plank_tower
+from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
+from scenarios.statics.force_balance import solve_balance
 from stability_core import Contacts, StabilityExtension
 from tests.stability_core.loaded_stacks import PAGES, kept_runs, table
 

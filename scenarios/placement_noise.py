@@ -1,0 +1,128 @@
+"""A hand that is not quite steady: seed 0 is exact, every other seed lays each brick a little off.
+
+Off by a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three standard
+deviations. A draw depends on the
+scene's variant, the seed and the brick's index alone: not on the engine, the order of trials or what fell before. It
+comes straight from a hash, through the inverse of the normal distribution: the same on every machine, with any library.
+
+A draw that pushes a brick into a neighbour or a fixed box is repeated, so that between planned neighbours that touch
+the noise only opens the joint: seed 0 alone builds it closed. In a row of touching bricks the errors add up, and a
+brick may need more than three standard deviations to find room: the shift grows with the number of draws. A brick that
+fits exactly between two fixed walls has no room for noise: such a scene is refused for every other seed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+
+from scenarios.geometry import BoolArray, Boxes, overlap_in_plan, side_by_side, turned
+from scenarios.model import Brick, Place, Scene
+
+SHIFT = 0.3e-3
+"""Standard deviation [m] in x and in y, of a scene of size 1."""
+TURN = math.radians(0.3)
+"""Standard deviation [rad] of the yaw."""
+CUT = 3.0
+"""Where the distributions are cut [standard deviations]."""
+_DRAWS = 500
+"""Draws after which a brick is said to have no room. Between planks 2 mm apart the first is all but always good."""
+_WIDENED = 25
+"""Draws after which, each time, the shift is of one standard deviation more."""
+
+
+class NoRoomError(ValueError):
+    """Placement noise leaves no room for a brick beside its neighbours; the message names the fix."""
+
+
+def with_placement_noise(scene: Scene, seed: int) -> Scene:
+    """The scene as an unsteady hand builds it; the scene itself for seed 0.
+
+    A group moves as one rigid body, turning about its centroid. In a planar scene the hand errs along x only. A draw
+    that would overlap a brick that was laid before in the same level, or anything else that is planned beside the
+    group, is thrown away for the next one.
+
+    Raises:
+        ValueError: if the seed is negative.
+        NoRoomError: if a brick finds no room beside its neighbours.
+    """
+    if seed < 0:
+        raise ValueError(f"seed must be 0 (exact) or positive, got {seed}")
+    if seed == 0:
+        return scene
+    laid: list[Brick] = []
+    actions = []
+    for action in scene.actions:
+        if isinstance(action, Place):
+            action = replace(action, bricks=_laid_by_hand(scene, seed, action.bricks, laid))
+            laid.extend(action.bricks)
+        actions.append(action)
+    return replace(scene, actions=tuple(actions))
+
+
+def _laid_by_hand(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[Brick]) -> tuple[Brick, ...]:
+    others = Boxes.of([*laid, *scene.world.fixed])
+    must_not_overlap = _beside(scene, group, laid)
+    for draw in range(_DRAWS):
+        dx, dy, turn = deviates(scene.variant, seed, len(laid), draw)
+        shift = scene.size * SHIFT * (1 + draw // _WIDENED)
+        moved = (
+            _moved(group, dx * shift, 0.0, 0.0) if scene.planar else _moved(group, dx * shift, dy * shift, turn * TURN)
+        )
+        if not (overlap_in_plan(Boxes.of(moved), others) & must_not_overlap).any():
+            return moved
+    raise NoRoomError(
+        f"{scene.variant}, seed {seed}: brick {len(laid)} has no room for placement noise beside its neighbours; use "
+        f"seed 0, or leave more than {2 * CUT * SHIFT * scene.size * 1e3:.2g} mm between planned bricks"
+    )
+
+
+def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> BoolArray:
+    """Tell which of what is laid, then of the fixed boxes, each brick of a group must not overlap, shape (m, n).
+
+    Bricks of the same level, and whatever is planned beside it. Poured bricks are where they fell, not as planned.
+    """
+    levels = {brick.level for brick in group}
+    same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)
+    must_not_overlap = np.tile(np.array(same_level, bool), (len(group), 1))
+    if not scene.poured:
+        planned = [*scene.bricks[: len(laid)], *scene.world.fixed]
+        must_not_overlap |= side_by_side(Boxes.of(group), Boxes.of(planned))
+    return must_not_overlap
+
+
+def deviates(variant: str, seed: int, brick: int, draw: int = 0) -> tuple[float, float, float]:
+    """Three independent standard normal deviates, cut at ``CUT``, that belong to one brick of one scene and seed."""
+    digest = hashlib.blake2b(f"{variant}/{seed}/{brick}/{draw}".encode(), digest_size=24).digest()
+    first, second, third = (_deviate(digest[start : start + 8]) for start in (0, 8, 16))
+    return first, second, third
+
+
+def _deviate(random: bytes) -> float:
+    """The quantile of the cut normal distribution that eight random bytes pick."""
+    normal = NormalDist()
+    tail = normal.cdf(-CUT)
+    fraction = (int.from_bytes(random, "little") + 0.5) / 2**64
+    return normal.inv_cdf(tail + (1 - 2 * tail) * fraction)
+
+
+def _moved(group: Sequence[Brick], dx: float, dy: float, turn: float) -> tuple[Brick, ...]:
+    """The group shifted by dx and dy [m] and turned about z through its centroid by ``turn`` [rad]."""
+    x0 = sum(brick.position[0] for brick in group) / len(group)
+    y0 = sum(brick.position[1] for brick in group) / len(group)
+    cos, sin = math.cos(turn), math.sin(turn)
+    moved = []
+    for brick in group:
+        x, y, z = brick.position
+        position = (
+            x0 + dx + cos * (x - x0) - sin * (y - y0),
+            y0 + dy + sin * (x - x0) + cos * (y - y0),
+            z,
+        )
+        moved.append(replace(brick, position=position, quaternion=turned(brick.quaternion, turn)))
+    return tuple(moved)

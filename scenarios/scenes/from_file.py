@@ -1,0 +1,312 @@
+"""A scene of your own, without code: a TOML file of bricks, whose truth is exact statics of what it says.
+
+    friction = 0.45
+    [[brick]]
+    size = [0.117, 0.0234, 0.0078]     # m
+    position = [0.0, 0.0, 0.0039]      # of the centre, m; the ground is z = 0
+    mass = 0.0119                      # kg
+    time = 0.0                         # when it is laid, s; bricks of one time come together
+    yaw = 30.0                         # deg, optional; or quaternion = [w, x, y, z]
+    removed = 8.0                      # when it is taken, s, optional
+    [[fixed]]                          # a box that never moves: a wall, a table, a ceiling; optional
+    size = [0.02, 0.1, 0.1]
+    position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
+
+Bricks must touch what carries them, to a fifth of a millimetre, and not overlap; what comes at one time is then lowered
+or raised as one, until it touches exactly. A level is told from what lies below: a brick on the ground is of
+the first, any other is one above the highest that it stands on or leans against. Bricks of one time that make up
+several levels are a prebuilt stack: they are set down without a gap, and not dropped from ``CLEARANCE``.
+
+``size``, ``mass`` and ``yaw`` change the whole: lengths, the clearance included, times a factor; masses times a factor;
+a turn about z. Statics does not depend on them, so neither may an answer. Falls take the root of ``size`` longer: for
+a ``size`` above 1 all times grow by its root, and so does the time of watching.
+
+Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge; where they differ, or
+no proof is found, the scene is a study. Statics knows no energy: keep what decides 5 % away from its limit.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from itertools import groupby
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
+from scenarios.model import (
+    CLEARANCE,
+    UPRIGHT,
+    Action,
+    Brick,
+    Expectation,
+    Place,
+    Quaternion,
+    Remove,
+    Scene,
+    World,
+    pace_of,
+)
+from scenarios.parameters import Value, defaults, real, variant_of
+from scenarios.planks import MU
+from scenarios.scenes.shared.transforms import transformed
+from scenarios.statics.contact_patch import GROUND, contact_patches
+from scenarios.statics.truth import UndecidedError, first_fall
+from stability_core.lookup import look_up
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+MOST_FIXED = 200
+"""Boxes that never move."""
+MOST = 200
+"""Bricks for which the truth is worked out whenever the scene is built: of the largest in about a minute."""
+FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
+FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
+_LARGEST = 1e3
+"""Metres and seconds beyond which a number is a slip of the keyboard."""
+_HEAVIEST = 1e6
+"""Kilograms, likewise."""
+WATCH_S = 5.0
+"""How long [s] a scene of its own size is watched."""
+SNAP = 0.2e-3
+"""Gap or overlap [m] that is a rounding of whoever wrote the file."""
+_UNIT = 1e-6
+"""How far the length of a quaternion may be from 1."""
+
+
+def own_scene(*, file: str = "lintel.toml", size: float = 1.0, mass: float = 1.0, yaw: float = 0.0) -> Scene:
+    """Your own bricks, from a TOML file.
+
+    Args:
+        file: where it lies, or the name of one of ``scenarios/examples``.
+        size: factor of all lengths; its root is that of all times if it is above 1. Masses stay.
+        mass: factor of all masses.
+        yaw: turn of the whole about the z axis [deg].
+    """
+    size = real("size", size, least=0.01, most=100)
+    mass = real("mass", mass, least=1e-3, most=1e3)
+    yaw = real("yaw", yaw, least=-360, most=360)
+    if not isinstance(file, str) or not file.endswith(".toml"):
+        raise ValueError(f"file must be a TOML file's name, got {file!r}")
+    path = Path(file) if Path(file).exists() else EXAMPLES / file
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        examples = ", ".join(sorted(example.name for example in EXAMPLES.glob("*.toml")))
+        raise ValueError(f"{file}: cannot be read ({error}); a path, or one of {examples}") from error
+    try:
+        return _scene(file, text, size, mass, yaw)
+    except (ValueError, LookupError) as error:
+        raise ValueError(f"{file}: {error}") from error
+
+
+@lru_cache(maxsize=64)
+def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
+    """The scene that ``text`` tells; its id names the content too, so that a changed file is another scene."""
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"not valid TOML: {error}") from error
+    for field in content:
+        look_up("field", field, dict.fromkeys(("friction", "brick", "fixed")))
+    told = _tables(content, "brick", least=1, most=MOST)
+    fixed = tuple(
+        _fixed(f"fixed[{n}]", one) for n, one in enumerate(_tables(content, "fixed", least=0, most=MOST_FIXED))
+    )
+    friction = real("friction", content.get("friction", MU), least=0, most=10)
+    laid = sorted(
+        ((_number(f"brick[{n}].time", one.get("time"), 0, _LARGEST), n, one) for n, one in enumerate(told)),
+        key=lambda entry: entry[:2],
+    )
+    bricks = [_brick(f"brick[{n}]", one) for _, n, one in laid]
+    times, numbers = [time for time, _, _ in laid], [n for _, n, _ in laid]
+    bricks = _levelled(_settled(bricks, times, fixed), times, numbers, fixed)
+    bricks = [transformed(brick, size, mass, yaw) for brick in bricks]
+    fixed = tuple(transformed(wall, size, mass, yaw) for wall in fixed)
+    parameters: dict[str, Value] = {"file": file, "size": size, "mass": mass, "yaw": yaw}
+    scene = Scene(
+        scenario="own_scene",
+        variant=_variant(text, parameters),
+        parameters=parameters,
+        world=World(friction=friction, fixed=fixed),
+        actions=_actions(bricks, laid, size),
+        expectation=Expectation("study", "not yet judged"),
+        look_for="does it stand or fall as exact statics says, and when?",
+        planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
+        watch_s=WATCH_S * pace_of(size),
+        size=size,
+    )
+    return replace(scene, expectation=_judged(scene))
+
+
+def _variant(text: str, parameters: Mapping[str, Value]) -> str:
+    """Return the id: the file's name and content unless it is the default one, then what changes the whole."""
+    default = defaults(own_scene)["file"]
+    file = str(parameters["file"])
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
+    told = "" if file == default else f"-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}"
+    changes = variant_of(own_scene, {**parameters, "file": default}).removeprefix("own_scene")
+    return f"own_scene{told}{changes}"
+
+
+def _tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
+    tables = content.get(name, [])
+    is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
+    if not is_list or not least <= len(tables) <= most:
+        raise ValueError(f"there must be {least} to {most} tables [[{name}]]")
+    return list(tables)
+
+
+def _number(name: str, value: object, least: float, most: float) -> float:
+    if value is None:
+        raise ValueError(f"{name} is missing")
+    return real(name, value, least=least, most=most)
+
+
+def _numbers(name: str, value: object, count: int, least: float) -> tuple[float, ...]:
+    if not isinstance(value, list) or len(value) != count:
+        raise ValueError(f"{name} must be a list of {count} numbers, got {value!r}")
+    return tuple(_number(f"{name}[{k}]", part, least, _LARGEST) for k, part in enumerate(value))
+
+
+def _brick(name: str, told: Mapping[str, Any]) -> Brick:
+    box = _box(name, told, FIELDS)
+    return replace(box, mass=_number(f"{name}.mass", told.get("mass"), 1e-6, _HEAVIEST))
+
+
+def _fixed(name: str, told: Mapping[str, Any]) -> Brick:
+    return _box(name, told, FIXED_FIELDS)
+
+
+def _box(name: str, told: Mapping[str, Any], fields: Sequence[str]) -> Brick:
+    """Return the box of a table, of 1 kg."""
+    for field in told:
+        look_up(f"field of {name}", field, dict.fromkeys(fields))
+    length, width, height = _numbers(f"{name}.size", told.get("size"), 3, 1e-4)
+    x, y, z = _numbers(f"{name}.position", told.get("position"), 3, -_LARGEST)
+    return Brick((length, width, height), 1.0, (x, y, z), _turn(name, told))
+
+
+def _turn(name: str, told: Mapping[str, Any]) -> Quaternion:
+    if "yaw" in told and "quaternion" in told:
+        raise ValueError(f"{name} has both yaw and quaternion: leave one out")
+    if "quaternion" in told:
+        w, i, j, k = _numbers(f"{name}.quaternion", told["quaternion"], 4, -1.0)
+        if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
+            raise ValueError(f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}")
+        return w, i, j, k
+    half = math.radians(_number(f"{name}.yaw", told.get("yaw", 0.0), -360, 360)) / 2
+    return (math.cos(half), 0.0, 0.0, math.sin(half)) if half else UPRIGHT
+
+
+def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) -> list[Brick]:
+    """The bricks with heights at which each group touches what was there before, where a hair was missing."""
+    settled: list[Brick] = []
+    for _, group in groupby(range(len(bricks)), key=times.__getitem__):
+        coming = [bricks[index] for index in group]
+        boxes = Boxes.of(coming)
+        room = _room_below(boxes, settled, fixed)
+        drop = room if abs(room) <= SNAP else 0.0
+        settled += [replace(brick, position=(*brick.position[:2], brick.position[2] - drop)) for brick in coming]
+    return settled
+
+
+def _room_below(boxes: Boxes, there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
+    """Return how far [m] boxes can sink together until one meets what is there, a fixed box or the ground."""
+    room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
+    return min(room, float(vertical_clearance(boxes, Boxes.of(there)).min(initial=math.inf)))
+
+
+def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed: Sequence[Brick]) -> list[Brick]:
+    """The bricks, in the order in which they are laid, with their levels.
+
+    Raises:
+        ValueError: if two overlap, or one touches nothing that is there when it is laid.
+    """
+    try:
+        patches = contact_patches(bricks, fixed)
+    except ValueError as error:
+        raise ValueError(f"in the order of time, {error}") from error
+    touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
+    for patch in patches:
+        for one, other in ((patch.first, patch.second), (patch.second, patch.first)):
+            if one != GROUND:
+                touched[one].add(other)
+    levels: dict[int, int] = {GROUND: 0}
+    for _, group in groupby(range(len(bricks)), key=times.__getitem__):
+        coming = list(group)
+        while coming:  # lowest first: what another of the group carries comes after it
+            carried = [index for index in coming if touched[index] & levels.keys()]
+            if not carried:
+                there = [bricks[k] for k in levels if k != GROUND]
+                raise ValueError(_floats(numbers[coming[0]], bricks[coming[0]], there, fixed))
+            found = {index: 1 + max(levels[k] for k in touched[index] & levels.keys()) for index in carried}
+            levels |= found
+            coming = [index for index in coming if index not in found]
+    return [replace(brick, level=levels[index]) for index, brick in enumerate(bricks)]
+
+
+def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[Brick]) -> str:
+    room = _room_below(Boxes.of([brick]), there, fixed)
+    return (
+        f"brick[{number}] touches nothing when it is laid: it floats {room * 1e3:.3f} mm above what lies "
+        f"below; set position z to {brick.position[2] - room:g}, or lay its support before it"
+    )
+
+
+def _actions(
+    bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[str, Any]]], size: float
+) -> tuple[Action, ...]:
+    pace = pace_of(size)
+    placed = [(time, brick) for (time, _, _), brick in zip(laid, bricks, strict=True)]
+    actions: list[Action] = [
+        _placed(time * pace, tuple(brick for _, brick in group), CLEARANCE * size)
+        for time, group in groupby(placed, key=lambda entry: entry[0])
+    ]
+    for index, (time, n, told) in enumerate(laid):
+        if "removed" in told:
+            removed = _number(f"brick[{n}].removed", told["removed"], 0, _LARGEST)
+            if removed <= time:
+                raise ValueError(f"brick[{n}].removed must be after its time {time:g}, got {removed:g}")
+            actions.append(Remove(removed * pace, index))
+    return tuple(sorted(actions, key=attrgetter("time")))
+
+
+def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
+    """Return how bricks of one time come: a prebuilt stack without a gap, one level from ``clearance`` [m]."""
+    is_prebuilt = len({brick.level for brick in group}) > 1
+    return Place(time, group, 0.0 if is_prebuilt else clearance)
+
+
+def _judged(scene: Scene) -> Expectation:
+    """What must happen by exact statics."""
+    try:
+        falls = {first_fall(scene, ridge=ridge) for ridge in ("bisector", "face")}
+    except UndecidedError as error:
+        return Expectation("study", f"exact statics finds no proof: {error}")
+    if len(falls) > 1:
+        return Expectation("study", "the normal at a ridge decides, which is a convention")
+    level = falls.pop()
+    if level is None:
+        return Expectation("stand", "exact statics finds forces that hold it")
+    return Expectation("fall", "exact statics finds no forces that hold it", level, _due_s(scene))
+
+
+def _due_s(scene: Scene) -> float:
+    """When [s] the removal comes with which a scene first falls; 0 if it is a brick too many that does it."""
+    for index, action in enumerate(scene.actions):
+        if isinstance(action, Remove):
+            before, after = (replace(scene, actions=scene.actions[:end]) for end in (index, index + 1))
+            if first_fall(before) is None and first_fall(after) is not None:
+                return action.time
+    return 0.0
+
+
+def _is_planar(brick: Brick) -> bool:
+    _, i, _, k = brick.quaternion
+    return brick.position[1] == 0.0 and i == 0.0 and k == 0.0

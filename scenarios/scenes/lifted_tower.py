@@ -1,0 +1,64 @@
+"""A tower of planks on a platform that lifts it and then tilts it.
+
+Theory: a lift at less than g carries whatever lies on it. On a slope of angle a, a plank holds while tan a <= mu,
+whatever lies on it: below the friction angle of 24.2 deg all stand, above it the tower slides. The planks lie along
+the slope, and the tower is far lower than long, so that it cannot tip.
+
+What to look for: a stack that is frozen must come along with the platform, and must feel that it tilts.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenarios.model import Action, Brick, Drive, Place, Scene, World
+from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, lay
+from scenarios.scenes.shared.slopes import TILT_S, on_slope
+
+BOTTOM, PLATE = 0.1, 0.02
+"""Height [m] of the platform's lower face as it begins, and its thickness [m]."""
+PAUSE_S = 2.0
+"""From the last plank to the lift [s]."""
+RISE, RISE_S = 0.1, 2.0
+"""How far [m] the platform rises, and in how long [s]."""
+
+
+def lifted_tower(*, angle: float = 28.0, levels: int = 3) -> Scene:
+    """A tower of planks on a platform that lifts it and then tilts it.
+
+    Args:
+        angle: of the platform in the end [deg].
+        levels: number of planks.
+    """
+    angle = real("angle", angle, least=0.0, most=45.0)
+    levels = whole("levels", levels, least=1, most=6)
+    parameters: dict[str, Value] = {"angle": angle, "levels": levels}
+    platform = Brick((3 * LENGTH, 3 * WIDTH, PLATE), 1.0, (0.0, 0.0, BOTTOM + PLATE / 2), moved=True)
+    top = BOTTOM + PLATE
+    actions: list[Action] = [Place(0.0, (platform,), height=BOTTOM)]
+    for index in range(levels):
+        plank = lay(0.0, level=index + 2, bottom=top + index * THICKNESS)
+        actions.append(Place(1.0 + index, (plank,)))
+    time = actions[-1].time + PAUSE_S
+    speed = 2 * RISE / RISE_S
+    spin = math.radians(angle) / TILT_S
+    tilt = time + RISE_S + 1.0
+    still = (0.0, 0.0, 0.0)
+    actions += [
+        Drive(time, 0, (0.0, 0.0, speed), seconds=RISE_S / 2, carries=True),
+        Drive(time + RISE_S / 2, 0, still, seconds=RISE_S / 2, carries=True),
+        Drive(tilt, 0, still, (0.0, spin, 0.0), carries=True),
+        Drive(tilt + TILT_S, 0, still, carries=True),
+    ]
+    return Scene(
+        scenario="lifted_tower",
+        variant=variant_of(lifted_tower, parameters),
+        parameters=parameters,
+        world=World(friction=MU),
+        actions=tuple(actions),
+        expectation=on_slope(angle, levels + 1, tilt),
+        look_for="the tower rises and tilts with the platform; above the friction angle it slides off",
+        pair=variant_of(lifted_tower, parameters | {"angle": 28.0}),
+        planar=True,
+    )

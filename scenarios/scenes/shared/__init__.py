@@ -1,0 +1,1 @@
+"""Parts that several scenes share, and changes of a whole scene that the registry makes."""

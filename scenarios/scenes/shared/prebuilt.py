@@ -1,0 +1,227 @@
+"""Prebuilt stacks: any scene of statics with all bricks in place when the simulation starts.
+
+``at_once`` merges all ``Place`` actions into one at time 0 with height 0: planned geometry, levels touch without a gap,
+and so do planks that lean against each other.
+Removals keep their distance from the last brick that was laid. Which bricks, and what must happen:
+
+1. A scene that must fall at level k while it is built: its first k levels. They must fall at once, within
+   ``WITHIN`` times ``falling.fall_time``, so that a stack that is frozen at first and falls later counts as a false
+   stand.
+2. A scene that must fall when a brick is taken: all levels. They must stand until then.
+3. A scene that must stand: all levels. They must stand for ``STANDS_S`` and fall when one more brick is taken.
+
+``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats them as case 3. So no scene is statics
+alone: what a policy freezes before the first step must also come down. Scenes of case 1 and 3 from the two sides of a
+pair are a pair.
+
+The brick that is taken is the first, level by level from the lowest, without which exact statics finds no equilibrium
+under either ridge convention, and whose loss can be seen: a brick loses all of its support, or the support was
+``TALL`` times as tall as the brick is thin. Where no brick is (flat planks with two supports each), the stack stands on
+pedestals, one of which is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import Literal
+
+import numpy as np
+
+from scenarios.geometry import Boxes
+from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene
+from scenarios.planks import GAP
+from scenarios.scenes.shared.pedestals import lifted, pedestals
+from scenarios.statics.contact_patch import GROUND, Patch, contact_patches
+from scenarios.statics.falling import fall_time
+from scenarios.statics.truth import equilibrium
+
+Built = Literal["one_by_one", "at_once", "at_once_below"]
+BUILT: tuple[Built, ...] = ("one_by_one", "at_once", "at_once_below")
+"""How a scene of statics may be built."""
+STANDS_S = 3.0
+"""Time [s] for which a prebuilt stack must stand: several times what any engine needs to let it fall."""
+WITHIN = 3.0
+"""Allowed time of a fall over ``fall_time``: engines may tip about a softer edge, and see it a frame later."""
+TALL = 3.0
+"""Height of a support, in least edges of the brick on it, from which its loss is seen: with one end on the ground the
+brick's centre has sunk by more than half of that edge."""
+_UPWARD = 0.1
+"""Vertical component of the normal from which a contact bears load."""
+
+
+def at_once(scene: Scene) -> Scene:
+    """Return the prebuilt variant of a scene.
+
+    Raises:
+        ValueError: if the scene is dynamic or has no known answer, or if no single brick bears what is left.
+    """
+    _check(scene)
+    scene = _closed(scene)
+    level = _level_of_fall(scene)
+    if level is not None:
+        return _falling(scene, [brick for brick in scene.bricks if brick.level <= level])
+    merged = _merged(scene, "at_once")
+    return replace(merged, pair="") if scene.expectation.outcome == "fall" else _robbed(merged)
+
+
+def at_once_below(scene: Scene) -> Scene:
+    """Return the prebuilt levels below the one at which a scene must fall.
+
+    Raises:
+        ValueError: as ``at_once``; or if the scene has no such level, or it is the first.
+    """
+    _check(scene)
+    scene = _closed(scene)
+    level = _level_of_fall(scene)
+    if level is None or level == 1:
+        raise ValueError(f"{scene.variant} has no levels below the one at which it falls; use built = 'at_once'")
+    bricks = tuple(brick for brick in scene.bricks if brick.level < level)
+    return _robbed(replace(_merged(scene, "at_once_below"), actions=(Place(0.0, bricks, 0.0),)))
+
+
+def is_static(scene: Scene) -> bool:
+    """Tell whether statics alone decides a scene: bricks are laid and taken, nothing is dropped, pushed or poured."""
+    return not scene.poured and all(isinstance(action, Place | Remove) for action in scene.actions)
+
+
+def _check(scene: Scene) -> None:
+    if not is_static(scene):
+        raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it can only be built one by one")
+    if scene.expectation.outcome == "study":
+        raise ValueError(f"{scene.variant} has no known answer ({scene.expectation.theory}): build it one by one")
+
+
+def _closed(scene: Scene) -> Scene:
+    """Return the scene with ridges closed: a hand leaves a hair between two planks that lean against each other."""
+    corners = Boxes.of(scene.bricks).corners
+    shift = np.zeros((len(scene.bricks), 3))
+    for patch in contact_patches(scene.bricks):
+        if patch.first != GROUND and abs(patch.normal[2]) < _UPWARD:
+            apart = (corners[patch.second] @ patch.normal).min() - (corners[patch.first] @ patch.normal).max()
+            shift[patch.first] += max(0.0, apart) / 2 * patch.normal
+            shift[patch.second] -= max(0.0, apart) / 2 * patch.normal
+    bricks = iter(
+        replace(brick, position=(brick.position[0] + x, brick.position[1] + y, brick.position[2] + z))
+        for brick, (x, y, z) in zip(scene.bricks, shift.tolist(), strict=True)
+    )
+    return replace(
+        scene,
+        actions=tuple(
+            replace(action, bricks=tuple(islice(bricks, len(action.bricks)))) if isinstance(action, Place) else action
+            for action in scene.actions
+        ),
+    )
+
+
+def _level_of_fall(scene: Scene) -> int | None:
+    """Return the level at which a scene falls while it is built; None if it does not."""
+    return scene.expectation.level if scene.expectation.not_before_s == 0.0 else None
+
+
+def _merged(scene: Scene, built: Built) -> Scene:
+    """Return the scene with all bricks set down at time 0."""
+    last = max(action.time for action in scene.actions if isinstance(action, Place))
+    removals = [Remove(a.time - last, a.brick) for a in scene.actions if isinstance(a, Remove)]
+    expectation = scene.expectation
+    return replace(
+        scene,
+        variant=f"{scene.variant}-built{built}",
+        parameters={**scene.parameters, "built": built},
+        actions=(Place(0.0, scene.bricks, 0.0), *removals),
+        expectation=replace(expectation, not_before_s=max(0.0, expectation.not_before_s - last)),
+        pair=f"{scene.pair or scene.variant}-at_once",
+    )
+
+
+def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
+    """Return the scene of bricks that must fall at once."""
+    seconds = fall_time(bricks, scene.world)
+    within = round(WITHIN * seconds, 3)
+    theory = f"{scene.expectation.theory}; within {within:.2f} s, as its mechanism takes {seconds:.2f} s from rest"
+    merged = _merged(scene, "at_once")
+    return replace(
+        merged,
+        actions=(Place(0.0, tuple(bricks), 0.0),),
+        expectation=replace(merged.expectation, theory=theory, within_s=within),
+        watch_s=max(scene.watch_s, within),
+    )
+
+
+def _robbed(scene: Scene) -> Scene:
+    """Return a prebuilt stack that stands, and from which a brick that bears load is then taken."""
+    taken = _load_bearing(scene)
+    if taken is None:
+        scene = _raised(scene)
+        taken = _load_bearing(scene)
+    if taken is None:
+        raise ValueError(f"{scene.variant}: no single brick bears the rest, so that nothing falls without it")
+    time = scene.done_s + STANDS_S
+    rest = _without(scene, {*_removed(scene), taken})
+    theory = f"{scene.expectation.theory}; exact statics finds no equilibrium without brick {taken}"
+    return replace(
+        scene,
+        actions=(*scene.actions, Remove(time, taken)),
+        expectation=Expectation("fall", theory, scene.levels, time),
+        look_for=f"it stands until brick {taken} is taken at {time:g} s, and then falls at once",
+        watch_s=max(scene.watch_s, WITHIN * fall_time(rest, scene.world)),
+    )
+
+
+def _load_bearing(scene: Scene) -> int | None:
+    """Return the first brick, level by level, without which the rest falls visibly; None if there is none."""
+    gone = _removed(scene)
+    patches = contact_patches(scene.bricks, scene.world.fixed)
+    heights = 2 * Boxes.of(scene.bricks).reach[:, 2]
+    order = sorted(set(range(len(scene.bricks))) - gone, key=lambda index: scene.bricks[index].level)
+    for index in order:
+        borne = _seen_without(index, gone, scene.bricks, patches, heights[index])
+        if borne and _falls(scene, {*gone, index}, borne):
+            return index
+    return None
+
+
+def _seen_without(
+    index: int, gone: set[int], bricks: Sequence[Brick], patches: Sequence[Patch], height: float
+) -> list[int]:
+    """Return the neighbours of a brick whose fall could be seen if they need the brick."""
+    present = [patch for patch in patches if not gone & {patch.first, patch.second}]
+    touching = {*(p.second for p in present if p.first == index), *(p.first for p in present if p.second == index)}
+    rest = [patch for patch in present if index not in (patch.first, patch.second)]
+    supported = {p.second for p in rest if p.normal[2] > _UPWARD} | {p.first for p in rest if p.normal[2] < -_UPWARD}
+    return sorted(
+        brick
+        for brick in touching
+        if brick >= 0 and (brick not in supported or height >= TALL * min(bricks[brick].size))
+    )
+
+
+def _falls(scene: Scene, gone: set[int], borne: Sequence[int]) -> bool:
+    """Tell whether one of ``borne`` moves without the bricks ``gone``, whichever normal a ridge has."""
+    kept = [index for index in range(len(scene.bricks)) if index not in gone]
+    for ridge in ("bisector", "face"):
+        statics = equilibrium(_without(scene, gone), scene.world, ridge=ridge)
+        speed = np.abs(statics.mechanism).max(axis=1)
+        if statics.verdict != "unstable" or not (speed[[kept.index(brick) for brick in borne]] > 0.0).any():
+            return False
+    return True
+
+
+def _without(scene: Scene, gone: set[int]) -> list[Brick]:
+    return [brick for index, brick in enumerate(scene.bricks) if index not in gone]
+
+
+def _removed(scene: Scene) -> set[int]:
+    return {action.brick for action in scene.actions if isinstance(action, Remove)}
+
+
+def _raised(scene: Scene) -> Scene:
+    """Return a prebuilt stack on pedestals."""
+    lowest = [brick for brick in scene.bricks if brick.level == 1]
+    if scene.world.fixed or any(brick.quaternion[1:3] != (0.0, 0.0) for brick in lowest):
+        return scene
+    below = pedestals(scene, GAP)
+    raised: list[Action] = [Place(0.0, (*below, *(lifted(brick) for brick in scene.bricks)), 0.0)]
+    removals = [Remove(a.time, a.brick + len(below)) for a in scene.actions if isinstance(a, Remove)]
+    return replace(scene, actions=(*raised, *removals))

@@ -1,0 +1,83 @@
+"""Changes of a whole scene that no statics may depend on: its size, its mass and its direction.
+
+``resized`` enlarges a scene of statics. Gravity stays, so that with the factor L
+
+- lengths grow by L: bricks, gaps, fixed boxes, the clearance from which bricks are let go, and placement noise;
+- masses grow by L^3, because the density stays;
+- times grow by max(1, sqrt(L)): the pace of laying, removals, limits of falls and the time of watching.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from scenarios.geometry import turned
+from scenarios.model import Action, Brick, Place, Remove, Scene, pace_of
+from scenarios.parameters import real, short
+from scenarios.scenes.shared.prebuilt import is_static
+
+SMALLEST, LARGEST = 0.01, 1000.0
+"""Range of the factor on lengths: planks from 1 mm to 117 m long."""
+
+
+def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
+    """Return a brick with lengths times ``size`` and mass times ``mass``, turned about the z axis by ``yaw`` [deg]."""
+    length, width, height = brick.size
+    x, y, z = brick.position
+    turn = math.radians(yaw)
+    cos, sin = math.cos(turn), math.sin(turn)
+    return replace(
+        brick,
+        size=(length * size, width * size, height * size),
+        mass=brick.mass * mass,
+        position=((cos * x - sin * y) * size, (sin * x + cos * y) * size, z * size),
+        quaternion=turned(brick.quaternion, turn),
+    )
+
+
+def resized(scene: Scene, size: object) -> Scene:
+    """Return a scene of statics with all lengths times ``size``; the scene itself if that is 1.
+
+    Raises:
+        ValueError: if the scene is dynamic, or ``size`` is out of range.
+    """
+    factor = real("size", size, least=SMALLEST, most=LARGEST)
+    if factor == 1.0:
+        return replace(scene, parameters={**scene.parameters, "size": factor})
+    if not is_static(scene):
+        raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it has one size only; leave out size")
+    told = f"-size{short(factor)}"
+    pace = pace_of(factor)
+    expectation, within = scene.expectation, scene.expectation.within_s
+    changed = f"all lengths times {factor:g}, all times of the scene times {pace:.3g}"
+    return replace(
+        scene,
+        variant=scene.variant + told,
+        parameters={**scene.parameters, "size": factor},
+        world=replace(scene.world, fixed=tuple(_enlarged(box, factor) for box in scene.world.fixed)),
+        actions=tuple(_resized_action(action, factor, pace) for action in scene.actions),
+        expectation=replace(
+            expectation,
+            theory=f"{expectation.theory}; {changed}",
+            not_before_s=expectation.not_before_s * pace,
+            within_s=None if within is None else within * pace,
+        ),
+        look_for=f"{scene.look_for}; {changed}",
+        pair=scene.pair and scene.pair + told,
+        watch_s=scene.watch_s * pace,
+        size=factor,
+    )
+
+
+def _enlarged(brick: Brick, size: float) -> Brick:
+    return transformed(brick, size, size**3, 0.0)
+
+
+def _resized_action(action: Action, size: float, pace: float) -> Action:
+    if isinstance(action, Place):
+        bricks = tuple(_enlarged(brick, size) for brick in action.bricks)
+        return Place(action.time * pace, bricks, action.height * size)
+    if isinstance(action, Remove):
+        return replace(action, time=action.time * pace)
+    raise ValueError(f"a {type(action).__name__} has one size only")

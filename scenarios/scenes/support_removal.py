@@ -1,0 +1,125 @@
+"""A stack that stands, and from which something is taken: what lies on top, or what carries the rest.
+
+Theory: exact statics of what is left (``scenarios.statics.truth``); no closed form is needed, for in each case a brick
+has lost the support under one side of its centre of mass, or the partner that it leaned against.
+
+One cube on another drops straight down when the lower one is taken, upright and in its place seen from above.
+
+Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is what is taken: without it
+a brick falls far enough to be seen, not by a thickness onto the next one.
+
+What to look for: engines that let bricks sleep may leave them hanging in the air when their support goes. What rested
+on it must fall, and what did not must stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+from scenarios.model import Action, Expectation, Place, Remove, Scene, World
+from scenarios.parameters import Value, choice, defaults, real, variant_of
+from scenarios.planks import GAP, MU, box, one_a_second
+from scenarios.scenes.brick_wall import brick_wall
+from scenarios.scenes.card_house import card_house
+from scenarios.scenes.four_stack import four_stack
+from scenarios.scenes.log_cabin import log_cabin
+from scenarios.scenes.pyramid import pyramid
+from scenarios.scenes.shared.pedestals import lifted, pedestals
+
+PAUSE_S = 2.0
+"""From the last brick to the removal [s]: time to settle."""
+EDGE = 0.2
+"""Edge of a block [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Robbery:
+    """What is built, and what may be taken."""
+
+    build: Callable[..., Scene]
+    """Takes the ``gap`` between neighbours [mm], if they have one."""
+    load: tuple[int, ...]
+    """Bricks on top, which carry nothing, by their places in the order of placement."""
+    support: int
+    """A brick of the lowest level, by its place in the order of placement."""
+    is_raised: bool = True
+    """Whether it stands on pedestals; then the bricks above are counted from the first that is none."""
+    has_gap: bool = False
+    """Whether it has neighbours whose gap can be chosen."""
+
+
+STACKS: Mapping[str, _Robbery] = {
+    "four_stack": _Robbery(partial(four_stack, levels=3), load=(11,), support=0, has_gap=True),
+    "brick_wall": _Robbery(partial(brick_wall, courses=4, width=2), load=(8,), support=0, has_gap=True),
+    "pyramid": _Robbery(partial(pyramid, rows=3), load=(5,), support=0),
+    "log_cabin": _Robbery(partial(log_cabin, levels=4), load=(7,), support=0),
+    "card_house": _Robbery(partial(card_house, storeys=2), load=(5, 6), support=0, is_raised=False),
+    "two_blocks": _Robbery(lambda: _two_blocks(), load=(1,), support=0, is_raised=False),
+}
+
+
+def robbed_stack(*, stack: str = "four_stack", taken: str = "load", gap: float = 2.0, pause: float = PAUSE_S) -> Scene:
+    """A stack that stands, from which the topmost load or a lowest support is taken.
+
+    Args:
+        stack: which, a name of ``STACKS``.
+        taken: "load" or "support".
+        gap: between neighbours of a level [mm], of the stacks that have any; with 0 they touch.
+        pause: from the last brick to the removal [s]: after some seconds at rest an engine lets bricks sleep.
+    """
+    stack = choice("stack", stack, tuple(STACKS))
+    taken = choice("taken", taken, ("load", "support"))
+    gap = real("gap", gap, least=0, most=20)
+    pause = real("pause", pause, least=1, most=100)
+    parameters: dict[str, Value] = {"stack": stack, "taken": taken, "gap": gap, "pause": pause}
+    robbery = STACKS[stack]
+    if gap != defaults(robbed_stack)["gap"] and not robbery.has_gap:
+        with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
+        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours side by side")
+    plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
+    built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
+    time = built.actions[-1].time + pause
+    below = len(built.bricks) - len(plain.bricks)
+    bricks = [below + brick for brick in robbery.load] if taken == "load" else [robbery.support]
+    removals: tuple[Action, ...] = tuple(Remove(time, brick) for brick in bricks)
+    if taken == "load":
+        expectation = Expectation("stand", "what is left stood before, under more load")
+    else:
+        expectation = Expectation("fall", "exact statics finds no equilibrium without it", built.levels, time)
+    return replace(
+        built,
+        scenario="robbed_stack",
+        variant=variant_of(robbed_stack, parameters),
+        parameters=parameters,
+        actions=built.actions + removals,
+        expectation=expectation,
+        look_for="what rested on it must fall, and what did not must stay",
+        pair=variant_of(robbed_stack, parameters | {"taken": "load"}),
+    )
+
+
+def _two_blocks() -> Scene:
+    """One cube on another: without the lower one the upper one drops straight down."""
+    blocks = [box((EDGE, EDGE, EDGE), 0.0, level=level, bottom=(level - 1) * EDGE, mass=1.0) for level in (1, 2)]
+    return Scene(
+        scenario="two_blocks",
+        variant="two_blocks",
+        parameters={},
+        world=World(friction=MU),
+        actions=one_a_second([block] for block in blocks),
+        expectation=Expectation("stand", "the upper block's centre of mass is above the lower one's middle"),
+        look_for="",
+        planar=True,
+    )
+
+
+def _raised(scene: Scene, narrower: float) -> Scene:
+    """The scene on pedestals, which come together, a second before its first brick; see ``pedestals``."""
+    higher: list[Action] = [
+        Place(action.time + 1.0, tuple(lifted(brick) for brick in action.bricks))
+        for action in scene.actions
+        if isinstance(action, Place)
+    ]
+    return replace(scene, actions=(Place(0.0, pedestals(scene, narrower)), *higher))

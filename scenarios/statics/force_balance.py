@@ -1,0 +1,223 @@
+"""Can contact forces hold the bodies still? Linear programs around Coulomb's cone, from inside and from outside.
+
+Unknown are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; known are the weights.
+Forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
+
+- one inscribed: forces found with it obey Coulomb's law, and prove that equilibrium exists;
+- one circumscribed: if even it allows no equilibrium there is none. The dual solution proves it: a virtual motion in
+  which gravity does work, and no force that a contact allows does less than none, so that they never cancel.
+
+While neither proves anything the pyramids get one more side at each corner, where the circumscribed one's forces lean:
+there its error falls fourfold each time, and the true cone decides. What is still open then is in doubt, never stable.
+
+Each program is elastic: it looks for the least sum of forces and moments that an invisible hand must add. So it always
+has a solution, the two pyramids bracket the true cone's residual, and no verdict hangs on a solver's exit status.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import csc_array, hstack
+
+from scenarios.geometry import FloatArray
+from scenarios.statics.contact_patch import Patch
+from scenarios.statics.contact_wrenches import Corners
+
+Verdict = Literal["stable", "unstable", "doubt"]
+Criterion = Literal["normal forces", "vertical forces", "loading", "cone"]
+
+BALANCED = 1e-9
+"""Residual below which forces balance, in weights of all bodies (moments: times the length unit). The solver's own
+tolerance could hide 6e-10; a harmonic overhang of 300 bricks that is too long by 1e-5 leaves 3e-7."""
+SIDES = 8
+"""Sides of the first pyramids with friction."""
+ROUNDS = 24
+"""Sides added before the answer is doubt: a yawed V within 1e-6 of the friction that it needs takes 12, 1e-8 16."""
+_SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+
+
+@dataclass(frozen=True, slots=True)
+class Statics:
+    """Whether bodies can rest, with the proof."""
+
+    verdict: Verdict
+    """``stable``: forces that hold all bodies exist, and arise; ``unstable``: none exist; ``doubt``: neither is proven.
+
+    Existence of forces is necessary for rest, and sufficient where normal forces alone do it. With friction it is not:
+    bodies wedged against each other may stress themselves in theory and fall in fact (Kao et al. 2022).
+    """
+    by: Criterion
+    """What decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: what happens as the weights
+    grow from zero; ``cone``: whether any forces obey Coulomb's law and balance the weights."""
+    why: str
+    """The reason of a doubt, in words; else empty."""
+    balanced: bool | None
+    """Whether contact forces exist that obey Coulomb's law and hold all bodies; None if neither pyramid proves it."""
+    residual: float
+    """What is missing at best, in weights of all bodies: proven too small to matter if balanced, too large if not.
+    How far a stable pile is from its limit it does not say."""
+    frictionless: bool
+    """True if normal forces alone hold all bodies."""
+    points: FloatArray
+    """The patches' corners [m], shape (p, 3)."""
+    normals: FloatArray
+    """Unit normal at each corner, from its first body to its second, shape (p, 3)."""
+    bodies: tuple[tuple[int, int], ...]
+    """First and second body of each corner."""
+    forces: FloatArray
+    """Force [N] on the second body at each corner, shape (p, 3): the proof that forces exist, if they do. There may be
+    others, and those that arise are others in general."""
+    mechanism: FloatArray
+    """Virtual velocity of each body, shape (n, 6): linear, then angular times the length unit, at most 1 in any
+    component; the proof if unstable, else zero. Bodies that do not move in it need not fall."""
+
+    @property
+    def stable(self) -> bool:
+        """True only if proven."""
+        return self.verdict == "stable"
+
+
+@dataclass(frozen=True, slots=True)
+class _Solution:
+    residual: float
+    forces: FloatArray
+    """In units of the mean weight, shape (p, 3)."""
+    motion: FloatArray
+    """Dual solution, shape (n, 6)."""
+
+
+class _Balance:
+    """The linear program, without units: see ``Corners``."""
+
+    def __init__(self, corners: Corners) -> None:
+        self._corners = corners
+
+    def solve(self, friction: float | FloatArray, angles: FloatArray) -> _Solution:
+        """The least residual with a pyramid at each corner.
+
+        Args:
+            friction: how far the pyramid's edges lean, as a tangent; shape (p, k), or one number for all.
+            angles: their directions [rad] in the contact plane, shape (p, k).
+        """
+        lean = friction * np.array([np.cos(angles), np.sin(angles)])
+        edges = self._corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, self._corners.tangents)
+        return self.along(edges)
+
+    def along(self, edges: FloatArray) -> _Solution:
+        """Return the least residual with forces that are sums of each corner's edges, shape (p, k, 3)."""
+        wrenches = hstack([self._corners.wrenches(edges), *self._hand()], format="csc")
+        count = edges.shape[0] * edges.shape[1]
+        cost = np.ones(wrenches.shape[1])
+        cost[:count] = 0.0
+        found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=_SOLVER)
+        if found.x is None:
+            raise ArithmeticError(f"HiGHS found no solution of a program that always has one: {found.message}")
+        forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
+        motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)
+        return _Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
+
+    def _hand(self) -> tuple[csc_array, csc_array]:
+        """The invisible hand's forces and moments, either way."""
+        diagonal = np.arange(6 * self._corners.bodies)
+        push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
+        return push, -push
+
+
+def solve_balance(
+    centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
+) -> Statics:
+    """Find contact forces that hold all bodies, or prove that there are none.
+
+    The verdict is ``stable`` only where that suffices: if normal forces alone do it, or vertical forces at contacts
+    whose cones contain the vertical. Where other friction is needed forces may exist (``balanced``) and not arise:
+    ``truth.judge`` asks further.
+
+    Proof that normal forces p >= 0 suffice: they balance the weights w, so w . a = -p . J_n a <= 0 for every motion a
+    without overlap, while contact forces do no work; rest is the only solution (``strong_stability``). Vertical forces
+    are no such proof: that nothing slides where the whole load bears straight down is a matter of experience.
+
+    Args:
+        centers: centres of mass [m], shape (n, 3).
+        weights: what gravity pulls with [N], shape (n, 3); not all zero.
+        patches: where bodies touch.
+        friction: Coulomb coefficient of every pair.
+        length: the length unit [m] in which moments count; a typical edge.
+    """
+    corners = Corners(centers, weights, patches, length)
+    balance = _Balance(corners)
+
+    smooth = balance.solve(0.0, np.zeros((len(corners.points), 1)))
+    if smooth.residual <= BALANCED:
+        return _statics(corners, smooth, "stable", "normal forces")
+    if friction == 0:
+        return _statics(corners, smooth, "unstable", "cone")
+    vertical = balance.along(_vertical(corners, friction))
+    if vertical.residual <= BALANCED:
+        return _statics(corners, vertical, "stable", "vertical forces")
+    is_balanced, solution = _in_cones(corners, balance, friction)
+    if is_balanced is False:
+        return _statics(corners, solution, "unstable", "cone")
+    why = "too close to its limit to tell" if is_balanced is None else "forces exist, and need not arise"
+    return _statics(corners, solution, "doubt", "cone", why=why, balanced=is_balanced)
+
+
+def _in_cones(corners: Corners, balance: _Balance, friction: float) -> tuple[bool | None, _Solution]:
+    """Tell whether forces in the Coulomb cones balance the weights, with the proof; None if it stays open."""
+    angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
+    outer = None
+    for _ in range(ROUNDS):
+        outer = balance.solve(*_circumscribed(friction, angles))
+        if outer.residual > BALANCED:
+            return False, outer
+        inner = balance.solve(friction, angles)
+        if inner.residual <= BALANCED:
+            return True, inner
+        along_first, along_second = np.einsum("apd,pd->ap", corners.tangents, outer.forces)
+        leaning = np.arctan2(along_second, along_first) % (2 * np.pi)
+        angles = np.sort(np.column_stack([angles, leaning]), axis=1)
+    return None, outer or balance.solve(*_circumscribed(friction, angles))
+
+
+def _statics(
+    corners: Corners,
+    solution: _Solution,
+    verdict: Verdict,
+    by: Criterion,
+    *,
+    why: str = "",
+    balanced: bool | None = None,
+) -> Statics:
+    return Statics(
+        verdict=verdict,
+        by=by,
+        why=why,
+        balanced=balanced if verdict == "doubt" else verdict == "stable",
+        residual=solution.residual,
+        frictionless=by == "normal forces",
+        points=corners.points,
+        normals=corners.normals,
+        bodies=tuple(zip(corners.first.tolist(), corners.second.tolist(), strict=True)),
+        forces=corners.unit * solution.forces,
+        mechanism=solution.motion if verdict == "unstable" else np.zeros((corners.bodies, 6)),
+    )
+
+
+def _vertical(corners: Corners, friction: float) -> FloatArray:
+    """Return unit forces against gravity where the cone contains them, else zero, shape (p, 1, 3)."""
+    up = -corners.load.reshape(-1, 6)[:, :3].sum(axis=0)
+    up /= np.linalg.norm(up)
+    upward = corners.normals @ up
+    is_load_bearing = np.abs(upward) >= 1 / np.hypot(1.0, friction)
+    forces: FloatArray = (np.where(is_load_bearing, np.sign(upward), 0.0)[:, None] * up)[:, None]
+    return forces
+
+
+def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Edges of the pyramids (p, k) whose sides touch the cones at ``angles`` (p, k), rising: how far, and whither."""
+    half = np.diff(angles, axis=1, append=angles[:, :1] + 2 * np.pi) / 2
+    return friction / np.cos(half), angles + half

@@ -1,0 +1,190 @@
+"""Load a pile from zero through compliant contacts: do the forces that could hold it arise by themselves?
+
+Forces inside the Coulomb cones that balance all weights are necessary for rest, not sufficient. With friction they may
+be a self-stress that nothing supplies: a brick that overhangs its table and touches a heavy neighbour with its inner
+end could be held by friction there, but as it begins to turn its end moves up and away, nothing presses, and it falls.
+
+**Model.** All contacts are elastic (``compliant_contacts``), unloaded at first; then the weights grow from zero. What
+is resisted by forces comes to rest at displacements u; what is not goes on with an acceleration a = u / kappa, where
+kappa (time squared over two) is raised from 1 by factors of sqrt(10):
+
+- it *stands* if a falls in proportion to 1 / kappa over two decades, at a sag below ``MOST_SAG``;
+- it *falls* if a stays the same over two decades, in which the same pile with its contacts glued comes to rest;
+- else, or without convergence, it is in *doubt*.
+
+Contacts of real bodies have no known stiffness. So the verdict must be the same for every tangential stiffness of
+``RATIOS`` and for both distributions: the same at all corners, and in proportion to the weights of the two bodies.
+
+**Sag.** A contact that is off by an angle e from one that would not press presses after all, once the body has moved by
+1 / e of its elastic compression: in theory it stands, in fact it has long moved away. The sag of a body is the greatest
+relative motion at its corners over the greatest with all contacts glued (the same linear problem). Neither the scale
+nor what lies below matters for it: a body that is carried along does not move against its neighbours.
+
+**What it proves.** With u = kappa a the equations read M a = w + J^T f(kappa J a). Forces do no work, so a . M a and
+f . f / kappa are at most w . a: accelerations are bounded, and contacts close at most as 1 / sqrt(kappa). Where a and f
+tend to limits, no contact closes in the limit, forces are in their cones, those of opening contacts are zero, and a
+corner that slides has all its friction against the motion. So the limit of a pile that "falls" is an acceleration,
+other than zero, which rigid bodies with Coulomb friction may take from rest: the pile is not strongly stable in the
+sense of Pang and Trinkle. A pile that "stands" has an equilibrium that is reached without prestress, for each of six
+kinds of contacts. That is not strong stability: other solutions may exist beside it.
+
+**Limits.** Displacements are infinitesimal, gaps zero: a contact that exactly grazes its neighbour's motion is decided
+by compression alone. Contacts are those of the plan; none is made on the way. Solutions need not be unique, and the one
+found is that which continues the solution of soft contacts.
+
+References:
+    J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
+    ZAMM 80 (2000), 643-663.
+    G. T.-C. Kao, A. Iannuzzo, B. Thomaszewski, S. Coros, T. Van Mele, P. Block, "Coupled Rigid-Block Analysis:
+    Stability-Aware Design of Complex Discrete-Element Assemblies", Computer-Aided Design 146 (2022), 103216.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal
+
+import numpy as np
+
+from scenarios.geometry import FloatArray
+from scenarios.statics.compliant_contacts import (
+    CompliantPile,
+    ball_gyration,
+    even_stiffness,
+    pile_of,
+    stiffness_by_weight,
+)
+from scenarios.statics.contact_patch import GROUND, Patch
+from scenarios.statics.contact_wrenches import Corners
+
+RATIOS = (1.0, 0.1, 10.0)
+"""Tangential over normal stiffness. Elastic spheres have 0.7 to 1; rough faces and grains may have far less."""
+DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
+"""How the normal stiffness of corners may differ."""
+MOST_SAG = 100.0
+"""Sag up to which a pile stands. It is 1 to 6 in card houses, logs, balls and planks at walls that stand, 12 / 24 / 49
+in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let stand. Contacts
+that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 / 100-270."""
+STANDS = 0.02
+"""Ratio of accelerations at kappa and kappa / 100 below which a pile stands: 0.01 is rest."""
+FALLS = 0.5
+"""Ratio from which it falls: 1 is free. Of 450 tight courses none was between both at the highest kappa; arches within
+0.1 % of their limit are."""
+MOST_FAILURES = 3
+"""Steps of kappa without a solution after which the search is given up: two in a row are overcome now and then."""
+_DECADE = 2
+"""Steps of kappa in a decade."""
+_FIRST, _LAST = 4 * _DECADE, 8 * _DECADE
+"""Steps at which to look for a verdict first and last: kappa = 1e4 and 1e8."""
+
+Answer = Literal["stands", "falls", "doubt"]
+
+
+@dataclass(frozen=True, slots=True)
+class Loading:
+    """Whether a pile that is loaded from zero comes to rest."""
+
+    verdict: Answer
+    why: str
+    """The reason, in words, unless it stands."""
+    sag: float
+    """Greatest sag of a body; infinite where it does not come to rest."""
+    acceleration: float
+    """Greatest acceleration that is left at the highest kappa, as a share of gravity, moments over the length unit."""
+
+
+def load_from_zero(
+    centers: FloatArray,
+    weights: FloatArray,
+    patches: Sequence[Patch],
+    friction: float,
+    length: float,
+    *,
+    gyration: FloatArray | None = None,
+) -> Loading:
+    """Load a pile from zero through six kinds of compliant contacts.
+
+    Args:
+        centers: centres of mass [m], shape (n, 3).
+        weights: what gravity pulls with [N], shape (n, 3); masses are in proportion to it.
+        patches: where bodies touch.
+        friction: Coulomb coefficient of every pair.
+        length: the length unit [m] in which moments count; a typical edge.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``. It has no influence on
+            what stands.
+    """
+    corners = Corners(centers, weights, patches, length)
+    if gyration is None:
+        gyration = ball_gyration(centers, patches, length)
+    piles = (
+        pile_of(corners, gyration / length**2, friction, ratio, stiffness(corners))
+        for stiffness, ratio in product(DISTRIBUTIONS, RATIOS)
+    )
+    return _agreed(load_pile(pile, corners) for pile in piles)
+
+
+def _agreed(loadings: Iterator[Loading]) -> Loading:
+    """Return the verdict that all share; doubt at the first that is in doubt or disagrees."""
+    worst = next(loadings)
+    for loading in loadings:
+        if worst.verdict == "doubt":
+            return worst
+        if loading.verdict != worst.verdict and loading.verdict != "doubt":
+            why = "whether it comes to rest depends on the stiffness of its contacts"
+            return Loading("doubt", why, max(worst.sag, loading.sag), max(worst.acceleration, loading.acceleration))
+        if loading.verdict == "doubt" or loading.sag > worst.sag:
+            worst = loading
+    return worst
+
+
+def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
+    """Load one compliant pile, with kappa from 1 to where a verdict is found."""
+    displacement = np.zeros(6 * corners.bodies)
+    accelerations: dict[int, float] = {}
+    failures = 0
+    loading = Loading("doubt", "no equilibrium of its compliant contacts was found", np.inf, np.inf)
+    for step in range(_LAST + 1):
+        kappa = 10.0 ** (step / _DECADE)
+        moved = pile.moved(displacement, kappa)
+        if moved is None:
+            failures += 1
+            if failures == MOST_FAILURES:
+                break
+            continue
+        displacement = moved
+        accelerations[step] = acceleration = float(np.abs(displacement).max()) / kappa
+        before = accelerations.get(step - 2 * _DECADE)
+        if step < _FIRST or before is None:
+            continue
+        ratio = acceleration / before
+        if ratio >= FALLS and (step == _LAST or _is_at_rest_glued(pile, kappa)):
+            return Loading("falls", f"it gives way with {acceleration:.2g} g", np.inf, acceleration)
+        loading = Loading(
+            "doubt", f"it does not come to rest: it gives way with {acceleration:.2g} g", np.inf, acceleration
+        )
+        if ratio <= STANDS and step >= _LAST - 1:
+            sag = _sag(corners, pile.relative_motion(displacement), pile.relative_motion(pile.glued(kappa)))
+            is_small = sag <= MOST_SAG
+            why = "" if is_small else f"a body gives {sag:.0f} times as far as with its contacts glued"
+            loading = Loading("stands" if is_small else "doubt", why, sag, acceleration)
+    return loading
+
+
+def _is_at_rest_glued(pile: CompliantPile, kappa: float) -> bool:
+    """Tell whether the pile with its contacts glued comes to rest over the two decades up to kappa."""
+    before, after = (float(np.abs(pile.glued(step)).max()) / step for step in (kappa / 100, kappa))
+    return after <= STANDS * before
+
+
+def _sag(corners: Corners, motion: FloatArray, glued: FloatArray) -> float:
+    """Return the greatest ratio over all bodies of relative motions (p,) at their corners; infinite without corners."""
+    greatest = np.zeros((2, corners.bodies))
+    for body in (corners.first, corners.second):
+        moving = body != GROUND
+        for row, values in zip(greatest, (motion, glued), strict=True):
+            np.maximum.at(row, body[moving], values[moving])
+    if not greatest[1].all():
+        return np.inf
+    return float((greatest[0] / greatest[1]).max())

@@ -1,0 +1,133 @@
+"""Rigid bodies and Coulomb's law at their corners, as ``strong_stability`` needs them: in space, or in a plane.
+
+A corner that sticks, or slides in some sector of directions, has forces in a polyhedral cone. In the plane that is
+exact. In space the cones contain those of Coulomb's law: the pyramid circumscribed about the cone for corners that
+stick; for a sector the friction between two radii of Coulomb's circle and the tangents at their ends.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from scenarios.geometry import FloatArray
+from scenarios.statics.compliant_contacts import IntArray
+from scenarios.statics.contact_patch import GROUND
+from scenarios.statics.contact_wrenches import Corners
+
+SECTORS = 8
+"""Sectors of sliding directions outside the plane: friction is right within 1 - cos(22.5 deg) = 8 %."""
+_SAME = 1e-6
+"""Difference, in length units, below which points of a planar pile lie behind each other."""
+
+
+class RigidPile(NamedTuple):
+    """A pile without units: weights over that of the lightest body, lengths over the length unit."""
+
+    masses: FloatArray
+    """Shape (d, d)."""
+    weights: FloatArray
+    """Shape (d,)."""
+    wrenches: FloatArray
+    """Of unit forces along the normal and the tangents of each corner, shape (d, p, 1 + t)."""
+    down: FloatArray
+    """What takes from accelerations how fast each body goes along its weight, shape (n, d)."""
+
+
+class Law(NamedTuple):
+    """Coulomb's law at one corner."""
+
+    generators: FloatArray
+    """Forces of unit normal force that span the cones of all modes, shape (g, 1 + t)."""
+    modes: IntArray
+    """Mode of each generator: 0 sticks, j slides in sector j; shape (g,)."""
+    borders: FloatArray
+    """Directions c with c . v >= 0 for velocities in a sector, shape (b, t)."""
+    sectors: IntArray
+    """Mode of each border, from 1; shape (b,)."""
+
+
+def spatial_pile(corners: Corners, gyration: FloatArray) -> RigidPile:
+    """Return the problem in space; ``gyration`` in squares of the length unit."""
+    weights = corners.load.reshape(-1, 6)
+    masses = np.linalg.norm(weights[:, :3], axis=1)
+    size, scale = 6 * corners.bodies, 1.0 / masses.min()
+    inertia = np.zeros((corners.bodies, 6, corners.bodies, 6))
+    for body, (mass, squared) in enumerate(zip(masses, gyration, strict=True)):
+        inertia[body, :3, body, :3], inertia[body, 3:, body, 3:] = mass * np.eye(3), mass * squared
+    frames = np.stack([corners.normals, *corners.tangents], axis=1)
+    wrenches = corners.wrenches(frames).toarray().reshape(size, -1, 3)
+    down = np.zeros((corners.bodies, corners.bodies, 6))
+    down[np.arange(corners.bodies), np.arange(corners.bodies)] = weights / masses[:, None]
+    return RigidPile(
+        scale * inertia.reshape(size, size), scale * weights.ravel(), wrenches, down.reshape(corners.bodies, size)
+    )
+
+
+def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
+    """Return the problem in the plane x-z, if the pile is its own mirror image in a plane y = const, else None.
+
+    Bodies, and corners, that lie behind each other move as one.
+    """
+    points, centers = corners.points / corners.length, corners.centers / corners.length
+    bodies = _groups(np.column_stack([centers[:, [0, 2]], spatial.weights.reshape(-1, 6)[:, [0, 2]]]))
+    sides = np.append(bodies, GROUND)[[corners.first, corners.second]].T
+    behind = _groups(np.column_stack([points[:, [0, 2]], corners.normals[:, [0, 2]], sides]))
+    middle = centers[:, 1].mean()
+    out = [corners.normals[:, 1], spatial.weights[1::6]]
+    out += [_means(bodies, centers[:, 1] - middle), _means(behind, points[:, 1] - middle)]
+    if np.abs(np.concatenate(out)).max() > _SAME:
+        return None
+    motion = np.zeros((len(bodies), 6, bodies.max() + 1, 3))
+    for body, group in enumerate(bodies):
+        motion[body, [0, 2, 4], group, [0, 1, 2]] = 1.0
+    motion = motion.reshape(6 * len(bodies), -1)
+    across = np.column_stack([corners.normals[:, 2], np.zeros(len(points)), -corners.normals[:, 0]])
+    sliding = np.einsum("dpt,tpi,pi->dp", spatial.wrenches[..., 1:], corners.tangents, across)
+    wrenches = np.stack([spatial.wrenches[..., 0], sliding], axis=2)[:, np.unique(behind, return_index=True)[1]]
+    return RigidPile(
+        masses=motion.T @ spatial.masses @ motion,
+        weights=motion.T @ spatial.weights,
+        wrenches=np.tensordot(motion.T, wrenches, 1),
+        down=np.unique(spatial.down @ motion, axis=0),
+    )
+
+
+def _groups(rows: FloatArray) -> IntArray:
+    """Number rows (m, q) such that equal ones share a number, shape (m,)."""
+    groups: IntArray = np.unique(np.round(rows / _SAME), axis=0, return_inverse=True)[1].reshape(-1)
+    return groups
+
+
+def _means(groups: IntArray, values: FloatArray) -> FloatArray:
+    means: FloatArray = np.bincount(groups, values) / np.bincount(groups)
+    return means
+
+
+def law_in_plane(friction: float) -> Law:
+    """Return Coulomb's law with one tangent: exact."""
+    generators = np.array([[1.0, friction], [1.0, -friction], [1.0, -friction], [1.0, friction]])
+    return Law(generators, np.array([0, 0, 1, 2]), np.array([[1.0], [-1.0]]), np.array([1, 2]))
+
+
+def law_in_space(friction: float) -> Law:
+    """Return Coulomb's law with two tangents; friction of a sector lies between two radii and the tangents at them."""
+    half = np.pi / SECTORS
+    middles = 2 * half * np.arange(SECTORS)
+
+    def along(angles: npt.NDArray[np.floating]) -> FloatArray:
+        return np.column_stack([np.cos(angles), np.sin(angles)])
+
+    outer = friction / np.cos(half)
+    sticking = [outer * along(middles)]
+    sliding = [-friction * along(middles - half), -outer * along(middles), -friction * along(middles + half)]
+    tangential = np.concatenate(sticking + sliding)
+    sectors = np.arange(1, SECTORS + 1)
+    return Law(
+        generators=np.column_stack([np.ones(len(tangential)), tangential]),
+        modes=np.concatenate([np.zeros(SECTORS, np.int64), sectors, sectors, sectors]),
+        borders=np.concatenate([along(middles - half + np.pi / 2), along(middles + half - np.pi / 2)]),
+        sectors=np.concatenate([sectors, sectors]),
+    )

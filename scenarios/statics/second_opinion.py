@@ -1,0 +1,125 @@
+"""Ask two criteria about a pile: a pair of scenes enters the study ``truth`` only where they agree.
+
+The first is loading from zero (``loading``). What comes to rest must be called stable by the judge (``truth``), and the
+first of these that can must confirm it:
+
+1. ``normal forces`` alone hold it, which excludes every other solution (proof in ``force_balance``);
+2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
+3. ``other stiffness``: it comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times softer or
+   stiffer. It is the weakest of the three, for piles that are too large for the second.
+
+What falls must not be called stable by the judge, and the first of these that can must confirm it:
+
+1. ``cone``: no forces hold it, by a proof;
+2. ``strong stability``: rigid bodies may take another acceleration than rest;
+3. ``load-bearing contacts``: no forces hold it at contacts whose cones contain the vertical.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from scenarios.geometry import Boxes, FloatArray
+from scenarios.model import Brick, World
+from scenarios.statics.compliant_contacts import pile_of, stiffness_by_weight
+from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
+from scenarios.statics.contact_wrenches import Corners
+from scenarios.statics.force_balance import solve_balance
+from scenarios.statics.loading import Answer, load_from_zero, load_pile
+from scenarios.statics.strong_stability import strong_stability
+from scenarios.statics.truth import judge
+
+DRAWS = 5
+"""Random stiffnesses."""
+SPREAD = 3.0
+"""Factor by which a corner may be softer or stiffer."""
+MOST_CHOICES = 40
+"""Binary variables up to which strong stability is asked for: about three seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """What two criteria say."""
+
+    verdict: Answer
+    """``doubt`` where they disagree, or one of them is in doubt."""
+    second: str
+    """The criterion that confirms what loading says, or contradicts it."""
+    why: str
+    """The reason of a doubt, in words; else empty."""
+
+
+class _Pile(NamedTuple):
+    centers: FloatArray
+    weights: FloatArray
+    patches: Sequence[Patch]
+    friction: float
+    length: float
+
+
+def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
+    """Return on what loading and a second criterion agree about bricks in their planned poses.
+
+    Args:
+        bricks: at least one; they must touch, not overlap.
+        world: friction, gravity and fixed boxes.
+        ridge: the normal where two parallel edges meet (see ``contact_patch``).
+    """
+    pile = _Pile(
+        centers=np.array([brick.position for brick in bricks], np.float64),
+        weights=np.outer([brick.mass for brick in bricks], world.gravity),
+        patches=contact_patches(bricks, world.fixed, ridge=ridge),
+        friction=world.friction,
+        length=float(np.mean([max(brick.size) for brick in bricks])),
+    )
+    gyration = Boxes.of(bricks).gyration
+    statics = judge(*pile, gyration=gyration)
+    loading = load_from_zero(*pile, gyration=gyration)
+    if loading.verdict == "doubt":
+        return Agreement("doubt", "", loading.why)
+    if loading.verdict == "falls":
+        if statics.verdict == "stable":
+            return Agreement("doubt", statics.by, f"the judge calls stable by {statics.by} what falls when loaded")
+        return _why_it_falls(pile, gyration, is_proven=statics.verdict == "unstable")
+    if statics.verdict != "stable":
+        return Agreement("doubt", statics.by, statics.why or "no forces hold what comes to rest when loaded")
+    return _why_it_stands(pile, gyration, is_proven=statics.frictionless)
+
+
+def _why_it_stands(pile: _Pile, gyration: FloatArray, *, is_proven: bool) -> Agreement:
+    if is_proven:
+        return Agreement("stands", "normal forces", "")
+    strength = strong_stability(*pile, gyration=gyration, most_choices=MOST_CHOICES)
+    if strength.verdict == "strong":
+        return Agreement("stands", "strong stability", "")
+    if strength.verdict == "weak":
+        return Agreement("doubt", "strong stability", f"it may also fall with {strength.fall:.2g} g")
+    corners = Corners(pile.centers, pile.weights, pile.patches, pile.length)
+    for draw in range(DRAWS):
+        random = np.random.default_rng([draw, len(corners.points)])
+        ratio = 10.0 ** random.uniform(-1, 1)
+        stiffness = stiffness_by_weight(corners) * SPREAD ** random.uniform(-1, 1, len(corners.points))
+        loading = load_pile(pile_of(corners, gyration / pile.length**2, pile.friction, ratio, stiffness), corners)
+        if loading.verdict != "stands":
+            return Agreement("doubt", "other stiffness", loading.why)
+    return Agreement("stands", "other stiffness", "")
+
+
+def _why_it_falls(pile: _Pile, gyration: FloatArray, *, is_proven: bool) -> Agreement:
+    if is_proven:
+        return Agreement("falls", "cone", "")
+    strength = strong_stability(*pile, gyration=gyration, most_choices=MOST_CHOICES)
+    if strength.verdict == "weak":
+        return Agreement("falls", "strong stability", "")
+    if strength.verdict == "strong":
+        return Agreement("doubt", "strong stability", "rest is the only solution of rigid bodies")
+    down = pile.weights.sum(axis=0) / np.linalg.norm(pile.weights.sum(axis=0))
+    steepest = 1 / np.hypot(1.0, pile.friction)
+    load_bearing = [patch for patch in pile.patches if abs(patch.normal @ down) >= steepest]
+    if solve_balance(*pile._replace(patches=load_bearing)).balanced is False:
+        return Agreement("falls", "load-bearing contacts", "")
+    return Agreement("doubt", "load-bearing contacts", "load-bearing contacts alone could hold it")

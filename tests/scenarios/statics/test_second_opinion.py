@@ -1,0 +1,85 @@
+"""Two criteria agree about every scene of the study `truth`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from bench.plan import plan_trials
+from bench.studies import load_study
+from scenarios.model import Brick, Place, Pull, Push, Scene, World
+from scenarios.registry import build
+from scenarios.statics.second_opinion import agreed_verdict
+from tests.scenarios.statics.masonry import TABLE, overhang
+
+SCENES = {
+    scene.variant: scene
+    for scene in (build(trial.scenario, **trial.parameters) for trial in plan_trials(load_study("truth")))
+}
+QUICK = [name for name, scene in SCENES.items() if len(scene.bricks) < 8]
+STRUCK = {"pushed_plank", "dropped_plank"}
+"""Families whose outcome a blow decides, of which statics says nothing: the stack itself stands."""
+
+
+def states_of(scene: Scene) -> Iterator[list[Brick]]:
+    """The bricks that are there after each action that changes them; what is pulled is gone when the pull ends."""
+    ends = [action.until if isinstance(action, Pull) else action.time for action in scene.actions]
+    changes = [index for index, action in enumerate(scene.actions) if not isinstance(action, Push)]
+    changes.sort(key=ends.__getitem__)
+    present: list[int] = []
+    placed = 0
+    for index, then in zip(changes, [*changes[1:], None], strict=True):
+        action = scene.actions[index]
+        if isinstance(action, Place):
+            present += range(placed, placed + len(action.bricks))
+            placed += len(action.bricks)
+        else:
+            present.remove(action.brick)
+        if present and (then is None or ends[then] != ends[index]):
+            yield [scene.bricks[brick] for brick in present]
+
+
+def expected(scene: Scene) -> str:
+    return "stands" if scene.expectation.outcome == "stand" or scene.scenario in STRUCK else "falls"
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_two_criteria_agree_with_the_expectation(name):
+    scene = SCENES[name]
+    *_, last = states_of(scene)
+    assert agreed_verdict(last, scene.world).verdict == expected(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_two_criteria_agree_in_every_state(name):
+    scene = SCENES[name]
+    verdicts = []
+    for state in states_of(scene):
+        verdicts.append(agreed_verdict(state, scene.world).verdict)
+        if verdicts[-1] != "stands":
+            break
+    assert verdicts[-1] == expected(scene)
+
+
+@pytest.mark.parametrize(
+    ("name", "second"),
+    [
+        ("pyramid", "normal forces"),
+        ("card_house-2", "strong stability"),
+        ("card_house-3", "other stiffness"),
+        ("leaning_tower-4.5-levels5", "cone"),
+        ("neighbour_side--0.15", "strong stability"),
+    ],
+)
+def test_the_second_criterion_is_the_first_that_can_answer(name, second):
+    *_, last = states_of(SCENES[name])
+    assert agreed_verdict(last, SCENES[name].world).second == second
+
+
+def test_both_see_that_a_neighbours_side_holds_nothing():
+    world = World(fixed=(TABLE,))
+    agreement = agreed_verdict(overhang(5e-3), world)
+    assert (agreement.verdict, agreement.second) == ("falls", "strong stability")
+    assert agreed_verdict(overhang(-5e-3), world).verdict == "stands"
