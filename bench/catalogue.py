@@ -11,8 +11,8 @@ from adapters import ENGINES, EngineNotInstalledError, Profile, profiles
 from bench.environment import describe_engine
 from bench.policies import BENCH_POLICIES
 from bench.studies import load_study, study_names
-from reports.capabilities import capability_table
-from reports.tables import render
+from reports.tables.capabilities import capability_table
+from reports.tables.table import render
 from scenarios.registry import SCENARIOS, build
 
 

@@ -38,18 +38,22 @@ from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
-from reports.capabilities import capability_table, engines_of
-from reports.cells import cells_of
-from reports.cost import cost_points, cost_table
-from reports.falls import fall_tables
-from reports.heaps import heap_tables
-from reports.page import write_page
-from reports.pairs import pair_rows, pair_tables
-from reports.recording import RecordingError
-from reports.records import RecordError, RecordWarning, TrialRecord, read_records
-from reports.repeats import repeat_tables
-from reports.tables import Table, render, study_tables, write_report
-from reports.writing import write_whole
+from reports.page.study_page import write_page
+from reports.records.atomic import write_atomic
+from reports.records.recording import RecordingError
+from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
+from reports.report import write_report
+from reports.statistics.groups import groups_of
+from reports.statistics.height_cost import cost_points
+from reports.statistics.pairs import pair_rows
+from reports.tables.capabilities import capability_table, engines_of
+from reports.tables.collapse_levels import collapse_level_tables
+from reports.tables.height_cost import cost_table
+from reports.tables.pairs import pair_tables
+from reports.tables.piles import pile_tables
+from reports.tables.repeatability import repeat_tables
+from reports.tables.study import study_tables
+from reports.tables.table import Table, render
 from scenarios.registry import SCENARIOS, build
 from stability_core.lookup import UnknownNameError
 
@@ -199,8 +203,8 @@ def _report(folder: Path, *, all_stills: bool = False) -> list[Table]:
     records = _records(folder)
     if not records:
         raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    of_pairs = pair_tables(pair_rows(cells_of(records)))
-    tables = [*of_pairs, *study_tables(records), *heap_tables(records), *fall_tables(records)]
+    of_pairs = pair_tables(pair_rows(groups_of(records)))
+    tables = [*of_pairs, *study_tables(records), *pile_tables(records), *collapse_level_tables(records)]
     tables += repeat_tables(folder, records)
     points = cost_points(folder, records)
     if points:
@@ -208,7 +212,7 @@ def _report(folder: Path, *, all_stills: bool = False) -> list[Table]:
     engines = engines_of(folder)
     write_report(folder, records, [*tables, *([capability_table(engines)] if engines else [])])
     if points:
-        from reports.cost_figure import write_cost_figure  # half a second that other reports need not wait
+        from reports.figures.height_cost import write_cost_figure  # half a second that other reports need not wait
 
         write_cost_figure(folder / "report" / "cost.svg", points)
     stacks = first_stacks(folder, records)
@@ -243,7 +247,7 @@ def baseline(
         side = read_baseline(folder)
         write_baseline(side, out)
         if track is not None:
-            write_whole(track, (json.dumps(tracked(side), indent=1) + "\n").encode())
+            write_atomic(track, (json.dumps(tracked(side), indent=1) + "\n").encode())
     _tell(f"{len(side.trials)} trials are kept in {_relative(out)}")
 
 
@@ -290,9 +294,9 @@ def compare(
             sides = read_baseline(Path(base)), read_baseline(Path(head))
             comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
         if markdown is not None:
-            write_whole(markdown, showing.markdown(comparison, gates).encode())
+            write_atomic(markdown, showing.markdown(comparison, gates).encode())
         if junit is not None:
-            write_whole(junit, showing.junit(comparison, gates))
+            write_atomic(junit, showing.junit(comparison, gates))
     if as_json:
         typer.echo(showing.as_json(comparison, gates))
     else:

@@ -16,9 +16,9 @@ from bench.environment import describe_engine
 from bench.page_marks import NOT_USED, core_of, pages, warning
 from bench.publications import PUBLICATIONS, PUBLISHED
 from bench.sources import ROOT
-from reports.capabilities import capability_table
-from reports.pairs import ALL
-from reports.tables import NOTHING, Table, to_markdown
+from reports.statistics.pairs import ALL
+from reports.tables.capabilities import capability_table
+from reports.tables.table import NOTHING, Table, to_markdown
 from scenarios.registry import SCENARIOS, Scenario, build
 
 

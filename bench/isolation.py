@@ -33,8 +33,8 @@ from bench.plan import Trial
 from bench.play import Progress
 from bench.studies import Limits
 from bench.trial import Outcome, bare_record, run_trial
-from reports.plain_text import plain_text
-from reports.records import Status
+from reports.records.plain_text import plain_text
+from reports.records.trial import Status
 
 GRACE_S = 60.0
 """A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from reports.records import CollapseKind, Status, Verdict
+from reports.records.trial import CollapseKind, Status, Verdict
 from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
 from scenarios.model import Brick, Expectation
 from scenarios.statics import falling

@@ -15,7 +15,7 @@ from pathlib import Path
 from bench.core_digest import core_of_commit, present_core
 from bench.policies import BENCH_POLICIES
 from bench.results import ENVIRONMENT
-from reports.writing import write_whole
+from reports.records.atomic import write_atomic
 
 UNKNOWN = "unknown"
 """In place of a digest, on a page that was made before digests were recorded and whose commit is not known."""
@@ -70,7 +70,7 @@ def marked(text: str, core: str, present: str) -> str:
 def write_page(page: Path, text: str, core: str) -> None:
     """Write a page that was made with ``core``: the digest when its making began, lest the code changed meanwhile."""
     page.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(page, marked(text, core, present_core()).encode())
+    write_atomic(page, marked(text, core, present_core()).encode())
 
 
 def mark(page: Path, present: str | None = None) -> None:
@@ -78,7 +78,7 @@ def mark(page: Path, present: str | None = None) -> None:
     text = page.read_text(encoding="utf-8")
     found = _FOOTER.search(text)
     core = found[1] if found else _recorded_core(page)
-    write_whole(page, marked(text, core, present or present_core()).encode())
+    write_atomic(page, marked(text, core, present or present_core()).encode())
 
 
 def mark_all(folder: Path) -> int:

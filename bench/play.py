@@ -16,9 +16,9 @@ from bench.measure import FloatArray
 from bench.sleepers import Sleepers
 from bench.timed_frames import FrameTimes, PlainFrames, SteeredFrames, Steering
 from bench.watch import StackWatch
-from reports.frames import FrameRow
-from reports.recording import Recorder
-from reports.records import Status
+from reports.records.frames import FrameRow
+from reports.records.recording import Recorder
+from reports.records.trial import Status
 from scenarios.model import Brick, Scene
 
 SEATING_S = 1.0

@@ -13,7 +13,7 @@ from rich.progress import Progress as Bars
 
 from bench.plan import Trial
 from bench.play import Progress
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 
 _FAILED = ("diverged", "crashed", "error", "out_of_memory")
 _UNEXPECTED = ("unsupported", *_FAILED)

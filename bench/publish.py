@@ -26,11 +26,11 @@ from bench.replaying import first_stacks, read_stack
 from bench.results import ENVIRONMENT, STUDY, TRIALS, missing_trials
 from bench.sources import ROOT
 from bench.studies import load_study
-from reports.cells import cells_of
-from reports.gallery import gallery_figure
-from reports.records import TrialRecord, read_records
-from reports.stills import write_stills
-from reports.writing import whole_file
+from reports.records.atomic import atomic_file
+from reports.records.trial import TrialRecord, read_records
+from reports.replays.gallery_figure import gallery_figure
+from reports.replays.stills import write_stills
+from reports.statistics.groups import groups_of
 from stability_core.lookup import UnknownNameError, look_up
 
 PICTURE = "stills.png"
@@ -102,8 +102,8 @@ def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], pictur
     ]
     stills = folder / "report" / "gallery"
     write_stills(stills, stacks, _STILL_PIXELS)
-    figure = gallery_figure(stills, cells_of(records), *wanted, gallery.scenes)
-    with whole_file(picture) as draft:
+    figure = gallery_figure(stills, groups_of(records), *wanted, gallery.scenes)
+    with atomic_file(picture) as draft:
         figure.savefig(draft, format="png", dpi=_PICTURE_DPI)
 
 

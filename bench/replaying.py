@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bench.results import RECORDINGS, TRIALS
-from reports.cells import ordered_policies
-from reports.gltf import to_glb
-from reports.recording import RecordingError, read_recording
-from reports.records import TrialRecord
-from reports.replay import Replayed, replay_name, write_replay
-from reports.stills import StillsError, still_of, write_stills
-from reports.writing import write_whole
+from reports.records.atomic import write_atomic
+from reports.records.folder import replay_name, still_of
+from reports.records.recording import RecordingError, read_recording
+from reports.records.trial import TrialRecord
+from reports.replays.gltf import to_glb
+from reports.replays.replay import Replayed, write_replay
+from reports.replays.stills import StillsError, write_stills
+from reports.statistics.groups import ordered_policies
 from stability_core.lookup import look_up
 
 MOST_STILLS = 120
@@ -35,7 +36,7 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Pa
 def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Path) -> None:
     """Write a trial's recording as an animated glTF file; errors as ``replay_trial``."""
     wanted = look_up("trial", trial, {record.trial: record for record in records})
-    write_whole(to, to_glb(read_recording(_recording(folder, wanted))))
+    write_atomic(to, to_glb(read_recording(_recording(folder, wanted))))
 
 
 def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:

@@ -21,10 +21,10 @@ from bench.environment import digest, session
 from bench.plan import plan_trials
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
-from reports.frames import write_frames
-from reports.recording import write_recording
-from reports.records import RecordWriter, TrialRecord, read_records
-from reports.writing import write_whole
+from reports.records.atomic import write_atomic
+from reports.records.frames import write_frames
+from reports.records.recording import write_recording
+from reports.records.trial import RecordWriter, TrialRecord, read_records
 
 TRIALS = "trials.jsonl"
 STUDY = "study.toml"
@@ -131,8 +131,8 @@ class Results:
             _put_aside(folder)
         sessions = _kept_environment(folder).get(SESSIONS, []) if (folder / TRIALS).exists() else []
         content = {**environment, SESSIONS: [*sessions, session()]}
-        write_whole(folder / STUDY, to_toml(study).encode())
-        write_whole(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
+        write_atomic(folder / STUDY, to_toml(study).encode())
+        write_atomic(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
         self._frames = folder / "frames"
         self._frames.mkdir(exist_ok=True)
         self._recordings = folder / RECORDINGS
@@ -147,7 +147,7 @@ class Results:
         """Keep the environment of another machine under the digest by which its records name it."""
         file = self.folder / f"environment-{digest(environment)}.json"
         if digest(environment) != self._environment and not file.exists():
-            write_whole(file, (json.dumps(environment, indent=2) + "\n").encode())
+            write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
         """Write frames and recording, then the record: a record on disk means that all of its trial is."""

@@ -18,7 +18,7 @@ from bench.plan import Trial
 from bench.play import Progress
 from bench.studies import Limits
 from bench.trial import Outcome
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 
 _POLL_S = 0.2
 """How often progress and the wish to stop are looked at [s]."""

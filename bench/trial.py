@@ -23,9 +23,9 @@ from bench.plan import Trial
 from bench.play import Play, Progress
 from bench.policies import BENCH_POLICIES
 from bench.studies import Limits
-from reports.frames import UNTIMED_FRAMES, FrameRow
-from reports.recording import Recording
-from reports.records import Status, TrialRecord
+from reports.records.frames import UNTIMED_FRAMES, FrameRow
+from reports.records.recording import Recording
+from reports.records.trial import Status, TrialRecord
 from scenarios.model import Scene
 from scenarios.placement_noise import NoRoomError
 from stability_core import warm_up

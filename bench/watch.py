@@ -10,7 +10,7 @@ import numpy as np
 
 from bench import measure
 from bench.measure import BoolArray, FloatArray, Plan
-from reports.records import CollapseKind
+from reports.records.trial import CollapseKind
 from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9

@@ -10,7 +10,7 @@ import pytest
 
 from bench.core_digest import core_of_commit, present_core
 from bench.page_marks import NOT_USED, UNKNOWN, core_of, is_of_core, marked, pages, warning
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 
 ROOT = Path(__file__).parent.parent
 PAPER = ROOT / "docs" / "results" / "paper"

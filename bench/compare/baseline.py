@@ -16,9 +16,9 @@ from bench.compare.times import PARTS, Part, shares
 from bench.compare.tolerance import Tolerance
 from bench.environment import digest
 from bench.results import ENVIRONMENT, SESSIONS, STUDY, TRIALS
-from reports.frames import read_frames
-from reports.records import RecordError, RecordWarning, TrialRecord, read_records
-from reports.writing import write_whole
+from reports.records.atomic import write_atomic
+from reports.records.frames import read_frames
+from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
 
 FORMAT: Literal["stillstack-baseline-1"] = "stillstack-baseline-1"
 
@@ -133,7 +133,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
         except (JsonError, ValidationError):
             raise BaselineError(f"{path} is there and is no baseline: name another file with -o") from None
     try:
-        write_whole(path, (baseline.model_dump_json(indent=1) + "\n").encode())
+        write_atomic(path, (baseline.model_dump_json(indent=1) + "\n").encode())
     except OSError as error:
         raise BaselineError(f"{path} cannot be written ({error.strerror}): name another file with -o") from error
 

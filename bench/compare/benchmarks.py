@@ -96,7 +96,7 @@ class _File(_Read):
     benchmarks: list[_Benchmark]
 
 
-class Cell(NamedTuple):
+class Group(NamedTuple):
     """What is timed with the extension."""
 
     engine: str
@@ -122,9 +122,9 @@ class FrameTimes:
     """As the user named it."""
     processor: str | None
     circumstances: Mapping[str, str]
-    versions: Mapping[Cell, str]
+    versions: Mapping[Group, str]
     """Of the engine."""
-    ratios: Mapping[Cell, FloatArray]
+    ratios: Mapping[Group, FloatArray]
     """Frame ratio of each second, shape (s,)."""
 
 
@@ -157,11 +157,11 @@ def read_benchmarks(path: Path) -> FrameTimes:
         raise BaselineError(str(error)) from error
     except (ValidationError, TypeError, AttributeError) as error:
         raise BaselineError(f"{path}: not as pytest-benchmark writes its files: {_first(error)}") from error
-    versions: dict[Cell, str] = {}
-    ratios: dict[Cell, FloatArray] = {}
+    versions: dict[Group, str] = {}
+    ratios: dict[Group, FloatArray] = {}
     for one in file.benchmarks:
         told = one.extra_info
-        cell = Cell(told.engine, told.profile, f"{told.scene}-{told.levels}", told.policy)
+        cell = Group(told.engine, told.profile, f"{told.scene}-{told.levels}", told.policy)
         if told.policy == ALONE:
             continue
         if cell in ratios:
@@ -203,7 +203,7 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
     findings += [
         Finding("time", str(cell), "open", "new: not in the base") for cell in head.ratios if cell not in base.ratios
     ]
-    groups: dict[str, list[Cell]] = defaultdict(list)
+    groups: dict[str, list[Group]] = defaultdict(list)
     for cell in head.ratios:
         if cell in base.ratios:
             why = _incomparable(base, head, cell, across_versions)
@@ -220,7 +220,7 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
     return Comparison(base.name, head.name, findings, notes, ABOUT)
 
 
-def _incomparable(base: FrameTimes, head: FrameTimes, cell: Cell, across_versions: bool) -> str | None:
+def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versions: bool) -> str | None:
     """Why the frame ratios of a cell cannot be compared; None if they can."""
     if base.processor is None or head.processor is None:
         return "on which processor it ran was not kept"
@@ -232,7 +232,7 @@ def _incomparable(base: FrameTimes, head: FrameTimes, cell: Cell, across_version
     return None
 
 
-def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Cell]) -> Finding:
+def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Group]) -> Finding:
     """Judge the frame ratios of all stacks of an engine."""
     pairs: list[tuple[float, float]] = []
     figures = []

@@ -11,7 +11,7 @@ from bench.compare.outcomes import judge_draws, judge_outcome
 from bench.compare.times import PARTS, Part, judge_times
 from bench.compare.tolerance import Tolerance
 from bench.compare.trajectories import judge_poses, other_processor
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 from scenarios.registry import with_defaults
 
 

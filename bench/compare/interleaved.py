@@ -13,8 +13,8 @@ from bench.compare.times import Part
 from bench.compare.tolerance import Tolerance
 from bench.results import to_toml
 from bench.studies import Study
-from reports.records import TrialRecord
-from reports.writing import write_whole
+from reports.records.atomic import write_atomic
+from reports.records.trial import TrialRecord
 
 
 def run_interleaved(
@@ -37,7 +37,7 @@ def run_interleaved(
     """
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()
-    write_whole(plan, to_toml(_without_tolerances(study)).encode())
+    write_atomic(plan, to_toml(_without_tolerances(study)).encode())
     found: tuple[list[Baseline], list[Baseline]] = ([], [])
     for number in range(rounds):
         for side in (0, 1) if number % 2 == 0 else (1, 0):

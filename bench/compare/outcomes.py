@@ -11,7 +11,7 @@ from itertools import product
 
 from bench.compare.findings import Judgement
 from bench.compare.tolerance import Tolerance
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 
 LEAST_REPEATS = 5
 """Of an engine that does not repeat itself, so many trials a side are needed. That all five of one side are worse than

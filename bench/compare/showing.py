@@ -14,7 +14,7 @@ from rich.markup import escape
 
 from bench.compare.findings import ALARMS, GATES, Comparison, Finding, Gate, Judgement, plain
 from bench.compare.times import CONFIDENCE
-from reports.tables import Table, render, to_markdown
+from reports.tables.table import Table, render, to_markdown
 
 _KINDS: tuple[Judgement, ...] = get_args(Judgement)
 _RATIO = (

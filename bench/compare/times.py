@@ -21,7 +21,7 @@ import numpy as np
 from scipy.stats import t as student_t
 
 from bench.compare.findings import Judgement
-from reports.frames import UNTIMED_FRAMES, FrameRow
+from reports.records.frames import UNTIMED_FRAMES, FrameRow
 
 Part: TypeAlias = Literal["engine", "readback", "core"]
 """Parts of a frame: the engine's step, reading contacts, the core. Freezing and waking take too few frames to tell."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bench.compare.baseline import Machine
 from bench.compare.findings import Judgement
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 
 
 def judge_poses(

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from adapters.base import Capabilities, Profile, Simulation
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
 

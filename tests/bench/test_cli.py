@@ -15,8 +15,8 @@ from bench.command_line import app
 from bench.plan import Trial, plan_trials
 from bench.studies import check_study
 from bench.trial import bare_record
-from reports.frames import read_frames
-from reports.records import read_records
+from reports.records.frames import read_frames
+from reports.records.trial import read_records
 from scenarios.registry import build
 
 ROOT = Path(__file__).parents[2]

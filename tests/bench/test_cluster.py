@@ -15,8 +15,8 @@ from bench.environment import describe
 from bench.plan import plan_trials
 from bench.running import ClusterError
 from bench.studies import Limits, check_study
-from reports.frames import read_frames
-from reports.records import read_records
+from reports.records.frames import read_frames
+from reports.records.trial import read_records
 
 ROOT = Path(__file__).parents[2]
 STUDY = """

@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from bench.interruption import Interruption
-from reports.records import read_records
+from reports.records.trial import read_records
 
 
 class Terminal:

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from bench import isolation
-from reports.records import read_records
+from reports.records.trial import read_records
 
 OUTCOMES = {
     "segfault": ("crashed", "the process died of SIGSEGV: Fatal Python error: Segmentation fault"),

@@ -15,7 +15,7 @@ from bench.publish import PublishError, main, publish
 from bench.results import to_toml
 from bench.selection import Selection
 from bench.studies import load_study
-from reports.records import RecordWriter
+from reports.records.trial import RecordWriter
 from stability_core.lookup import UnknownNameError
 from tests.reports.studies import record
 

@@ -14,8 +14,8 @@ from bench.plan import plan_trials
 from bench.results import Results, ResultsError
 from bench.studies import check_study
 from bench.trial import Outcome, bare_record
-from reports.frames import FrameRow, read_frames
-from reports.records import read_records
+from reports.records.frames import FrameRow, read_frames
+from reports.records.trial import read_records
 
 CONTENT = {
     "name": "test",
@@ -133,7 +133,7 @@ def test_frames_come_whole_or_not_at_all_and_before_their_record(tmp_path, monke
         raise KeyboardInterrupt
 
     results = Results(tmp_path, STUDY, ENVIRONMENT)
-    monkeypatch.setattr("reports.frames.pq.write_table", break_off)
+    monkeypatch.setattr("reports.records.frames.pq.write_table", break_off)
     with pytest.raises(KeyboardInterrupt):
         results.keep(outcome(0))
     results.close()

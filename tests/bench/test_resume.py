@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from reports.frames import read_frames
-from reports.records import TrialRecord, read_records
+from reports.records.frames import read_frames
+from reports.records.trial import TrialRecord, read_records
 
 
 def kill_after(suite, more_trials: int, pause_s: float) -> int:
@@ -47,13 +47,14 @@ def check_kills(suite, seeds: int, kills: int) -> list[TrialRecord]:
     return records
 
 
-@pytest.mark.filterwarnings("ignore::reports.records.RecordWarning")  # a kill may tear the line that is being written
+# a kill may tear the line that is being written
+@pytest.mark.filterwarnings("ignore::reports.records.trial.RecordWarning")
 def test_a_study_that_was_killed_goes_on(rogue_suite) -> None:
     assert {record.status for record in check_kills(rogue_suite, seeds=20, kills=1)} == {"completed"}
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::reports.records.RecordWarning")
+@pytest.mark.filterwarnings("ignore::reports.records.trial.RecordWarning")
 def test_a_study_killed_twenty_times_ends_as_if_it_had_not_been(rogue_suite, untimed) -> None:
     records = check_kills(rogue_suite, seeds=200, kills=20)
     rogue_suite.run("--fresh", "--jobs", "2")

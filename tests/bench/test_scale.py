@@ -9,9 +9,10 @@ import time
 import psutil
 import pytest
 
-from reports.records import TrialRecord, read_records
-from reports.repeats import repeat_tables
-from reports.tables import study_tables, write_report
+from reports.records.trial import TrialRecord, read_records
+from reports.report import write_report
+from reports.tables.repeatability import repeat_tables
+from reports.tables.study import study_tables
 from scenarios.model import Expectation
 
 OVERHEAD_S = 0.05

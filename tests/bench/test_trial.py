@@ -8,7 +8,7 @@ from bench import plan
 from bench import trial as trials
 from bench.plan import Trial
 from bench.studies import Limits
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 from scenarios.model import Place
 from scenarios.placement_noise import NoRoomError
 from scenarios.registry import build

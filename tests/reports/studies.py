@@ -6,8 +6,8 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from reports.frames import UNTIMED_FRAMES, FrameRow, write_frames
-from reports.records import RecordWriter, TrialRecord
+from reports.records.frames import UNTIMED_FRAMES, FrameRow, write_frames
+from reports.records.trial import RecordWriter, TrialRecord
 from scenarios.model import Expectation
 
 STANDS = Expectation("stand", "always in equilibrium")

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from bench.compare.baseline import Baseline, Engine, Machine
-from reports.records import TrialRecord
+from reports.records.trial import TrialRecord
 
 NAME = "bullet.game.four_stack-3.paper.s0.r0"
 STANDS = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench.compare.times import LEAST_PAIRS, interval, judge_times, shares
-from reports.frames import FrameRow
+from reports.records.frames import FrameRow
 
 LEAST = 0.1
 

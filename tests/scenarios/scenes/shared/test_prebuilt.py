@@ -6,7 +6,7 @@ import pytest
 
 from bench.plan import plan_trials
 from bench.studies import load_study
-from reports.pairs import are_opposed
+from reports.statistics.pairs import are_opposed
 from scenarios.geometry import Boxes, height_above_ground
 from scenarios.model import Place, Remove
 from scenarios.placement_noise import with_placement_noise

@@ -1,0 +1,67 @@
+"""How each stack ended, in pictures: what a page shows of its stills and replays, and a figure of some of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from reports.records.folder import replay_name, still_of
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import Group
+from reports.tables.outcomes import outcome
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """How one trial ended."""
+
+    policy: str
+    href: str | None
+    """Of its still, seen from the page; None if there is none."""
+    told: str
+    """Such as ``falls at 9 ✓``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shelf:
+    """One stack of a scene on one engine and profile under every policy."""
+
+    theory: str
+    engine: str
+    profile: str
+    replay: str | None
+    """Its replay, seen from the page; None if there is none."""
+    pictures: tuple[Picture, ...]
+
+
+def shelves(report: Path, cells: Sequence[Group]) -> dict[str, list[Shelf]]:
+    """By scene, the stacks of which a report has a replay or a still, in the order of the cells."""
+    stacks: dict[tuple[str, str, str], list[Group]] = {}
+    for cell in cells:
+        stacks.setdefault((cell.key.scene, cell.key.engine, cell.key.profile), []).append(cell)
+    found: dict[str, list[Shelf]] = {}
+    for (scene, engine, profile), those in stacks.items():
+        pictures = tuple(_picture(report, cell) for cell in those)
+        replay = next((href for cell in those if (href := _replay(report, cell)) is not None), None)
+        if replay or any(picture.href for picture in pictures):
+            shelf = Shelf(str(those[0].expectation), engine, profile, replay, pictures)
+            found.setdefault(scene, []).append(shelf)
+    return found
+
+
+def _picture(report: Path, cell: Group) -> Picture:
+    trial = _first(report, cell)
+    href = f"stills/{still_of(Path(), trial)}" if still_of(report / "stills", trial).exists() else None
+    return Picture(cell.key.policy, href, outcome([trial]))
+
+
+def _first(report: Path, cell: Group) -> TrialRecord:
+    """The trial that was drawn, else the first."""
+    drawn = (trial for trial in cell.draws if still_of(report / "stills", trial).exists())
+    return next(drawn, cell.draws[0])
+
+
+def _replay(report: Path, cell: Group) -> str | None:
+    names = (f"replays/{replay_name(trial)}.html" for trial in cell.draws)
+    return next((name for name in names if (report / name).exists()), None)

@@ -1,0 +1,265 @@
+"""The page of a study: one HTML file that needs no network, made from raw records alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from reports.figures import charts
+from reports.figures.colours import inks
+from reports.page.gallery import shelves
+from reports.page.summary import verdicts
+from reports.page.traces import traces
+from reports.records.atomic import write_atomic
+from reports.records.trial import Status, TrialRecord
+from reports.statistics.groups import Group, groups_of, ordered_policies
+from reports.statistics.pairs import PairRow, pair_rows
+from reports.statistics.scores import EngineScores, engine_scores
+from reports.tables.capabilities import capability_table, engines_of
+from reports.tables.comparison import COLUMNS, MatrixRow, matrix, matrix_table
+from reports.tables.latex import pairs_to_latex, to_latex
+from reports.tables.pairs import pair_tables, pairs_csv
+from reports.tables.table import to_markdown, write_table_csv
+from reports.tables.wording import percent
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_REM = 16.0
+"""Of a page's usual font [px]."""
+_MOST_MESSAGES = 3
+"""Different messages of trials told in one row."""
+_MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
+
+
+def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[str] = ()) -> Path:
+    """Write ``report/index.html``, its figures, and the comparison as tables for papers into a results folder.
+
+    Args:
+        folder: a results folder.
+        records: its records, at least one.
+        missing: ids of trials that its study plans and that have no record.
+    """
+    report = folder / "report"
+    figures = report / "figures"
+    figures.mkdir(parents=True, exist_ok=True)
+    cells = groups_of(records)
+    scores, engines = engine_scores(cells), engines_of(folder)
+    told = verdicts(scores)
+    thinned, without_frames = traces(folder, cells)
+    study = _study(folder)
+    rows, of_pairs, told_of_study = matrix(cells), pair_rows(cells), caption(folder, records)
+    policies = ordered_policies(cell.key.policy for cell in cells)
+    page = (
+        _environment(study is not None, folder)
+        .get_template("page.html.j2")
+        .render(
+            study=study or folder.resolve().name,
+            caption=told_of_study,
+            css=_part("page.css"),
+            js=_part("page.js"),
+            inks=inks(policies),
+            problems=_problems(records, missing, without_frames),
+            verdicts=told,
+            share_note=_share_note(cells, bool(of_pairs)),
+            set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in told},
+            pairs=_pairs(of_pairs, figures, policies),
+            rows=rows,
+            columns=COLUMNS,
+            marks=_MARKS,
+            choices=_choices(cells),
+            survival=_survival(cells, figures, policies),
+            speed=_speed(scores, figures, policies),
+            traces=thinned,
+            shelves=shelves(report, cells),
+            engines=engines,
+            capabilities=capability_table(engines) if engines else None,
+            again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
+            environment=_machine(folder),
+        )
+    )
+    write_atomic(report / "index.html", page.encode())
+    _write_tables(report, rows, of_pairs, told_of_study, study or folder.resolve().name)
+    return report / "index.html"
+
+
+def _write_tables(
+    report: Path, rows: Sequence[MatrixRow], of_pairs: Sequence[PairRow], caption: str, label: str
+) -> None:
+    """The comparison for papers: Markdown, CSV and LaTeX; and the pairs, where there are any."""
+    table = matrix_table(rows, caption)
+    write_atomic(report / "comparison.md", to_markdown([table]).encode())
+    write_table_csv(report / "comparison.csv", table)
+    write_atomic(report / "tables.tex", to_latex(rows, caption, label).encode())
+    if of_pairs:
+        write_atomic(report / "pairs.csv", pairs_csv(of_pairs).encode())
+        write_atomic(report / "pairs.tex", pairs_to_latex(of_pairs, caption, label).encode())
+
+
+def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
+    """What a table or page must say of itself: n, seeds, versions and date."""
+    seeds = len({record.seed for record in records})
+    versions = sorted({f"{record.engine} {record.engine_version}" for record in records})
+    environment = _kept_environment(folder)
+    begun = [session.get("begun", "")[:10] for session in environment.get("sessions", [])]
+    when = f", run {' to '.join(dict.fromkeys([begun[0], begun[-1]]))}" if begun else ""
+    commit = f", commit {environment['commit'][:10]}" if environment.get("commit") else ""
+    return f"n = {len(records)} trials, {seeds} seed{'s' * (seeds > 1)}; {', '.join(versions)}{when}{commit}."
+
+
+def _environment(has_study: bool, folder: Path) -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
+    )
+    environment.filters["percent"] = percent
+    environment.filters["messages"] = _messages
+    environment.filters["command"] = lambda row: _command(row, _study_file(folder) if has_study else None)
+    return environment
+
+
+def _part(name: str) -> Markup:
+    """A file of ours that becomes part of the page as it is."""
+    return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _study_file(folder: Path) -> str:
+    """How to name the folder's study on the command line."""
+    return os.path.relpath(folder / "study.toml")
+
+
+def _command(row: MatrixRow, study: str | None) -> str:
+    """What makes the numbers of a row again."""
+    key, cell = row.cell.key, row.cell
+    words = ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])]
+    words += ["--engine", key.engine, "--profile", key.profile, "--scenario", cell.scenario, "--policy", key.policy]
+    return shlex.join([*words, "--seeds", str(max(trial.seed for trial in cell.trials) + 1)])
+
+
+def _messages(row: MatrixRow) -> list[str]:
+    """Why the trials of a row ended as they did, each reason once."""
+    found = list(dict.fromkeys(trial.message for trial in row.cell.draws if trial.message))
+    more = len(found) - _MOST_MESSAGES
+    return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])
+
+
+def _choices(cells: Sequence[Group]) -> dict[str, list[str]]:
+    fields = ("scene", "engine", "profile")
+    names = {field: list(dict.fromkeys(getattr(cell.key, field) for cell in cells)) for field in fields}
+    names["policy"] = ordered_policies(cell.key.policy for cell in cells)
+    return {**names, "outcome": ["right", "wrong", "mixed", "open"]}
+
+
+def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
+    """What the environment says of a profile; a varied one is told by what it varies. Empty if it says nothing."""
+    name, _, varied = profile.partition("@")
+    described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
+    return f"{described}; {varied}" if described and varied else described
+
+
+def _share_note(cells: Sequence[Group], in_pairs: bool) -> str:
+    seeds = max(len(cell.draws) for cell in cells)
+    what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks"
+    if seeds == 1:
+        return f"Shares are of {what}, with an answer known by theory. n = 1 build of each: no intervals."
+    return (
+        f"Shares are of {what}, with an answer known by theory, and have 95 % intervals by bootstrap over "
+        f"{'pairs' if in_pairs else 'scenes'} and their seeds (up to {seeds}). A share of 0 or 100 % has an interval "
+        "of no width: the bootstrap cannot see what never happened."
+    )
+
+
+def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
+    """What a reader must know before believing the rest."""
+    words: dict[Status, str] = {
+        "timeout": "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
+        "diverged": "diverged",
+        "crashed": "crashed the engine's process",
+        "error": "ended in an error",
+        "out_of_memory": "ran out of memory",
+        "unsupported": "were not possible on their engine",
+    }
+    ends = [record.status for record in records]
+    found = [f"{ends.count(s)} of {len(ends)} trials {text}." for s, text in words.items() if s in ends]
+    if missing:
+        found.append(f"{len(missing)} planned trials have no record (not yet run, or cut off): {_some(missing)}.")
+    if without_frames:
+        found.append(f"Frames of {len(without_frames)} trials are missing or torn: {_some(without_frames)}.")
+    hosts = {record.host for record in records if record.host is not None}
+    if len(hosts) > 1:
+        found.append(f"Trials ran on {len(hosts)} machines: a cell that mixes them tells no times.")
+    if len({record.environment for record in records}) > 1:
+        found.append("Trials come from several environments (commits, versions or machines): compare with care.")
+    return found
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+
+
+def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
+    """Figure and tables of the pairs; None if there are none."""
+    if not rows:
+        return None
+    svg = charts.save(charts.pairs_figure(rows), folder / "pairs")
+    return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs right and wrong", policies)}
+
+
+def _survival(cells: Sequence[Group], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
+    groups: dict[tuple[str, str], list[Group]] = {}
+    for cell in cells:
+        groups.setdefault((cell.key.scene, cell.key.profile), []).append(cell)
+    drawn = []
+    for (scene, profile), those in groups.items():
+        if charts.has_survival(those):
+            svg = charts.save(charts.survival_figure(those), folder / f"survival-{scene}-{profile}")
+            title = f"{scene}, {profile}: theory says it {those[0].expectation}"
+            drawn.append({"title": title, **_drawing(svg, f"Survival by level of {title}", policies)})
+    return drawn
+
+
+def _speed(scores: Sequence[EngineScores], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
+    figure = charts.speed_figure(scores)
+    if figure is None:
+        return None
+    return _drawing(charts.save(figure, folder / "speed"), "Share of stacks right against frame time", policies)
+
+
+def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
+    width = re.search(r'width="([\d.]+)pt"', svg)
+    points = float(width[1]) if width else 480.0
+    return {"svg": charts.for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
+
+
+def _study(folder: Path) -> str | None:
+    """Name of the study that the folder keeps."""
+    try:
+        found = re.search(r'^name = "(.*)"', (folder / "study.toml").read_text(encoding="utf-8"), re.MULTILINE)
+    except (OSError, UnicodeDecodeError):
+        return None
+    return found[1] if found else None
+
+
+def _kept_environment(folder: Path) -> Mapping[str, Any]:
+    try:
+        kept = json.loads((folder / "environment.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return kept if isinstance(kept, dict) else {}
+
+
+def _machine(folder: Path) -> dict[str, str]:
+    """The environment without what stands elsewhere, as text."""
+    kept = _kept_environment(folder)
+    plain = {key: value for key, value in kept.items() if key not in ("engines", "sessions", "settings")}
+    plain |= {f"core setting {key}": value for key, value in kept.get("settings", {}).items()}
+    return {key: _flat(value) for key, value in plain.items()}
+
+
+def _flat(value: Any) -> str:
+    return ", ".join(f"{key} {item}" for key, item in value.items()) if isinstance(value, dict) else str(value)

@@ -1,0 +1,97 @@
+"""What a study says of each engine, in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.records.trial import Status, TrialRecord
+from reports.statistics.groups import ALONE
+from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScore
+from reports.tables.wording import percent
+
+
+@dataclass(frozen=True, slots=True)
+class EngineVerdict:
+    """The sentences about one engine with one profile."""
+
+    engine: str
+    profile: str
+    version: str
+    headline: str
+    sentences: tuple[str, ...]
+    scores: tuple[PolicyScore, ...]
+
+
+def verdicts(engines: Sequence[EngineScores]) -> list[EngineVerdict]:
+    """Return one verdict for each engine and profile, in their order."""
+    return [_verdict(engine) for engine in engines]
+
+
+def _verdict(engine: EngineScores) -> EngineVerdict:
+    scores = engine.scores
+    judged = [one for one in scores if one.headline is not None]
+    sentences = []
+    for one in judged:
+        who = "Alone" if one.policy == ALONE else f"With {one.policy}"
+        sentences.append(f"{who}: {one.told}{_glue(one)}.")
+    sentences += [_cost(one) for one in scores if one.frame_ratio is not None]
+    sentences += _budget(scores)
+    sentences += _trouble(engine.trials)
+    return EngineVerdict(engine.engine, engine.profile, engine.version, _headline(judged), tuple(sentences), scores)
+
+
+def _headline(scores: Sequence[PolicyScore]) -> str:
+    rated = {one.policy: one.headline.right for one in scores if one.headline is not None}
+    if not rated:
+        return "Nothing here that theory can judge."
+    what = "pair" if any(one.pairs is not None for one in scores) else "stack"
+    perfect = [policy for policy, right in rated.items() if right.value == 1]
+    both = all(one.stand is not None and one.fall is not None for one in scores)
+    if perfect:
+        how = "alone" if ALONE in perfect else f"with {' or '.join(perfect)}"
+        if not both:
+            side = "fall" if scores[0].stand is None else "stand"
+            return f"Right {how}, though only stacks that must {side} were built."
+        return f"Every {what} right {how}."
+    best = max(rated, key=lambda policy: rated[policy].value)
+    how = "alone" if best == ALONE else f"with {best}"
+    return f"At best {percent(rated[best])} of the {what}s right, {how}."
+
+
+def _glue(one: PolicyScore) -> str:
+    """A warning of what holds everything up."""
+    holds_all = one.fall is not None and one.fall.value == 0 and one.stand is not None and one.stand.value == 1
+    stood = one.trials is not None and one.trials.false_stand.value > 0
+    return ", so it holds up whatever comes to rest" if holds_all and stood else ""
+
+
+def _cost(one: PolicyScore) -> str:
+    ratio, awake = one.frame_ratio or 0.0, "what the same stack costs all awake"
+    if ratio <= 1:
+        return f"With {one.policy} a frame costs {ratio:.2f} of {awake}."
+    return f"With {one.policy} a frame costs {ratio:.2f} times {awake}: no gain of time here."
+
+
+def _budget(scores: Sequence[PolicyScore]) -> list[str]:
+    timed = [one for one in scores if one.frame_ms_p99 is not None]
+    if not timed:
+        return []
+    slowest = max(one.frame_ms_p99 or 0.0 for one in timed)
+    kept = [hertz for hertz, budget in FRAME_BUDGETS_MS.items() if slowest <= budget]
+    what = f"99 of 100 frames take at most {slowest:.2f} ms (median of the scenes, slowest policy)"
+    return [f"{what}: within a frame at {max(kept)} Hz." if kept else f"{what}: too slow for a frame at 60 Hz."]
+
+
+def _trouble(trials: Sequence[TrialRecord]) -> list[str]:
+    words: dict[Status, str] = {
+        "timeout": "stopped by the time limit (neither right nor wrong)",
+        "diverged": "diverged",
+        "crashed": "crashed",
+        "error": "ended in an error",
+        "out_of_memory": "ran out of memory",
+        "unsupported": "not possible on this engine",
+    }
+    ends = [trial.status for trial in trials]
+    counted = [f"{ends.count(status)} {text}" for status, text in words.items() if status in ends]
+    return [f"Of {len(ends)} trials: {', '.join(counted)}."] if counted else []

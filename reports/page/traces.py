@@ -1,0 +1,71 @@
+"""Frame times over a trial, thinned so that a page can draw thousands of frames: per bin the median and the worst."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from reports.records.frames import UNTIMED_FRAMES, read_columns
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import Group
+
+BINS = 240
+"""Of a trace: about one to three pixels each on a page."""
+_FEWEST_BINS = 48
+"""Coarse, but the worst frame of each bin still shows."""
+_BINS_A_PAGE = 250_000
+"""Of all traces together, some 2 MB: a page of a thousand set-ups draws each as finely as it can."""
+_STEPS_A_DECADE = 100
+"""Times are kept as whole hundredths of a decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
+
+
+def traces(folder: Path, cells: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
+    """The traces of the first trial of each cell that has one, and ids of trials whose frames are missing or torn.
+
+    Args:
+        folder: a results folder.
+        cells: of its records.
+    """
+    kept, missing = [], []
+    most = bins_for(len(cells))
+    for cell in cells:
+        trial = next((draw for draw in cell.draws if draw.frame_ms_p50 is not None), None)
+        if trial is None:
+            continue
+        try:
+            kept.append({**cell.key._asdict(), "seed": trial.seed, **_trace(folder, trial, most)})
+        except (OSError, pa.ArrowException):
+            missing.append(trial.trial)
+    return kept, missing
+
+
+def bins_for(traces: int) -> int:
+    """The most bins of each of so many ``traces`` on one page."""
+    return min(BINS, max(_FEWEST_BINS, _BINS_A_PAGE // max(1, traces)))
+
+
+def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
+    """Seconds of the last frame, times thinned to ``most`` bins, and when bricks were woken and the stack fell."""
+    path = folder / "frames" / f"{trial.trial}.parquet"
+    columns = read_columns(path, ("time_s", "frame_ms", "woken"))
+    time, frame = columns["time_s"][UNTIMED_FRAMES:], columns["frame_ms"][UNTIMED_FRAMES:]
+    bins = np.array_split(frame, min(most, len(frame)))
+    woken = time[columns["woken"][UNTIMED_FRAMES:] > 0]
+    return {
+        "from": round(float(time[0]), 3),
+        "to": round(float(time[-1]), 3),
+        "median": _quantised(np.array([np.median(part) for part in bins])),
+        "worst": _quantised(np.array([part.max() for part in bins])),
+        "wakes": np.unique(np.round(woken, 1)).tolist(),
+        "falls": round(float(time[trial.timed_frames - 1]), 2) if trial.collapse_level and trial.timed_frames else None,
+    }
+
+
+def _quantised(times_ms: npt.NDArray[np.float64]) -> list[int]:
+    quantised: list[int] = np.rint(_STEPS_A_DECADE * np.log10(np.maximum(times_ms * 1e3, 1.0))).astype(int).tolist()
+    return quantised

@@ -1,0 +1,1 @@
+"""The data model: what a trial leaves behind, and the folder it is kept in."""

@@ -1,0 +1,246 @@
+"""The schema of what a trial leaves behind, its writer and its reader.
+
+One line of JSON a trial, appended and flushed, so that a run that is cut off keeps every finished trial.
+What does not exist is null; NaN and infinity are refused. Derive from these records, never edit them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+
+from reports.records.plain_text import plain_text
+from scenarios.model import Expectation
+
+Status: TypeAlias = Literal[
+    "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
+]
+Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "failed", "none"]
+CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
+
+CENSORED: frozenset[Status] = frozenset({"timeout"})
+"""Ends that say only "at least this far": their levels are lower bounds, never heights."""
+
+
+FORMAT: Literal[1] = 1
+"""Version of the schema; raised when a field changes its meaning."""
+
+
+class RecordError(ValueError):
+    """A file of records that cannot be read; the message names the file and the line."""
+
+
+class RecordWarning(UserWarning):
+    """A file of records that was cut off while its last line was written."""
+
+
+class TrialRecord(BaseModel):
+    """What one trial leaves behind. Null means that there is no such value, never zero."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    format: Literal[1] = FORMAT
+    """Version of the schema."""
+    trial: str
+    """Id of the trial, unique within a study."""
+    engine: str
+    engine_version: str
+    profile: str
+    unit_scale: float | None = None
+    """The engine's length units a metre; null if the engine was never opened."""
+    scenario: str
+    scene: str
+    """Id of the scene's variant."""
+    parameters: Mapping[str, int | float | str]
+    policy: str
+    seed: int
+    repeat: int
+    status: Status
+    message: str = ""
+    """Why the trial ended as it did, if it did not simply complete."""
+    levels_placed: int = 0
+    """Levels of which every brick had been let go."""
+    height_levels: int = 0
+    """Highest level that ever stood intact, with all below it, once its bricks had had time to land."""
+    height_m: float | None = None
+    """Top [m] of that level when it was last seen intact before the next one was begun; so the next two."""
+    collapse_level: int | None = None
+    """Levels placed when the collapse was first seen; null if it never was (censored)."""
+    sink_m: float | None = None
+    """How far [m] that level's bricks lay, on average, below their ideal height."""
+    drift_m: float | None = None
+    """Farthest [m] that a brick then lay sideways of where it was let go."""
+    creep_m_s: float | None = None
+    """Fastest mean motion [m/s] of a brick over the time of watching; null if the stack did not stand through it."""
+    frame_ms_p50: float | None = None
+    """Median time [ms] of a frame: engine, read-back, core and port calls. The first five frames are left out."""
+    frame_ms_p95: float | None = None
+    frame_ms_p99: float | None = None
+    frame_ms_max: float | None = None
+    engine_ms: float | None = None
+    """Mean time [ms] a frame of the engine's step."""
+    readback_ms: float | None = None
+    """Mean time [ms] a frame in which the port reads contacts and masses; null without an extension."""
+    core_ms: float | None = None
+    """Mean time [ms] a frame of the stability core itself; null without an extension."""
+    port_ms: float | None = None
+    """Mean time [ms] a frame in which the port freezes and wakes bodies; null without an extension."""
+    frame_ratio: float | None = None
+    """Frame time with the extension over the frame time without it, on the same standing stack."""
+    wakes: int | None = None
+    """How often the core woke a frozen body; null without an extension."""
+    refreezes: int | None = None
+    """How often the core froze a body that it had frozen before; null without an extension."""
+    longest_live_s: float | None = None
+    """Longest simulated time [s] that one body stayed live; null without an extension."""
+    realtime_factor: float | None = None
+    """Simulated over measured time of all timed frames; below 1 is slower than real time."""
+    pose_hash: str | None = None
+    """BLAKE2b over every frame's float64 poses, in hexadecimal."""
+    expectation: Expectation
+    verdict: Verdict
+    environment: str
+    """Digest of the environment.json of the run."""
+    collapse_kind: CollapseKind | None = None
+    """What the collapse was: sink only if nothing toppled, slid or dropped within a second of it."""
+    collapse_s: float | None = None
+    """Simulated time [s] at which the collapse was first seen."""
+    frame_ratio_level: int | None = None
+    """Level of the stack on which ``frame_ratio`` was taken."""
+    frame_ratio_message: str = ""
+    """Why there is no ``frame_ratio``, where one was asked for."""
+    levels_planned: int
+    """Levels of the whole scene."""
+    simulated_s: float = 0.0
+    """Simulated time [s] when the trial ended."""
+    wall_s: float | None = None
+    """Wall time [s] of the trial, with everything that is not timed."""
+    timed_frames: int | None = None
+    """How many frames the timings were taken from: those after the first five, up to a collapse."""
+    calibration_ms: float | None = None
+    """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
+    run tells how steady the machine was."""
+    core: int | None = None
+    """The processor core that the trial was kept to; null if it was not."""
+    pair: str = ""
+    """Id that a scene which must stand shares with its partner that must fall; empty if it has none."""
+    rest_s: float | None = None
+    """How long [s] after the last action a brick of a poured heap was last seen moving; null if one still moved at the
+    end, and for all that is no heap; so the next."""
+    repose_deg: float | None = None
+    """Angle of repose [deg]: that of the cone of the same median height and radius."""
+    live_mean: float | None = None
+    """Mean number of live bricks in a frame; null without an extension, where nobody can tell; so the next."""
+    live_last: int | None = None
+    """Number of live bricks in the last frame."""
+    adopted: int | None = None
+    """Number of bodies of prebuilt stacks that the core froze before the first step after they were set down; null
+    without an extension, and for a scene without a prebuilt stack."""
+    host: str | None = None
+    """Name of the machine: timings of different machines are not to be compared."""
+
+    @field_validator("message", "frame_ratio_message", mode="before")
+    @classmethod
+    def _without_escapes(cls, text: object) -> object:
+        """Remove the terminal escapes that engines put into what they print and raise."""
+        return plain_text(text) if isinstance(text, str) else text
+
+
+class RecordWriter:
+    """Appends records to a file, each on disk before the next trial begins."""
+
+    def __init__(self, path: Path) -> None:
+        """Open ``path`` for appending; a line that was torn by a cut is taken away first."""
+        self.torn = _mend(path)
+        """Whether there was a torn line."""
+        self._file = path.open("a", encoding="utf-8")
+
+    def append(self, record: TrialRecord) -> None:
+        """Write one record and wait until it is on disk."""
+        self._file.write(record.model_dump_json() + "\n")
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """No more records."""
+        self._file.close()
+
+
+def read_records(path: Path) -> list[TrialRecord]:
+    """All records of a file, in its order.
+
+    Raises:
+        RecordError: if the file is missing or holds a line that is no record of this format.
+
+    Warns:
+        RecordWarning: if the last line was torn by a cut; it is left out.
+    """
+    try:
+        return list(_records(path))
+    except FileNotFoundError as error:
+        raise RecordError(
+            f"{path}: cannot be read (no such file): name a results folder, such as 'bench run' leaves"
+        ) from error
+    except OSError as error:
+        raise RecordError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def _records(path: Path) -> Iterator[TrialRecord]:
+    with path.open("rb") as lines:
+        for number, raw in enumerate(lines, start=1):
+            if not raw.strip():
+                continue
+            if _is_torn(raw):
+                warnings.warn(f"{path}:{number}: the last line is torn and was left out", RecordWarning, stacklevel=4)
+                return
+            try:
+                yield TrialRecord.model_validate_json(raw)
+            except ValidationError as error:
+                raise RecordError(f"{path}:{number}: {_reason(error)}") from error
+
+
+def _is_torn(raw: bytes) -> bool:
+    """A cut leaves a line without its end; one that lost no more than the line break is whole."""
+    if raw.endswith(b"\n"):
+        return False
+    try:
+        json.loads(raw)
+    except ValueError:
+        return True
+    return False
+
+
+def _reason(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    field = ".".join(map(str, first["loc"]))
+    if first["type"] == "json_invalid":
+        return f"not a line of JSON ({first['msg']})"
+    if field == "format":
+        if isinstance(first["input"], int) and first["input"] > FORMAT:
+            return f"a record of format {first['input']}, newer than this suite's {FORMAT}: update the suite"
+        return f"not a record of format {FORMAT} ({first['msg']}, got {first['input']!r})"
+    return f"not a trial record: field '{field}': {first['msg']}"
+
+
+def _mend(path: Path) -> bool:
+    """Make the file end with a whole line, so that what is appended starts on one of its own; True if one was torn."""
+    if not path.exists():
+        return False
+    content = path.read_bytes()
+    last = content.rpartition(b"\n")[2]
+    if not last:
+        return False
+    torn = _is_torn(last)
+    with path.open("r+b") as file:
+        if torn:
+            file.truncate(len(content) - len(last))
+        else:
+            file.seek(0, 2)
+            file.write(b"\n")
+    return torn

@@ -1,0 +1,1 @@
+"""Replays, animations and stills of recorded trials."""

@@ -1,0 +1,54 @@
+"""A figure of stills: how some stacks ended, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+from pathlib import Path
+
+import matplotlib.image as mpl_image
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from reports.records.folder import still_of
+from reports.replays.stills import COLOURS
+from reports.statistics.groups import Group, GroupKey, ordered_policies
+from reports.tables.outcomes import outcome
+
+_INCHES, _TITLE_INCHES = 2.1, 0.3
+
+
+def gallery_figure(stills: Path, cells: Sequence[Group], engine: str, profile: str, scenes: Sequence[str]) -> Figure:
+    """Stills of one engine: a row a scene, a column a policy.
+
+    Args:
+        stills: folder that holds the stills.
+        cells: of the study.
+        engine: shown.
+        profile: shown.
+        scenes: shown, in this order.
+
+    Raises:
+        FileNotFoundError: if one of the stills is missing.
+    """
+    by_key = {cell.key: cell for cell in cells}
+    policies = ordered_policies(key.policy for key in by_key if key[1:3] == (engine, profile))
+    lines = [[by_key[GroupKey(scene, engine, profile, policy)].draws[0] for policy in policies] for scene in scenes]
+    shown = [_without_margins([mpl_image.imread(still_of(stills, trial)) for trial in line]) for line in lines]
+    heights = [_INCHES * line[0].shape[0] / line[0].shape[1] + _TITLE_INCHES for line in shown]
+    figure = Figure((_INCHES * len(policies), sum(heights) + _TITLE_INCHES), layout="constrained")
+    panels = figure.subplots(len(scenes), len(policies), squeeze=False, height_ratios=heights)
+    for panel, trial, picture in zip(panels.ravel(), chain(*lines), chain(*shown), strict=True):
+        panel.imshow(picture, interpolation="antialiased")
+        panel.set_axis_off()
+        panel.set_title(f"{trial.policy}: {outcome([trial])}", fontsize=9)
+    states = [Patch(color=(r / 255, g / 255, b / 255), label=state) for state, (r, g, b) in COLOURS.items()]
+    figure.legend(handles=states, loc="outside lower center", ncols=len(states), frameon=False, fontsize=9)
+    return figure
+
+
+def _without_margins(pictures: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Pictures of one height without the rows that are empty in all of them, shape (height, width, 4) each."""
+    drawn = np.flatnonzero(np.any([picture[..., 3].any(axis=1) for picture in pictures], axis=0))
+    return [picture[drawn[0] : drawn[-1] + 1] if len(drawn) else picture for picture in pictures]

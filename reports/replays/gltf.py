@@ -1,0 +1,171 @@
+"""A recording as an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
+
+Each brick is a node whose pose is animated; beneath it hangs a box for each state that the brick is ever in, of which
+the animation shows one at a time (scale 1 or 0, in steps). Fixed boxes are nodes that stay. glTF's y axis points up:
+the root turns ours to it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Recording
+from scenarios.model import Brick
+
+COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
+"""Linear red, green and blue of what is shown; removed bricks are not."""
+_FIXED = "fixed"
+_MATERIALS = {**COLOURS, _FIXED: (0.30, 0.32, 0.34)}
+"""The colours, and the grey of boxes that never move."""
+_FLOAT, _SHORT = 5126, 5123
+_VERTICES, _INDICES = 34962, 34963
+_JSON, _BINARY = 0x4E4F534A, 0x004E4942
+_ALIGNMENT = 4
+
+
+class _Buffer:
+    """The file's one buffer, with a view and an accessor for each array."""
+
+    def __init__(self) -> None:
+        self.content = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def add(self, values: npt.NDArray[Any], kind: str, target: int | None = None) -> int:
+        """Append an array, shape (n,) or (n, k), as accessors of ``kind`` (SCALAR, VEC3, VEC4); returns its index."""
+        self.content += bytes(-len(self.content) % _ALIGNMENT)
+        view = {"buffer": 0, "byteOffset": len(self.content), "byteLength": values.nbytes}
+        self.content += values.tobytes()
+        self.views.append(view if target is None else {**view, "target": target})
+        accessor = {
+            "bufferView": len(self.views) - 1,
+            "componentType": _SHORT if values.dtype == np.uint16 else _FLOAT,
+            "count": len(values),
+            "type": kind,
+            "min": np.atleast_1d(values.min(axis=0)).tolist(),
+            "max": np.atleast_1d(values.max(axis=0)).tolist(),
+        }
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+
+def to_glb(recording: Recording) -> bytes:
+    """The whole recording as one file."""
+    buffer = _Buffer()
+    meshes = _boxes(buffer)
+    turn = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # about x, so that z points up
+    nodes: list[dict[str, Any]] = [{"name": "stack", "rotation": turn, "children": []}]
+    channels: list[dict[str, Any]] = []
+    samplers: list[dict[str, Any]] = []
+
+    def animate(node: int, path: str, times: int, values: int, how: str) -> None:
+        samplers.append({"input": times, "output": values, "interpolation": how})
+        channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
+
+    for box in recording.fixed:
+        nodes[0]["children"].append(len(nodes))
+        nodes.append(_fixed_node(box))
+    starts = np.flatnonzero(np.diff(recording.body, prepend=-1))
+    for rows in np.split(np.arange(len(recording.body)), starts[1:]) if len(starts) else ():
+        body = int(recording.body[rows[0]])
+        index = len(nodes)
+        frames, chosen = _keyframes(recording, rows)
+        times = buffer.add(((frames + 1) * recording.frame_s).astype(np.float32), "SCALAR")
+        position = (recording.position[chosen] * LENGTH_STEP).astype(np.float32)
+        quaternion = recording.quaternion[chosen][:, [1, 2, 3, 0]] * QUATERNION_STEP
+        quaternion = (quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)).astype(np.float32)
+        states = [state for state in COLOURS if (recording.state[rows] == STATES.index(state)).any()]
+        children = list(range(index + 1, index + 1 + len(states)))
+        nodes[0]["children"].append(index)
+        nodes.append({"name": f"brick {body}", "children": children})
+        animate(index, "translation", times, buffer.add(position, "VEC3"), "LINEAR")
+        animate(index, "rotation", times, buffer.add(quaternion, "VEC4"), "LINEAR")
+        changes = rows[np.flatnonzero(np.diff(recording.state[rows], prepend=-1))]
+        begun = np.concatenate([[0], recording.frame[changes] + 1]) * recording.frame_s  # at first it is not there
+        steps = buffer.add(begun.astype(np.float32), "SCALAR")
+        for child, state in zip(children, states, strict=True):
+            nodes.append({"name": state, "mesh": list(COLOURS).index(state), "scale": [0.0, 0.0, 0.0]})
+            shown = np.concatenate([[False], recording.state[changes] == STATES.index(state)])
+            scale = (shown[:, None] * np.array(recording.sizes[body])).astype(np.float32)
+            animate(child, "scale", steps, buffer.add(scale, "VEC3"), "STEP")
+    return _packed(
+        {
+            "asset": {"version": "2.0", "generator": "Stillstack"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": nodes,
+            "meshes": meshes,
+            "materials": _materials(),
+            "animations": [{"name": "trial", "channels": channels, "samplers": samplers}],
+            "accessors": buffer.accessors,
+            "bufferViews": buffer.views,
+            "buffers": [{"byteLength": len(buffer.content)}],
+        },
+        bytes(buffer.content),
+    )
+
+
+def _fixed_node(box: Brick) -> dict[str, Any]:
+    w, x, y, z = box.quaternion
+    pose = {"translation": list(box.position), "rotation": [x, y, z, w], "scale": list(box.size)}
+    return {"name": _FIXED, "mesh": list(_MATERIALS).index(_FIXED), **pose}
+
+
+def _keyframes(
+    recording: Recording, rows: npt.NDArray[np.int64]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Frames and rows of a brick's keys: a row that holds for long is told again just before the next one."""
+    frames = recording.frame[rows].astype(np.int64)
+    held = np.flatnonzero(np.diff(frames) > recording.every)
+    every_frame = np.concatenate([frames, frames[held + 1] - recording.every])
+    order = np.argsort(every_frame, kind="stable")
+    return every_frame[order], np.concatenate([rows, rows[held]])[order]
+
+
+def _boxes(buffer: _Buffer) -> list[dict[str, Any]]:
+    """A unit cube for each colour, of the same 24 corners: four a face, so that edges are sharp."""
+    corners: list[npt.NDArray[np.float64]] = []
+    normals: list[npt.NDArray[np.float64]] = []
+    triangles: list[int] = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            normal = np.eye(3)[axis] * side
+            first, second = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3] * side
+            begin = len(corners)
+            corners += [(normal + u * first + v * second) / 2 for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            normals += [normal] * 4
+            triangles += [begin, begin + 1, begin + 2, begin, begin + 2, begin + 3]
+    attributes = {
+        "POSITION": buffer.add(np.array(corners, np.float32), "VEC3", _VERTICES),
+        "NORMAL": buffer.add(np.array(normals, np.float32), "VEC3", _VERTICES),
+    }
+    indices = buffer.add(np.array(triangles, np.uint16), "SCALAR", _INDICES)
+    return [
+        {"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": number}]}
+        for number, name in enumerate(_MATERIALS)
+    ]
+
+
+def _materials() -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "pbrMetallicRoughness": {"baseColorFactor": [*colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8},
+        }
+        for name, colour in _MATERIALS.items()
+    ]
+
+
+def _packed(content: dict[str, Any], binary: bytes) -> bytes:
+    """The GLB container: a header, a chunk of JSON and a chunk of bytes, each filled up to four."""
+    text = json.dumps(content, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % _ALIGNMENT)
+    binary += bytes(-len(binary) % _ALIGNMENT)
+    chunks = struct.pack("<II", len(text), _JSON) + text + struct.pack("<II", len(binary), _BINARY) + binary
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks

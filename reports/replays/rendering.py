@@ -1,0 +1,132 @@
+"""Pictures of bricks, by PyVista off screen: ``python -m reports.replays.rendering JOBS`` draws a file of jobs.
+
+A program of its own, started by ``reports.replays.stills``: without a renderer VTK ends the whole process.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyvista as pv
+from PIL import Image, ImageDraw, ImageFilter
+
+FloatArray = npt.NDArray[np.float64]
+
+_CORNERS = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
+_FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
+"""Corners of a box, and its faces, each counterclockwise from outside."""
+_TURN, _LIFT, _VIEW_ANGLE = -1.2, 0.3, 30.0
+"""From where it is seen, as in a replay [rad, rad, degrees]."""
+_OVERSAMPLING = 2
+"""Drawn so much larger and reduced: the smoothing that every software renderer has."""
+_TO_SUN = np.array([-0.5, -0.9, 1.6])
+_SUNS, _SUN_RADIUS = 8, 0.12
+"""Places on the sun's disc whose shadows are averaged, for soft edges; PyVista's own shadows are hard and grey."""
+_DARKEST, _SHADOW_PIXELS, _BLUR_PIXELS = 110, 320, 1.5
+"""Of the shadow on the ground; 255 would be black."""
+_EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "line_width": 1.5}
+
+
+def render(jobs: Sequence[Mapping[str, Any]], pixels: int) -> None:
+    """Draw each job's ``bricks`` into its ``path``, on nothing, so that a page's own ground shows.
+
+    Args:
+        jobs: each with ``bricks`` (size, position [m], quaternion, colour) and with the corners ``low`` and ``high``
+            [m] of what is shown.
+        pixels: edge length of the square pictures.
+    """
+    for job in jobs:
+        plotter = pv.Plotter(off_screen=True, window_size=[_OVERSAMPLING * pixels] * 2, lighting="none")
+        plotter.set_background("black")  # shows where a picture is half transparent: in the shadow
+        low, high = np.array(job["low"]), np.array(job["high"])
+        corners = np.array([_corners(brick) for brick in job["bricks"]]).reshape(-1, 8, 3)
+        if len(corners):
+            plotter.add_mesh(_mesh(corners, job["bricks"]), scalars="colour", rgb=True, ambient=0.35, **_EDGES)
+            plane, shadow = _ground(corners, low, high)
+            plotter.add_mesh(plane, texture=shadow, lighting=False)
+        _look(plotter, low, high)
+        shown = Image.fromarray(plotter.screenshot(return_img=True, transparent_background=True))
+        plotter.close()
+        shown.reduce(_OVERSAMPLING).save(job["path"], optimize=True)
+
+
+def _corners(brick: Mapping[str, Any]) -> FloatArray:
+    """A brick's corners [m], shape (8, 3)."""
+    w, x, y, z = np.array(brick["quaternion"]) / np.linalg.norm(brick["quaternion"])
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    corners: FloatArray = (_CORNERS * brick["size"]) @ turn.T + brick["position"]
+    return corners
+
+
+def _mesh(corners: FloatArray, bricks: Sequence[Mapping[str, Any]]) -> pv.PolyData:
+    """All bricks as one mesh: a draw call each would take seconds.
+
+    Args:
+        corners: of the bricks [m], shape (n, 8, 3).
+        bricks: with their colours.
+    """
+    first = 8 * np.arange(len(corners))[:, None, None]
+    faces = np.concatenate([np.full((len(corners), 6, 1), 4), first + _FACES], axis=2)
+    mesh = pv.PolyData(corners.reshape(-1, 3), faces.ravel())
+    mesh.cell_data["colour"] = np.repeat([brick["colour"] for brick in bricks], 6, axis=0).astype(np.uint8)
+    return mesh
+
+
+def _ground(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[pv.PolyData, pv.Texture]:
+    """A plane that shows nothing but the bricks' shadow."""
+    centre, half = (low + high)[:2] / 2, 2.0 * float(np.linalg.norm(high - low))
+    plane = pv.Plane(center=(*centre, 0.0), i_size=2 * half, j_size=2 * half)
+    alpha = _shadow((corners - [*(centre - half), 0]) / (2 * half) * _SHADOW_PIXELS)
+    texture = np.zeros((_SHADOW_PIXELS, _SHADOW_PIXELS, 4), np.uint8)
+    texture[..., 3] = alpha
+    return plane, pv.Texture(texture)
+
+
+def _shadow(corners: FloatArray) -> npt.NDArray[np.uint8]:
+    """How dark the ground is, seen from above.
+
+    Args:
+        corners: of the bricks, in pixels of it, shape (n, 8, 3).
+    """
+    sun, rng = _TO_SUN / np.linalg.norm(_TO_SUN), np.random.default_rng(0)
+    right = np.cross(sun, [0.0, 0.0, 1.0])
+    total = np.zeros((_SHADOW_PIXELS, _SHADOW_PIXELS))
+    for angle, radius in zip(np.arange(_SUNS) * 2 * np.pi / _SUNS, np.sqrt(rng.uniform(size=_SUNS)), strict=True):
+        ray = sun + _SUN_RADIUS * radius * (np.cos(angle) * right + np.sin(angle) * np.cross(sun, right))
+        flat = corners[..., :2] - corners[..., 2:] * ray[:2] / ray[2]
+        flat[..., 1] = _SHADOW_PIXELS - flat[..., 1]  # a picture's rows run down
+        image = Image.new("L", total.shape)
+        draw = ImageDraw.Draw(image)
+        for face in flat[:, _FACES].reshape(-1, 8).tolist():
+            draw.polygon(face, fill=_DARKEST)
+        total += np.asarray(image)
+    shade = Image.fromarray((total / _SUNS).astype(np.uint8)).filter(ImageFilter.GaussianBlur(_BLUR_PIXELS))
+    return np.asarray(shade)
+
+
+def _look(plotter: pv.Plotter, low: FloatArray, high: FloatArray) -> None:
+    target, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+    towards = np.array([np.cos(_TURN) * np.cos(_LIFT), np.sin(_TURN) * np.cos(_LIFT), np.sin(_LIFT)])
+    eye = target + 1.05 * radius / np.sin(np.radians(_VIEW_ANGLE / 2)) * towards
+    plotter.camera_position = [tuple(eye), tuple(target), (0.0, 0.0, 1.0)]
+    plotter.camera.view_angle = _VIEW_ANGLE
+    plotter.reset_camera_clipping_range()
+    for place, intensity in ((target + 9 * radius * _TO_SUN, 0.75), (eye, 0.3)):
+        plotter.add_light(pv.Light(position=tuple(place), focal_point=tuple(target), intensity=intensity))
+
+
+if __name__ == "__main__":
+    wanted = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    render(wanted["jobs"], wanted["pixels"])

@@ -1,0 +1,96 @@
+"""A replay that opens in any browser, offline: play, scrub, turn, several trials side by side.
+
+The page draws with three.js, which the wheel `jupyter-threejs-sage` ships; it lies beside the replays once, because a
+page opened from a disk may load a classic script from its own folder, but neither modules nor data.
+"""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+from markupsafe import Markup
+
+from reports.records.atomic import write_atomic
+from reports.records.recording import FIXED_FIELDS, LENGTH_STEP, QUATERNION_STEP, STATES, Recording
+from reports.records.trial import TrialRecord
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_THREE = ("jupyter_threejs_sage", "static/r130/three.min.js")
+_SCRIPT = "three.min.js"
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """A trial with its recording."""
+
+    record: TrialRecord
+    recording: Recording
+
+    @property
+    def end(self) -> str:
+        """How it ended, in a word or two."""
+        record = self.record
+        if record.collapse_level is not None:
+            return f"{'sank' if record.collapse_kind == 'sink' else 'fell'} at level {record.collapse_level}"
+        return f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
+
+
+def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
+    """Write ``NAME.html``, and the script that it needs, into a folder.
+
+    Args:
+        folder: is made if need be.
+        name: of the page, without its ending.
+        trials: shown side by side, at least one; at the same simulated time.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    script = resources.files(_THREE[0]).joinpath(_THREE[1])
+    if not (folder / _SCRIPT).exists():
+        write_atomic(folder / _SCRIPT, script.read_bytes())
+    first = trials[0].record
+    page = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
+    ).get_template("replay.html.j2")
+    told = page.render(
+        title=f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
+        theory=str(first.expectation),
+        why=first.expectation.theory,
+        script=_SCRIPT,
+        trials=[_told(trial) for trial in trials],
+        player=Markup((_TEMPLATES / "replay.js").read_text(encoding="utf-8")),
+    )
+    write_atomic(folder / f"{name}.html", told.encode())
+    return folder / f"{name}.html"
+
+
+def _told(trial: Replayed) -> dict[str, Any]:
+    recording = trial.recording
+    rows = [recording.body, recording.frame, *recording.position.T, *recording.quaternion.T, recording.state]
+    return {
+        "policy": trial.record.policy,
+        "end": trial.end,
+        "frame_s": recording.frame_s,
+        "frames": recording.frames,
+        "every": recording.every,
+        "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
+        "sizes": {str(body): size for body, size in recording.sizes.items()},
+        "rows": len(recording.body),
+        "data": _packed(np.array(rows, np.int32)),
+        "steps": [LENGTH_STEP, QUATERNION_STEP],
+        "states": STATES,
+    }
+
+
+def _packed(columns: np.ndarray) -> str:
+    """Differences along each column, shape (columns, n), byte by byte (first all lowest bytes), deflated, in base64."""
+    differences = np.diff(columns, axis=1, prepend=0).astype("<i4")
+    by_byte = np.ascontiguousarray(differences).view(np.uint8).reshape(-1, 4).T
+    return base64.b64encode(zlib.compress(by_byte.tobytes(), 9)).decode()

@@ -1,0 +1,116 @@
+"""Stills: how each trial ended, in a picture. Frozen, live and fallen bricks are told apart as in a replay."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reports.records.folder import still_of
+from reports.records.recording import FIXED_FIELDS, LENGTH_STEP, REMOVED, STATES
+from reports.replays.replay import Replayed
+
+_ROOT = Path(__file__).parents[2]
+"""The checkout."""
+PIXELS = 240
+"""Edge length of a still: fine at the 120 to 160 pixels of a page, and drawn in about a third of a second."""
+COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
+"""As in a replay: amber, blue and dark red differ in lightness, too, for colour-blind readers."""
+FIXED_COLOUR = (150, 154, 158)
+"""Grey of boxes that never move."""
+_TINT = 0.08
+"""By so much bricks differ from each other, so that neighbours can be told apart."""
+_LONGEST_S = 900
+"""After so long [s] the renderer is given up."""
+
+
+class StillsError(RuntimeError):
+    """No picture could be drawn; the message names the fix."""
+
+
+def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int = PIXELS) -> None:
+    """Draw the still of every trial.
+
+    Args:
+        folder: is made if need be.
+        stacks: trials of one stack each, which are shown from the same place.
+        pixels: edge length of the square pictures.
+
+    Raises:
+        StillsError: if there is no renderer.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs = [job for stack in stacks for job in _jobs(folder, stack)]
+    if not jobs:
+        return
+    with tempfile.TemporaryDirectory() as scratch:
+        order = Path(scratch) / "jobs.json"
+        order.write_text(json.dumps({"pixels": pixels, "jobs": jobs}), encoding="utf-8")
+        _render(order)
+
+
+def _render(order: Path) -> None:
+    """Draw in a process of its own: without a renderer VTK ends it by a fault that no program can catch."""
+    command = [sys.executable, "-m", "reports.replays.rendering", str(order)]
+    try:
+        subprocess.run(command, cwd=_ROOT, capture_output=True, text=True, check=True, timeout=_LONGEST_S)
+    except subprocess.TimeoutExpired as error:
+        raise StillsError(f"the stills took more than {_LONGEST_S} s and were given up") from error
+    except subprocess.CalledProcessError as error:
+        raise StillsError(_reason(error)) from error
+
+
+def _reason(error: subprocess.CalledProcessError) -> str:
+    if error.returncode < 0:
+        return "no stills: this machine has no renderer: apt-get install libegl1, or libosmesa6"
+    last = error.stderr.strip().splitlines()[-1]
+    return f"no stills: {last}" + (": uv sync" if "No module named" in last else "")
+
+
+def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
+    """What the renderer is told of the trials of one stack."""
+    drawn = [_drawn(trial) for trial in stack]
+    corners = [corner for bricks, spans in drawn for corner in spans]
+    if not corners:
+        return []
+    low, high = np.min(corners, axis=0).tolist(), np.max(corners, axis=0).tolist()
+    return [
+        {"path": str(still_of(folder, trial.record).resolve()), "bricks": bricks, "low": low, "high": high}
+        for trial, (bricks, _) in zip(stack, drawn, strict=True)
+    ]
+
+
+def _drawn(trial: Replayed) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
+    """The bricks that are there at the end, the fixed boxes, and the corners [m] of the space of them all."""
+    recording, rng = trial.recording, np.random.default_rng(0)
+    bricks, corners = [], []
+    first = np.flatnonzero(np.diff(recording.body, prepend=-1))
+    last = np.append(first[1:], len(recording.body))[: len(first)] - 1
+    for laid, end in zip(first, last, strict=True):
+        size = np.array(recording.sizes[int(recording.body[laid])])
+        position = recording.position[end] * LENGTH_STEP
+        start = recording.position[laid] * LENGTH_STEP
+        tint = 1 + _TINT * rng.uniform(-1, 1)
+        corners += [start - size / 2, start + size / 2]
+        if recording.state[end] == REMOVED:
+            continue
+        has_fallen = np.linalg.norm(position - start) > size.min()
+        state = "fallen" if has_fallen else STATES[recording.state[end]]
+        bricks.append(
+            {
+                "size": size.tolist(),
+                "position": position.tolist(),
+                "quaternion": recording.quaternion[end].tolist(),
+                "colour": [round(tint * value) for value in COLOURS[state]],
+            }
+        )
+    for box in recording.fixed:
+        bricks.append({name: list(getattr(box, name)) for name in FIXED_FIELDS} | {"colour": list(FIXED_COLOUR)})
+        corners += [np.array(box.position) - np.array(box.size) / 2, np.array(box.position) + np.array(box.size) / 2]
+    return bricks, corners

@@ -1,0 +1,1 @@
+"""What is computed from trials: groups, success rates, intervals, survival."""

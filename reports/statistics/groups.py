@@ -1,0 +1,134 @@
+"""Groups of trials: all trials of one scene, engine, profile and policy."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from reports.records.trial import CENSORED, TrialRecord, Verdict
+from reports.statistics.intervals import Estimate, median
+from reports.statistics.survival import Lifetime, PairedTest, Survival, compare_pairs, kaplan_meier, lifetime
+from scenarios.model import Expectation
+
+ALONE = "none"
+"""The policy without any extension, to which all others are compared."""
+LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
+"""The order in which policies are listed; others follow as they come."""
+
+
+class GroupKey(NamedTuple):
+    """What all trials of a cell share."""
+
+    scene: str
+    engine: str
+    profile: str
+    policy: str
+
+
+@dataclass(frozen=True)
+class Group:
+    """Trials that differ by seed and repeat only."""
+
+    key: GroupKey
+    trials: tuple[TrialRecord, ...]
+
+    @property
+    def scenario(self) -> str:
+        """Name of the scenario of which the scene is a variant."""
+        return self.trials[0].scenario
+
+    @property
+    def pair(self) -> str:
+        """Id that the scene shares with its partner; empty if it has none."""
+        return self.trials[0].pair
+
+    @property
+    def expectation(self) -> Expectation:
+        """What must happen by theory to the exact build, or to the first that was built."""
+        return self.trials[0].expectation
+
+    @property
+    def levels_planned(self) -> int:
+        """Levels of the whole scene."""
+        return self.trials[0].levels_planned
+
+    @cached_property
+    def by_seed(self) -> dict[int, list[TrialRecord]]:
+        """Repeats of each seed, in order."""
+        seeds: dict[int, list[TrialRecord]] = {}
+        for trial in sorted(self.trials, key=lambda trial: (trial.seed, trial.repeat)):
+            seeds.setdefault(trial.seed, []).append(trial)
+        return seeds
+
+    @cached_property
+    def draws(self) -> list[TrialRecord]:
+        """The first repeat of each seed: repeats are no further evidence of what stands."""
+        return [repeats[0] for repeats in self.by_seed.values()]
+
+    @cached_property
+    def judged(self) -> list[TrialRecord]:
+        """Draws that theory can judge: one that was stopped by the time limit is slow, which is not wrong."""
+        return [trial for trial in self.draws if trial.verdict != "none" and trial.status not in CENSORED]
+
+    def count(self, verdict: Verdict) -> int:
+        """How many of the judged draws were judged so."""
+        return sum(trial.verdict == verdict for trial in self.judged)
+
+    @cached_property
+    def lifetimes(self) -> dict[int, Lifetime]:
+        """How far the stack of each seed came; without those whose process failed."""
+        return {trial.seed: life for trial in self.draws if (life := lifetime(trial)) is not None}
+
+    @cached_property
+    def survival(self) -> Survival | None:
+        """The survival curve by level; None if no stack was seen."""
+        return kaplan_meier(list(self.lifetimes.values())) if self.lifetimes else None
+
+    def values(self, field: str) -> list[float]:
+        """A measured field, one value a seed: the median of its repeats. Seeds that lack it are left out."""
+        seeds = ([getattr(trial, field) for trial in repeats] for repeats in self.by_seed.values())
+        measured = ([value for value in repeats if value is not None] for repeats in seeds)
+        return [statistics.median(repeats) for repeats in measured if repeats]
+
+    def estimate(self, field: str) -> Estimate | None:
+        """Median of a field over seeds. Times of several machines have no common median."""
+        several = len({trial.host for trial in self.trials if trial.timed_frames is not None}) > 1
+        if several and "_ms" in field:
+            return None
+        return median(self.values(field))
+
+
+def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
+    """The cells of a study: scenes, engines and profiles as they first appear, policies in their usual order."""
+    groups: dict[GroupKey, list[TrialRecord]] = {}
+    for record in records:
+        groups.setdefault(GroupKey(record.scene, record.engine, record.profile, record.policy), []).append(record)
+    first = [_ranks(keys) for keys in zip(*groups, strict=True)][:3]
+    policies = _ranks(ordered_policies(key.policy for key in groups))
+    ranks = [*first, policies]
+    order = sorted(groups, key=lambda key: [rank[name] for rank, name in zip(ranks, key, strict=True)])
+    return [Group(key, tuple(groups[key])) for key in order]
+
+
+def ordered_policies(names: Iterable[str]) -> list[str]:
+    """Policies in the order in which they are listed, each once."""
+    present = dict.fromkeys(names)
+    return [name for name in LEADING_POLICIES if name in present] + [n for n in present if n not in LEADING_POLICIES]
+
+
+def compare_groups(cell: Group, other: Group) -> PairedTest | None:
+    """Two policies on the same stacks, paired by seed; None if they share none."""
+    shared = [seed for seed in cell.lifetimes if seed in other.lifetimes]
+    return compare_pairs([(cell.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
+
+
+def _ranks(names: Sequence[str]) -> dict[str, int]:
+    return {name: rank for rank, name in enumerate(dict.fromkeys(names))}
+
+
+def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
+    """Trials that theory can judge: one stopped by its time limit has not been shown to be wrong, only slow."""
+    return [trial for trial in trials if trial.verdict != "none" and trial.status not in CENSORED]

@@ -1,0 +1,77 @@
+"""What height costs: levels reached against milliseconds a frame, where an engine was set up in several ways.
+
+A frame's time is the median over the frames in which the highest level that stood was the top one: what a stack costs
+when it is at its tallest. A stack that fell early is therefore shown with the time of what stood, not of its rubble.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from reports.records.frames import UNTIMED_FRAMES, read_frames
+from reports.records.trial import CENSORED, TrialRecord
+
+LEAST_SET_UPS = 3
+"""So many profiles of one engine on one scene make a comparison of costs; two are told by the other tables."""
+
+
+@dataclass(frozen=True, slots=True)
+class CostPoint:
+    """One engine, set up in one way, on one scene under one policy; medians over its trials."""
+
+    scene: str
+    engine: str
+    profile: str
+    policy: str
+    levels: float
+    """That stood."""
+    planned: int
+    is_bound: bool
+    """True if a trial was stopped by its time limit: at least so many levels stand."""
+    frame_ms: float
+
+
+def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]:
+    """The points of a results folder; none of engines that were set up in one way or two."""
+    cells: dict[tuple[str, str, str, str], list[tuple[TrialRecord, float]]] = defaultdict(list)
+    set_ups: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for record in records:
+        set_ups[record.scene, record.engine].add(record.profile)
+    for record in records:
+        if len(set_ups[record.scene, record.engine]) >= LEAST_SET_UPS:
+            time = _frame_ms(folder, record)
+            if time is not None:
+                cells[record.scene, record.engine, record.profile, record.policy].append((record, time))
+    return [
+        CostPoint(
+            *cell,
+            levels=statistics.median(record.height_levels for record, _ in trials),
+            planned=trials[0][0].levels_planned,
+            is_bound=any(record.status in CENSORED for record, _ in trials),
+            frame_ms=statistics.median(time for _, time in trials),
+        )
+        for cell, trials in cells.items()
+    ]
+
+
+def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
+    """Median time of a frame [ms] while the highest level stood as the top one; None if there is no such frame."""
+    frames = folder / "frames" / f"{record.trial}.parquet"
+    if not record.height_levels or record.timed_frames is None or not frames.exists():
+        return None
+    timed = read_frames(frames)[UNTIMED_FRAMES:][: record.timed_frames]
+    times = [row.frame_ms for row in timed if row.level == record.height_levels]
+    return statistics.median(times) if times else None
+
+
+def frontier(points: Sequence[CostPoint]) -> list[CostPoint]:
+    """The points that no other one beats: each reaches higher than all that cost as much or less, by rising cost."""
+    best: list[CostPoint] = []
+    for point in sorted(points, key=lambda point: (point.frame_ms, -point.levels)):
+        if not best or point.levels > best[-1].levels:
+            best.append(point)
+    return best

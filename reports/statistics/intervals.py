@@ -1,0 +1,81 @@
+"""Medians, spreads and rates with the intervals that the seeds allow; of a single seed there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from reports.statistics.survival import CONFIDENCE
+
+RESAMPLES = 2000
+"""Bootstrap samples: an end of a 95 % interval is then known to within about a fiftieth of the interval's width."""
+_SEED = 20150608
+"""Of the bootstrap, so that a report can be made again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number with its interval."""
+
+    n: int
+    """Values that it was made of."""
+    value: float
+    low: float | None = None
+    high: float | None = None
+    """Ends of the 95 % interval; None where n does not allow one."""
+
+
+def median(values: Sequence[float]) -> Estimate | None:
+    """The median, with a percentile interval of the bootstrap over values; None if there are none.
+
+    Args:
+        values: one a seed, none of them censored.
+    """
+    if not values:
+        return None
+    middle = float(np.median(values))
+    if len(values) == 1:
+        return Estimate(1, middle)
+    interval = stats.bootstrap(
+        (np.asarray(values),),
+        np.median,
+        method="percentile",
+        n_resamples=RESAMPLES,
+        confidence_level=CONFIDENCE,
+        rng=np.random.default_rng(_SEED),
+    ).confidence_interval
+    return Estimate(len(values), middle, float(interval.low), float(interval.high))
+
+
+def deviation(values: Sequence[float]) -> float | None:
+    """Median absolute deviation from the median, unscaled; None for fewer than two values."""
+    return float(stats.median_abs_deviation(values)) if len(values) > 1 else None
+
+
+def share(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
+    """Share of trials for which something holds; None if there are none.
+
+    The interval is of a bootstrap of two stages: scenes are drawn, then seeds within each (Davison and Hinkley,
+    Bootstrap Methods and their Application, 1997, section 3.8), since trials of a scene are alike. With one seed a
+    scene there is none. A share of 0 or 1 gets an interval of no width: the bootstrap cannot see what never happened.
+
+    Args:
+        by_scene: for each scene, whether it holds for each of its seeds.
+    """
+    scenes = [held for held in by_scene if held]
+    if not scenes:
+        return None
+    trials = np.array([len(held) for held in scenes])
+    rate = np.array([np.mean(held) for held in scenes])
+    value = float(trials @ rate / trials.sum())
+    if trials.max() == 1:
+        return Estimate(int(trials.sum()), value)
+    rng = np.random.default_rng(_SEED)
+    drawn = rng.integers(len(scenes), size=(RESAMPLES, len(scenes)))
+    held = rng.binomial(trials[drawn], rate[drawn]).sum(axis=1)  # n seeds drawn of n, each of which held or did not
+    tail = (1 - CONFIDENCE) / 2
+    low, high = np.quantile(held / trials[drawn].sum(axis=1), [tail, 1 - tail]).tolist()
+    return Estimate(int(trials.sum()), value, low, high)

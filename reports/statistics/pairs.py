@@ -1,0 +1,110 @@
+"""Pairs of scenes: one must stand, the other must fall, and little but what decides differs.
+
+Only a pair with both sides right counts: glue holds up the one that must fall, jelly lets down the one that must stand,
+and each alone gets half of all trials right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from reports.records.trial import CENSORED, TrialRecord, Verdict
+from reports.statistics.groups import Group, ordered_policies
+from reports.statistics.success_rates import SuccessRates, success_rates
+from scenarios.model import Expectation
+
+ALL = "all"
+"""Stands for all families together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """The scenes of a pair on one engine and profile under one policy."""
+
+    name: str
+    family: str
+    """Name of the scenario of which its scenes are variants."""
+    judged: tuple[frozenset[Verdict], ...]
+    """Verdicts of both sides, once for each seed at which theory can judge both."""
+    undecided: int
+    """Seeds at which it cannot: a side was stopped by the time limit, is impossible on the engine, or was built so
+    near its limit that theory does not say."""
+
+
+class SetUp(NamedTuple):
+    """Who built the pairs."""
+
+    engine: str
+    profile: str
+    policy: str
+
+
+class PairRow(NamedTuple):
+    """The pairs of one family, or of all, on one engine and profile under one policy."""
+
+    set_up: SetUp
+    family: str
+    success_rates: SuccessRates | None
+    """None if there was nothing to judge."""
+    undecided: int
+
+
+def pairs_of(cells: Sequence[Group]) -> list[Pair]:
+    """The pairs among the cells of one engine, profile and policy; what lacks its partner is none."""
+    sides: dict[str, list[Group]] = {}
+    for cell in cells:
+        if cell.pair:
+            sides.setdefault(cell.pair, []).append(cell)
+    return [_pair(name, those) for name, those in sides.items() if are_opposed([cell.expectation for cell in those])]
+
+
+def are_opposed(expectations: Sequence[Expectation]) -> bool:
+    """Tell whether scenes ask for opposite things: one to stand and one to fall, or one to stand for a time first.
+
+    A prebuilt stack must stand until a brick is taken, and then fall; its partner must fall at once.
+    """
+    outcomes = {one.outcome for one in expectations}
+    stands_first = {one.not_before_s > 0.0 for one in expectations if one.outcome == "fall"}
+    return "study" not in outcomes and (outcomes == {"stand", "fall"} or stands_first == {True, False})
+
+
+def pair_success_rates(pairs: Sequence[Pair]) -> SuccessRates | None:
+    """Shares of the pairs' builds, a pair being what the bootstrap draws; None if none could be judged."""
+    return success_rates([pair.judged for pair in pairs])
+
+
+def pair_rows(cells: Sequence[Group]) -> list[PairRow]:
+    """All pairs of each set-up, then those of each family; empty if the study has no pairs."""
+    groups: dict[SetUp, list[Group]] = {}
+    for cell in cells:
+        groups.setdefault(SetUp(cell.key.engine, cell.key.profile, cell.key.policy), []).append(cell)
+    rows = []
+    for set_up in _in_order(groups):
+        pairs = pairs_of(groups[set_up])
+        for family in (ALL, *dict.fromkeys(pair.family for pair in pairs)) if pairs else ():
+            those = [pair for pair in pairs if family in (ALL, pair.family)]
+            rows.append(PairRow(set_up, family, pair_success_rates(those), sum(pair.undecided for pair in those)))
+    return rows
+
+
+def _pair(name: str, sides: Sequence[Group]) -> Pair:
+    seeds = sorted(set.intersection(*({trial.seed for trial in side.draws} for side in sides)))
+    builds = [[side.by_seed[seed][0] for side in sides] for seed in seeds]
+    judged = [build for build in builds if _can_be_judged(build)]
+    verdicts = tuple(frozenset(trial.verdict for trial in build) for build in judged)
+    return Pair(name, sides[0].scenario, verdicts, len(builds) - len(judged))
+
+
+def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
+    """Whether theory judges all sides of a build, and asks for opposite things."""
+    decided = all(trial.verdict != "none" and trial.status not in CENSORED for trial in build)
+    return decided and are_opposed([trial.expectation for trial in build])
+
+
+def _in_order(groups: dict[SetUp, list[Group]]) -> list[SetUp]:
+    """Engines and profiles as they come, policies in their usual order."""
+    engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in groups))
+    policies = ordered_policies(set_up.policy for set_up in groups)
+    return sorted(groups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))

@@ -1,0 +1,98 @@
+"""How right each engine and profile is under each policy, and what a frame costs."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import Group, ordered_policies
+from reports.statistics.intervals import Estimate, share
+from reports.statistics.pairs import pair_success_rates, pairs_of
+from reports.statistics.success_rates import SuccessRates, count, success_rates
+
+FRAME_BUDGETS_MS = {60: 1e3 / 60, 90: 1e3 / 90}
+"""Time [ms] that a frame may take, by frames a second: a monitor's and a headset's."""
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyScore:
+    """How right one engine and profile is under one policy, over all scenes of known truth."""
+
+    policy: str
+    stand: Estimate | None
+    """Share right of trials that must stand; None if there are none."""
+    fall: Estimate | None
+    """Share right of trials that must fall."""
+    trials: SuccessRates | None
+    """Of all trials; None if theory can judge none."""
+    pairs: SuccessRates | None
+    """Of pairs of scenes; None if there are none."""
+    frame_ms_p99: float | None
+    """Median over scenes of the 99th percentile of frame times [ms]."""
+    frame_ratio: float | None
+    """Median over scenes of the frame time over that of the same stack all awake."""
+
+    @property
+    def headline(self) -> SuccessRates | None:
+        """What counts: pairs where there are any, for half of all trials is right by glue alone."""
+        return self.pairs or self.trials
+
+    @property
+    def told(self) -> str:
+        """``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
+        sides = [(self.stand, "stand"), (self.fall, "fall")]
+        told = ", ".join(f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None)
+        return f"{self.pairs.right_count} of {self.pairs.n} pairs; {told}" if self.pairs is not None else told
+
+
+@dataclass(frozen=True, slots=True)
+class EngineScores:
+    """The scores of one engine with one profile."""
+
+    engine: str
+    profile: str
+    version: str
+    scores: tuple[PolicyScore, ...]
+    """One a policy, in the usual order."""
+    trials: tuple[TrialRecord, ...]
+    """All its trials."""
+
+
+def engine_scores(groups: Sequence[Group]) -> list[EngineScores]:
+    """Return the scores of each engine and profile, in the order of the groups."""
+    by_engine: dict[tuple[str, str], list[Group]] = {}
+    for group in groups:
+        by_engine.setdefault((group.key.profile, group.key.engine), []).append(group)
+    return [_engine_scores(engine, profile, members) for (profile, engine), members in by_engine.items()]
+
+
+def _engine_scores(engine: str, profile: str, groups: Sequence[Group]) -> EngineScores:
+    policies = ordered_policies(group.key.policy for group in groups)
+    scores = tuple(score(policy, [group for group in groups if group.key.policy == policy]) for policy in policies)
+    trials = tuple(trial for group in groups for trial in group.trials)
+    return EngineScores(engine, profile, trials[0].engine_version, scores, trials)
+
+
+def score(policy: str, cells: Sequence[Group]) -> PolicyScore:
+    """The score of the cells of one engine, profile and policy."""
+
+    def right(side: str) -> Estimate | None:
+        those = [cell for cell in cells if cell.expectation.outcome == side]
+        return share([[trial.verdict == "right" for trial in cell.judged] for cell in those])
+
+    return PolicyScore(
+        policy,
+        stand=right("stand"),
+        fall=right("fall"),
+        trials=success_rates([[{trial.verdict} for trial in cell.judged] for cell in cells]),
+        pairs=pair_success_rates(pairs_of(cells)),
+        frame_ms_p99=_middle(cells, "frame_ms_p99"),
+        frame_ratio=_middle(cells, "frame_ratio"),
+    )
+
+
+def _middle(cells: Sequence[Group], field: str) -> float | None:
+    estimates = [estimate.value for cell in cells if (estimate := cell.estimate(field)) is not None]
+    return statistics.median(estimates) if estimates else None

@@ -1,0 +1,54 @@
+"""How often theory was met, and how it was missed: each way of missing it apart, with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from reports.records.trial import Verdict
+from reports.statistics.intervals import Estimate, share
+
+Miss: TypeAlias = Literal["false_stand", "false_collapse", "failed"]
+MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "failed")
+"""Stood where it must fall; fell where, or before, it must not; sank, diverged or crashed."""
+
+
+@dataclass(frozen=True, slots=True)
+class SuccessRates:
+    """Shares of what theory can judge. Something judged as a whole may have missed in more than one way."""
+
+    right: Estimate
+    false_stand: Estimate
+    false_collapse: Estimate
+    failed: Estimate
+
+    @property
+    def n(self) -> int:
+        """How many were judged."""
+        return self.right.n
+
+    @property
+    def right_count(self) -> int:
+        """How many of them were right."""
+        return count(self.right)
+
+
+def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessRates | None:
+    """Shares with intervals of a bootstrap over scenes and, within them, over seeds; None if nothing was judged.
+
+    Args:
+        by_scene: for each scene (or pair of scenes) and each of its seeds, the verdicts of all that must be right
+            together: of one trial, or of both sides of a pair.
+    """
+    right = share([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
+    missed = [share([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
+    stand, collapse, failed = missed
+    if right is None or stand is None or collapse is None or failed is None:
+        return None
+    return SuccessRates(right, stand, collapse, failed)
+
+
+def count(estimate: Estimate) -> int:
+    """The number of trials or pairs that a share stands for."""
+    return round(estimate.value * estimate.n)

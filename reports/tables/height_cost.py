@@ -1,0 +1,30 @@
+"""The table of what height costs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from reports.statistics.height_cost import CostPoint
+from reports.tables.table import Table
+
+
+def cost_table(points: Sequence[CostPoint]) -> Table:
+    """Every set-up with its levels and frame time under each policy."""
+    policies = list(dict.fromkeys(point.policy for point in points))
+    cells = {(point.scene, point.engine, point.profile, point.policy): point for point in points}
+    rows = []
+    for scene, engine, profile in dict.fromkeys((point.scene, point.engine, point.profile) for point in points):
+        found = [cells.get((scene, engine, profile, policy)) for policy in policies]
+        rows.append((scene, engine, profile, *(text for point in found for text in _told(point))))
+    header = ("scene", "engine", "profile", *(f"{policy}: {what}" for policy in policies for what in ("levels", "ms")))
+    notes = (
+        "Levels that stood, and the median time of a frame in ms while the highest of them was the top one: what the "
+        "stack costs at its tallest. ≥: stopped by the time limit. “-”: no level stood, or no frames were kept.",
+    )
+    return Table("What height costs", header, tuple(rows), notes)
+
+
+def _told(point: CostPoint | None) -> tuple[str, str]:
+    if point is None:
+        return "-", "-"
+    return f"{'≥' if point.is_bound else ''}{point.levels:g}/{point.planned}", f"{point.frame_ms:.3f}"

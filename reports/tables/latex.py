@@ -1,0 +1,142 @@
+"""Tables for papers in LaTeX: booktabs, siunitx, and a caption with n, seeds, versions, date."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import jinja2
+
+from reports.statistics.groups import Group
+from reports.statistics.intervals import deviation
+from reports.statistics.pairs import ALL, PairRow
+from reports.statistics.success_rates import MISSES
+from reports.tables.comparison import COLUMNS, MatrixRow
+from reports.tables.table import NOTHING
+from reports.tables.wording import percent
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_SPECIAL = {
+    "\\": r"\textbackslash{}",
+    **{letter: f"\\{letter}" for letter in "&%$#_{}"},
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "≥": r"$\geq$",
+    ">": "$>$",
+    "<": "$<$",
+    "±": r"$\pm$",
+    "†": r"$\dagger$",
+}
+_DECIMALS = 3
+
+
+def to_latex(rows: Sequence[MatrixRow], caption: str, label: str) -> str:
+    """The table, to be read in by a paper.
+
+    Args:
+        rows: of the comparison.
+        caption: what it is of; further words explain the columns.
+        label: it is referred to as ``tab:LABEL``.
+    """
+    return _template("tables.tex.j2").render(caption=caption, label=_label(label), scenes=_by_scene(rows))
+
+
+def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
+    """The pairs, all together as ``tab:LABEL-pairs`` and by family as ``tab:LABEL-families``."""
+    whole = [
+        (f"{row.set_up.engine}, {row.set_up.profile}", row.set_up.policy, row) for row in rows if row.family == ALL
+    ]
+    families = [(", ".join(row.set_up), row.family, row) for row in rows if row.family != ALL]
+    tables = [
+        {
+            "label": "pairs",
+            "title": "Pairs with both sides right.",
+            "name": "Engine, profile, policy",
+            "groups": _groups(whole),
+        },
+        {
+            "label": "families",
+            "title": "Pairs with both sides right, by family of scenes.",
+            "name": "Engine, profile, policy, family",
+            "groups": _groups(families),
+        },
+    ]
+    return _template("pairs.tex.j2").render(caption=caption, label=_label(label), tables=tables)
+
+
+def _by_scene(rows: Sequence[MatrixRow]) -> list[list[list[str]]]:
+    scenes: dict[str, list[list[str]]] = {}
+    for row in rows:
+        scenes.setdefault(row.cell.key.scene, []).append(_cells(row))
+    return list(scenes.values())
+
+
+def _template(name: str) -> jinja2.Template:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES),
+        autoescape=False,  # LaTeX is no HTML: it has an escape of its own
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        variable_start_string="<<",
+        variable_end_string=">>",
+        block_start_string="<%",
+        block_end_string="%>",
+        comment_start_string="<#",
+        comment_end_string="#>",
+    )
+    environment.filters["tex"] = escape
+    return environment.get_template(name)
+
+
+def _label(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9-]", "-", name)
+
+
+def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str]]]:
+    """Rows of a heading, each with its name and its cells, under that heading."""
+    groups: dict[str, list[list[str]]] = {}
+    for heading, name, row in rows:
+        groups.setdefault(heading, []).append([escape(name), *_pair_cells(row)])
+    return groups
+
+
+def _pair_cells(row: PairRow) -> list[str]:
+    if row.success_rates is None:
+        return ["0", *["--"] * (1 + len(MISSES)), str(row.undecided)]
+    told = [percent(getattr(row.success_rates, name)).replace(" %", "") for name in ("right", *MISSES)]
+    return [str(row.success_rates.n), *told, str(row.undecided)]
+
+
+def escape(text: str) -> str:
+    """Text as LaTeX prints it."""
+    return "".join(_SPECIAL.get(letter, letter) for letter in text)
+
+
+def with_uncertainty(value: float, uncertainty: float | None) -> str:
+    """A number with its uncertainty in units of its last digit, as siunitx reads it: ``1.234(12)``."""
+    text = f"{value:.{_DECIMALS}f}"
+    return text if uncertainty is None else f"{text}({math.ceil(uncertainty * 10**_DECIMALS)})"
+
+
+def _cells(row: MatrixRow) -> list[str]:
+    key = row.cell.key
+    told = {column.title: figure.text for column, figure in zip(COLUMNS, row.figures, strict=True)}
+    times = [_time(row.cell, field) for field in ("frame_ms_p50", "frame_ms_p99")]
+    return [
+        *map(escape, key),
+        told["seeds"],
+        *(escape(_dash(told[name])) for name in ("levels", "right")),
+        *times,
+        escape(_dash(told["ratio"])),
+    ]
+
+
+def _time(cell: Group, field: str) -> str:
+    estimate = cell.estimate(field)
+    return "{--}" if estimate is None else with_uncertainty(estimate.value, deviation(cell.values(field)))
+
+
+def _dash(text: str) -> str:
+    return "--" if text == NOTHING else text

@@ -1,0 +1,108 @@
+"""The table of outcomes: what stood and what fell, and whether theory agrees."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable, Sequence
+
+from reports.records.trial import CENSORED, TrialRecord
+from reports.statistics.groups import judged_trials
+from reports.tables.grouping import engine_names, grouped, policies_of
+from reports.tables.table import NOTHING, Table
+
+_WENT_WRONG = {
+    "diverged": "diverged",
+    "crashed": "crashed",
+    "error": "error",
+    "out_of_memory": "no memory",
+    "unsupported": "n/a",
+}
+ADOPTED = "†"
+"""Marks trials in which the core froze bodies of a prebuilt stack before the first step."""
+ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and froze bodies before the first step."
+
+
+def outcomes_table(records: Sequence[TrialRecord]) -> Table:
+    """List how the trials of each scene and engine ended, a column a policy."""
+    policies, name = policies_of(records), engine_names(records)
+    rows = []
+    for (scene, engine, profile), trials in grouped(records, lambda r: (r.scene, r.engine, r.profile)):
+        cells = [outcome([r for r in trials if r.policy == policy]) for policy in policies]
+        rows.append((scene, str(trials[0].expectation), name(engine, profile), *cells))
+    notes = ["✓ as theory demands, ✗ not, no mark: not to be judged. n/m: n of m levels stood."]
+    notes += [
+        "“falls at k”: it toppled, slid or dropped when k levels were complete, 0: before the first was; “sinks at k”: "
+        "it sank upright by half a plank."
+    ]
+    if any(record.status in CENSORED for record in records):
+        notes.append("≥: stopped by the time limit; at least so many levels stand. Counted as neither right nor wrong.")
+    if any(record.adopted for record in records):
+        notes.append(ADOPTED_NOTE)
+    if any(record.status == "unsupported" for record in records):
+        notes.append("n/a: the engine cannot play the scene.")
+    if alone := _stands_alone(records):
+        notes.append(
+            f"Stands without any help, so that time and stillness are all there is to gain: {', '.join(alone)}."
+        )
+    notes.append(f"{_seeds(records)} Profile: {', '.join(dict.fromkeys(record.profile for record in records))}.")
+    return Table("What stood and what fell", ("scene", "theory", "engine", *policies), tuple(rows), tuple(notes))
+
+
+def outcome(trials: Sequence[TrialRecord]) -> str:
+    """One cell: how the trials of one scene, engine and policy ended, and whether that was right."""
+    if not trials:
+        return NOTHING
+    judged, mark_of_adopted = judged_trials(trials), adopted_mark(trials)
+    right = sum(trial.verdict == "right" for trial in judged)
+    if len(trials) == 1:
+        return f"{_end(trials[0])}{mark_of_adopted}{' ✓' if right else ' ✗' if judged else ''}"
+    levels = sorted(trial.height_levels for trial in trials if trial.status not in _WENT_WRONG)
+    if not levels:
+        return _WENT_WRONG[trials[0].status]
+    at_least = "≥" if any(trial.status in CENSORED for trial in trials) else ""
+    varied = f" ({levels[0]}-{levels[-1]})" if levels[0] < levels[-1] else ""
+    reached = f"{at_least}{_plain(statistics.median(levels))}{varied}/{trials[0].levels_planned}{mark_of_adopted}"
+    if not judged:
+        return reached
+    mark = "✓" if right == len(judged) else "~" if right else "✗"
+    return f"{reached} {mark} {right}/{len(judged)}"
+
+
+def adopted_mark(trials: Sequence[TrialRecord]) -> str:
+    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in one of the trials, else nothing."""
+    return ADOPTED if any(trial.adopted for trial in trials) else ""
+
+
+def _end(trial: TrialRecord) -> str:
+    if trial.status in _WENT_WRONG:
+        return _WENT_WRONG[trial.status]
+    if trial.status in CENSORED:
+        return f"≥{trial.height_levels}/{trial.levels_planned}"
+    if trial.collapse_level is not None:
+        return f"{'sinks' if trial.collapse_kind == 'sink' else 'falls'} at {trial.collapse_level}"
+    return f"{trial.height_levels}/{trial.levels_planned}"
+
+
+def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:
+    """Scenes that must stand and do so on the engine alone."""
+    name = engine_names(records)
+    return [
+        f"{scene} on {name(engine, profile)}"
+        for (scene, engine, profile), trials in grouped(records, lambda r: (r.scene, r.engine, r.profile))
+        if (plain := [trial for trial in trials if trial.policy == "none"])
+        and trials[0].expectation.outcome == "stand"
+        and all(trial.verdict == "right" for trial in plain)
+    ]
+
+
+def _seeds(records: Iterable[TrialRecord]) -> str:
+    counts = sorted({len(trials) for _, trials in grouped(records, lambda r: (r.scene, r.engine, r.profile, r.policy))})
+    n = "-".join(map(str, [counts[0], counts[-1]][: len(counts)])) if counts else "0"
+    told = ""
+    if counts[-1:] > [1]:
+        told = " (median and range of the levels that stood, then how many trials were right: ✓ all, ~ some, ✗ none)"
+    return f"n = {n} trial{'' if n == '1' else 's'} a cell: seeds and repeats{told}."
+
+
+def _plain(value: float) -> str:
+    return f"{value:g}"

@@ -1,0 +1,108 @@
+"""Tables of pairs of scenes: the headline, and the same by family."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+
+from reports.statistics.groups import ordered_policies
+from reports.statistics.intervals import Estimate
+from reports.statistics.pairs import (
+    ALL,
+    PairRow,
+    SetUp,
+)
+from reports.statistics.success_rates import MISSES, SuccessRates, count
+from reports.tables.table import NOTHING, Table
+from reports.tables.wording import percent
+
+_LETTERS = {"false_stand": "s", "false_collapse": "c", "failed": "f"}
+
+
+def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
+    """The headline and the same by family; none if there are no pairs."""
+    return [_headline(rows), _by_family(rows)] if rows else []
+
+
+def pairs_csv(rows: Sequence[PairRow]) -> str:
+    """Every share with the ends of its interval, a line a row."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    names = ("right", *MISSES)
+    ends = [f"{name}{end}" for name in names for end in ("", "_low", "_high")]
+    writer.writerow([*SetUp._fields, "family", "judged", "undecided", *ends])
+    for row in rows:
+        estimates = [getattr(row.success_rates, name) for name in names] if row.success_rates is not None else []
+        values = [value for one in estimates for value in (one.value, one.low, one.high)]
+        judged = row.success_rates.n if row.success_rates is not None else 0
+        writer.writerow([*row.set_up, row.family, judged, row.undecided, *values])
+    return text.getvalue()
+
+
+def _headline(rows: Sequence[PairRow]) -> Table:
+    told = [
+        (
+            *row.set_up,
+            _counted(row.success_rates),
+            *(_percent(row.success_rates, name) for name in ("right", *MISSES)),
+            _some(row),
+        )
+        for row in rows
+        if row.family == ALL
+    ]
+    header = (*SetUp._fields, "pairs", "right", "false stand", "false collapse", "failed", "undecided")
+    notes = (
+        "Of pairs of scenes, one of which must stand and one fall: those with both sides right; those in which what "
+        "must fall stood, in which something fell that must not (or not yet), and in which something sank, diverged or "
+        "crashed. A pair may go wrong in more than one way.",
+        "Undecided: a side was stopped by the time limit, is impossible on the engine, or was built too near its "
+        f"limit; counted nowhere. {_intervals(rows)}",
+    )
+    return Table("Pairs with both sides right", header, tuple(told), notes)
+
+
+def _by_family(rows: Sequence[PairRow]) -> Table:
+    policies = ordered_policies(row.set_up.policy for row in rows)
+    found = {(row.family, row.set_up): row for row in rows}
+    families = dict.fromkeys(row.family for row in rows if row.family != ALL)
+    engines = dict.fromkeys(row.set_up[:2] for row in rows)
+    told = []
+    for family in families:
+        for engine, profile in engines:
+            those = [found.get((family, SetUp(engine, profile, policy))) for policy in policies]
+            if any(those):
+                told.append((family, engine, profile, *(_family_cell(row) for row in those)))
+    note = (
+        "Pairs with both sides right, of those judged. s: false stands, c: false collapses, f: failed; pairs in which "
+        f"they happened. “{NOTHING}”: none could be judged."
+    )
+    return Table("Pairs by family of scenes", ("family", *SetUp._fields[:2], *policies), tuple(told), (note,))
+
+
+def _family_cell(row: PairRow | None) -> str:
+    """Such as ``3/5 1s 1c``, or with an interval ``62/100 [50, 71] % 30s 8c``."""
+    if row is None or row.success_rates is None:
+        return NOTHING
+    interval = percent(row.success_rates.right).partition(" [")[2]
+    missed = [f"{number}{_LETTERS[miss]}" for miss in MISSES if (number := count(getattr(row.success_rates, miss)))]
+    return " ".join([_counted(row.success_rates), *([f"[{interval} %"] if interval else []), *missed])
+
+
+def _counted(told: SuccessRates | None) -> str:
+    return f"{told.right_count}/{told.n}" if told is not None else NOTHING
+
+
+def _percent(told: SuccessRates | None, name: str) -> str:
+    estimate: Estimate | None = getattr(told, name) if told is not None else None
+    return percent(estimate)
+
+
+def _some(row: PairRow) -> str:
+    return str(row.undecided) if row.undecided else NOTHING
+
+
+def _intervals(rows: Sequence[PairRow]) -> str:
+    if any(row.success_rates is not None and row.success_rates.right.low is not None for row in rows):
+        return "95 % intervals by bootstrap over pairs and, within them, over seeds; none where it has no width."
+    return "n = 1 build of each: no intervals."

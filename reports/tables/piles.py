@@ -1,0 +1,54 @@
+"""Poured heaps, policy by policy: how soon they rest, how still they lie, how high they are, what they cost."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+
+from reports.records.trial import CENSORED, TrialRecord
+from reports.statistics.groups import groups_of
+from reports.tables.table import NOTHING, Table
+
+FIGURES = (
+    ("rest s", "rest_s", "{:.1f}", 1.0),
+    ("height", "height_m", "{:.1f}", 1e3),
+    ("repose", "repose_deg", "{:.1f}", 1.0),
+    ("sink", "sink_m", "{:.3f}", 1e3),
+    ("creep", "creep_m_s", "{:.4f}", 1e3),
+    ("awake", "live_mean", "{:.1f}", 1.0),
+    ("last", "live_last", "{:.0f}", 1.0),
+    ("p50", "frame_ms_p50", "{:.2f}", 1.0),
+    ("p99", "frame_ms_p99", "{:.2f}", 1.0),
+)
+"""Columns: their names, the records' fields, how they are written, and in how many of the field's unit."""
+
+
+def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
+    """One table of all poured heaps; none if there are none."""
+    poured = [record for record in records if record.repose_deg is not None]
+    if not poured:
+        return []
+    rows = []
+    for cell in groups_of(poured):
+        key, trials = cell.key, cell.trials
+        engine = key.engine if len({record.profile for record in poured}) == 1 else f"{key.engine} {key.profile}"
+        cut_off = any(trial.status in CENSORED for trial in trials)
+        bricks = statistics.median(trial.height_levels for trial in trials)
+        cells = [_median(cell.values(field), form, scale) for _, field, form, scale in FIGURES]
+        if cells[0] == NOTHING:
+            cells[0] = "moves"
+        rows.append((key.scene, engine, key.policy, f"{'≥' if cut_off else ''}{bricks:g}", *cells))
+    notes = (
+        "Bricks poured (≥: stopped by the time limit); seconds from the last one until none moves faster than 10 mm/s "
+        "(“moves”: some did to the end); height of the top [mm]; angle of repose [deg], of the cone with the same "
+        "median height and radius.",
+        "While it is watched: sink of the bricks' mean height [mm], and the fastest creep of one of them [mm/s].",
+        "Bricks awake, in the mean of all frames and in the last one; without an extension nobody can tell. Times in "
+        "ms a frame.",
+    )
+    header = ("scene", "engine", "policy", "bricks", *(name for name, *_ in FIGURES))
+    return [Table("How heaps came to rest", header, tuple(rows), notes)]
+
+
+def _median(values: Sequence[float], form: str, scale: float) -> str:
+    return form.format(statistics.median(values) * scale) if values else NOTHING

@@ -1,0 +1,106 @@
+"""What repeating tells: whether repeats did the same, their best times, and how steady the machine was."""
+
+from __future__ import annotations
+
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from reports.records.frames import UNTIMED_FRAMES, read_frames
+from reports.records.trial import TrialRecord
+from reports.tables.table import NOTHING, Table
+
+NOISY = 0.1
+"""A machine on which a fixed calculation varies by more than this share is too noisy to tell small differences."""
+_PERCENTILES = (50, 95, 99)
+
+
+def repeat_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
+    """Tables of what was repeated, and of the machine; none of what is not there."""
+    tables = []
+    groups: dict[tuple[str, str, str], dict[int, list[TrialRecord]]] = defaultdict(lambda: defaultdict(list))
+    for record in records:
+        if record.timed_frames is not None:
+            groups[record.scene, f"{record.engine} {record.profile}", record.policy][record.seed].append(record)
+    repeated = {cell: seeds for cell, seeds in groups.items() if any(len(same) > 1 for same in seeds.values())}
+    if repeated:
+        tables.append(_repeats(folder / "frames", repeated))
+    if any(record.calibration_ms is not None for record in records):
+        tables.append(_steadiness(records))
+    return tables
+
+
+def same_poses(repeats: Sequence[TrialRecord]) -> bool:
+    """Whether the repeats of a trial went exactly the same way."""
+    return len({record.pose_hash for record in repeats}) == 1
+
+
+def best_times(frames: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
+    """Percentiles 50, 95 and 99 of the least time [ms] that each frame took in any repeat.
+
+    Only repeats that did the same on the same machine have such frames: None for others, and for those that were cut
+    off at different frames.
+    """
+    if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
+        return None
+    times = []
+    for record in repeats:
+        rows = read_frames(frames / f"{record.trial}.parquet")[UNTIMED_FRAMES:]
+        times.append([row.frame_ms for row in rows[: record.timed_frames]])
+    percentiles: list[float] = np.percentile(np.min(times, axis=0), _PERCENTILES).tolist()
+    return percentiles
+
+
+def _repeats(frames: Path, cells: dict[tuple[str, str, str], dict[int, list[TrialRecord]]]) -> Table:
+    rows = []
+    for cell, seeds in cells.items():
+        several = [repeats for repeats in seeds.values() if len(repeats) > 1]
+        alike = sum(map(same_poses, several))
+        best = [times for repeats in several if (times := best_times(frames, repeats)) is not None]
+        figures = [f"{statistics.median(column):.3f}" for column in zip(*best, strict=True)] or [NOTHING] * 3
+        same = f"{alike}/{len(several)}" + ("" if alike == len(several) else " DIFFER")
+        rows.append(
+            (*cell, same, _median_and_deviation([record for repeats in several for record in repeats]), *figures)
+        )
+    header = ("scene", "engine", "policy", "same poses", "p50 ± MAD", "best p50", "best p95", "best p99")
+    notes = (
+        "Same poses: of how many trials all repeats went the same way to the last bit. DIFFER: the engine does not "
+        "repeat itself, and a single run of it is a draw.",
+        "p50 ± MAD: median and median absolute deviation of the repeats' median frame times, in ms. Best: of each "
+        "frame the least time of all repeats, where they went the same way; a p99 of least times is no p99 of a run. "
+        "None where the repeats ran on several machines.",
+    )
+    return Table("The same again", header, tuple(rows), notes)
+
+
+def _median_and_deviation(repeats: Sequence[TrialRecord]) -> str:
+    """Of the median frame times [ms]; nothing for several machines, whose times have no common middle."""
+    if len({record.host for record in repeats}) > 1:
+        return NOTHING
+    p50 = [record.frame_ms_p50 for record in repeats if record.frame_ms_p50 is not None]
+    middle = statistics.median(p50)
+    return f"{middle:.3f} ± {statistics.median(abs(value - middle) for value in p50):.3f}"
+
+
+def _steadiness(records: Sequence[TrialRecord]) -> Table:
+    times: dict[str, list[float]] = defaultdict(list)
+    for record in records:
+        if record.calibration_ms is not None:
+            times[record.host or NOTHING].append(record.calibration_ms)
+    rows, notes = [], []
+    for host, values in times.items():
+        machine = host if len(times) > 1 else "the only one"
+        low, middle, high = np.percentile(values, [5, 50, 95]).tolist()
+        spread = high / low - 1
+        rows.append((machine, str(len(values)), f"{low:.3f}", f"{middle:.3f}", f"{high:.3f}", f"{spread:.0%}"))
+        if spread > NOISY:
+            notes.append(f"NOISY: {machine} varied by {spread:.0%}; smaller differences of times mean nothing.")
+    if len(times) > 1:
+        notes.append("Several machines: compare times of the same machine only.")
+    notes.append("A fixed calculation beside every trial, in ms: 5th, 50th and 95th percentile, and how far they lie.")
+    return Table(
+        "How steady the machine was", ("machine", "trials", "p5", "p50", "p95", "spread"), tuple(rows), tuple(notes)
+    )

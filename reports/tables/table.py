@@ -1,0 +1,85 @@
+"""Tables of a study, without and with each policy side by side: terminal, Markdown and CSV from the raw records.
+
+With several seeds a cell tells the median and the range. A trial that was stopped by its time limit is censored: its
+figures are marked "≥" and stand in no mean.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table as RichTable
+
+NOTHING = "-"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table of ready text."""
+
+    title: str
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...] = ()
+    folds: bool = False
+    """True for cells of several words, which may take several lines; all but the first column's."""
+
+
+def render(table: Table, console: Console) -> None:
+    """Print a table; the notes follow it."""
+    text = RichTable(title=table.title, title_justify="left", pad_edge=False, box=None, header_style="bold")
+    figures = sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows and not table.folds else 0
+    first_figure = len(table.header) - figures
+    for column, name in enumerate(table.header):
+        text.add_column(
+            name,
+            justify="right" if column >= first_figure else "left",
+            overflow="fold",
+            no_wrap=column == 0 if table.folds else column < first_figure and name != "theory",
+        )
+    previous: tuple[str, ...] = ()
+    for row in table.rows:
+        text.add_row(*(_unless_said(row, previous)))
+        previous = row
+    console.print(text)
+    for note in table.notes:
+        console.print(note, style="dim", markup=False, highlight=False)
+    console.print()
+
+
+def to_markdown(tables: Iterable[Table]) -> str:
+    """The tables as GitHub's Markdown."""
+    parts = []
+    for table in tables:
+        lines = [f"## {table.title}", "", _line(table.header), _line(["---"] * len(table.header))]
+        lines += [_line(row) for row in table.rows]
+        lines += [line for note in table.notes for line in ("", note)]
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts) + "\n"
+
+
+def write_table_csv(path: Path, table: Table) -> None:
+    """A table as it is read, without its notes."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([table.header, *table.rows])
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def _is_figures(column: Sequence[str]) -> bool:
+    return all(cell == NOTHING or cell[:1].isdigit() for cell in column)
+
+
+def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
+    """Leading cells that repeat the row above are left blank."""
+    cells, same = [], True
+    for index, cell in enumerate(row):
+        same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)
+        cells.append("" if same else cell)
+    return cells

@@ -1,0 +1,65 @@
+"""How numbers are written: with their interval, as a lower bound, or as nothing at all."""
+
+from __future__ import annotations
+
+import math
+
+from reports.statistics.groups import Group
+from reports.statistics.intervals import Estimate
+from reports.statistics.survival import Survival
+from reports.tables.table import NOTHING
+
+_WENT_WRONG = {
+    "timeout": ("timed out", "timed out"),
+    "diverged": ("diverged", "diverged"),
+    "crashed": ("crashed", "crashed"),
+    "error": ("ended in an error", "ended in errors"),
+    "out_of_memory": ("ran out of memory", "ran out of memory"),
+    "unsupported": ("is unsupported", "are unsupported"),
+}
+
+
+def told(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
+    """A number with as many decimals, and its interval where that has a width: ``0.07 [0.06, 0.09]``."""
+    if estimate is None:
+        return NOTHING
+    return _with_interval(estimate, digits, scale, "")
+
+
+def percent(estimate: Estimate | None) -> str:
+    """A share, and its interval where that has a width: ``88 % [71, 97]``."""
+    if estimate is None:
+        return NOTHING
+    return _with_interval(estimate, 0, 100.0, " %")
+
+
+def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> str:
+    text = f"{estimate.value * scale:.{digits}f}{unit}"
+    if estimate.low is None or estimate.high is None:
+        return text
+    low, high = f"{estimate.low * scale:.{digits}f}", f"{estimate.high * scale:.{digits}f}"
+    return text if low == high else f"{text} [{low}, {high}]"
+
+
+def median_level(survival: Survival | None) -> str:
+    """The median level of collapse: ``9 [8, 11]``, or ``>30`` where most outlived all that was built."""
+    if survival is None:
+        return NOTHING
+    highest = float(survival.level[-1])
+    text = _level(survival.median, highest)
+    interval = survival.median_interval
+    if interval is None or interval == (survival.median, survival.median):
+        return text
+    return f"{text} [{_level(interval[0], highest)}, {_level(interval[1], highest)}]"
+
+
+def _level(level: float, highest: float) -> str:
+    return f">{highest:g}" if math.isinf(level) else f"{level:g}"
+
+
+def troubles(cell: Group) -> str:
+    """What kept trials of a cell from their end: ``2 of 20 timed out``; empty if nothing did."""
+    counts = {status: sum(trial.status == status for trial in cell.draws) for status in _WENT_WRONG}
+    return ", ".join(
+        f"{count} of {len(cell.draws)} {_WENT_WRONG[status][count > 1]}" for status, count in counts.items() if count
+    )

@@ -1,0 +1,164 @@
+"""The page of a study, made from records and opened in a real browser."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from reports.page.study_page import write_page
+from reports.records.trial import TrialRecord
+from tests.reports.studies import FALLS, STANDS, failed, fallen, record, write_study
+
+SEEDS = range(6)
+RECORDS = [
+    *(fallen(4 + seed, seed=seed, frame_ms_p50=9.0) for seed in SEEDS),
+    *(record(policy="paper", seed=seed, frame_ratio=0.1 + 0.01 * seed) for seed in SEEDS),
+    *(record(policy="paper", engine="mujoco", profile="tuned", seed=seed) for seed in SEEDS),
+    record(scene="leaning_tower", policy="paper", verdict="false_stand", expectation=FALLS, frame_ms_p50=0.5),
+    failed("crashed", engine="dart", message="last words <b>of</b> an engine"),
+    failed("unsupported", engine="pymunk"),
+    failed("out_of_memory", engine="dart", policy="paper"),
+    record(engine="dart", seed=1, status="timeout", verdict="failed", height_levels=12),
+]
+
+
+def page_of(folder: Path, records: list[TrialRecord], **options) -> Path:
+    missing = options.pop("missing", ())
+    return write_page(write_study(folder / "study", records, **options), records, missing)
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory) -> Path:
+    lost = [RECORDS[0].trial]
+    return page_of(tmp_path_factory.mktemp("page"), RECORDS, without_frames=lost, missing=["dart.game.x.none.s9.r0"])
+
+
+def shown(page) -> list[str]:
+    return [row.inner_text() for row in page.locator("#table tbody tr:visible").all()]
+
+
+def test_it_opens_without_a_complaint_or_a_request_and_tells_every_engine(page, open_page) -> None:
+    opened = open_page(page)
+    cards = opened.locator(".card h4").all_inner_texts()
+    assert [card.split()[0] for card in cards] == ["bullet", "dart", "pymunk", "mujoco"]
+    assert opened.locator("#verdicts h3 code").all_inner_texts() == ["game", "tuned"]
+    assert opened.locator("#survival svg").count() == 2
+    assert opened.locator("#plot path").count() > 0
+
+
+def test_a_card_tells_how_its_profile_is_set_up(tmp_path) -> None:
+    varied = page_of(tmp_path, [record(), record(engine="dart", profile="game@scale=10"), record(profile="tuned")])
+    told = re.findall(r'<p class="set-up">(.*?)</p>', varied.read_text(encoding="utf-8"))
+    assert told == ["one step a frame", "one step a frame; scale=10"], "nothing is known of tuned"
+
+
+def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None:
+    sides = (("stand", STANDS, "right"), ("fall", FALLS, "false_stand"))
+    glued = [
+        record(scene=f"table-{n}-{side}", pair=f"table-{n}", expectation=theory, verdict=verdict)
+        for n in range(2)
+        for side, theory, verdict in sides
+    ]
+    opened = open_page(page_of(tmp_path, glued))
+    assert opened.locator(".card .headline").inner_text() == "At best 0 % of the pairs right, alone."
+    assert opened.locator(".card tbody tr").inner_text().split() == ["none", "0", "%", "100", "%", "0", "%", "0", "%"]
+    assert opened.locator("#pairs table").count() == 2
+    assert opened.locator("#pairs svg").count() == 1
+    report = tmp_path / "study" / "report"
+    assert {"pairs.csv", "pairs.tex"} <= {path.name for path in report.iterdir()}
+    assert (report / "figures" / "pairs.pdf").exists()
+
+
+def test_rows_are_filtered_by_choice_and_by_word(page, open_page) -> None:
+    opened = open_page(page)
+    everything = len(shown(opened))
+    opened.select_option("#filters [name=engine]", "bullet")
+    assert all("bullet" in row for row in shown(opened))
+    assert opened.locator("#count").inner_text() == f"{len(shown(opened))} of {everything}"
+    opened.fill("#filters [name=text]", "leaning")
+    assert len(shown(opened)) == 1
+    opened.click("#filters [type=reset]")
+    opened.wait_for_function(f"document.querySelectorAll('#table tbody tr:not([hidden])').length === {everything}")
+
+
+def test_headings_sort_up_then_down_and_what_does_not_exist_stays_last(page, open_page) -> None:
+    opened = open_page(page)
+    heading = opened.get_by_role("button", name=re.compile("^p50"))
+
+    def times() -> list[str]:
+        return [row.split("\t")[10] for row in shown(opened)]
+
+    heading.focus()
+    opened.keyboard.press("Enter")
+    up = times()
+    assert opened.locator("th[aria-sort=ascending]").inner_text().startswith("p50")
+    heading.click()
+    down = times()
+    numbers = [float(text.split()[0]) for text in up if text != "-"]
+    assert numbers == sorted(numbers)
+    assert [text for text in down if text != "-"] == [text for text in up if text != "-"][::-1]
+    assert up[-1] == down[-1] == "-"
+
+
+def test_a_phone_needs_no_sideways_scrolling_and_the_dark_is_dark(page, open_page) -> None:
+    phone = open_page(page, viewport={"width": 390, "height": 844}, color_scheme="dark")
+    assert phone.evaluate("document.documentElement.scrollWidth") <= 390
+    background = "getComputedStyle(document.body).backgroundColor"
+    assert phone.evaluate(background) == "rgb(20, 23, 27)"
+    phone.click("#theme")
+    assert phone.evaluate(background) == "rgb(251, 251, 249)"
+
+
+def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
+    told = page.read_text(encoding="utf-8").partition('id="verdicts"')[0]
+    for words in (
+        "1 of 23 trials were stopped by the time limit",
+        "1 of 23 trials crashed the engine&#39;s process",
+        "1 of 23 trials ran out of memory",
+        "1 of 23 trials were not possible on their engine",
+        "1 planned trials have no record (not yet run, or cut off): dart.game.x.none.s9.r0",
+        f"Frames of 1 trials are missing or torn: {RECORDS[0].trial}",
+    ):
+        assert words in told
+
+
+def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
+    assert "last words &lt;b&gt;of&lt;/b&gt; an engine" in page.read_text(encoding="utf-8")
+
+
+def test_every_row_tells_the_command_that_makes_it_again(page) -> None:
+    commands = re.findall(r"<summary>how</summary><code>(.*?)</code>", page.read_text(encoding="utf-8"))
+    assert len(commands) == len({(one.scene, one.engine, one.profile, one.policy) for one in RECORDS})
+    assert commands[0].endswith("--engine bullet --profile game --scenario four_stack --policy none --seeds 6")
+
+
+def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_page) -> None:
+    [none] = [row for row in shown(open_page(page)) if "bullet\tgame\tnone" in row]
+    [paper] = [row for row in shown(open_page(page)) if "four_stack" in row and "bullet\tgame\tpaper" in row]
+    assert "6 of 6 fell" in none
+    assert "none fell, ≥30" in paper
+    assert "6 / 0; p = 0.031" in paper, "as unlikely as six equal tosses"
+
+
+def test_one_seed_has_no_interval_and_no_survival_curve(tmp_path) -> None:
+    told = page_of(tmp_path, [fallen(9), record(policy="paper")]).read_text(encoding="utf-8")
+    assert "n = 1 build of each: no intervals" in told
+    assert "a single build of each stack has no survival curve" in told
+    assert not re.search(r"\d \[\d", told.partition("<main>")[2].partition("<script")[0])
+
+
+def test_a_study_of_failures_alone_has_a_page_too(tmp_path) -> None:
+    told = page_of(tmp_path, [failed("crashed"), failed("unsupported", engine="pymunk")]).read_text(encoding="utf-8")
+    assert "1 of 2 trials crashed" in told
+
+
+@pytest.mark.slow
+def test_a_thousand_trials_make_a_page_of_less_than_five_megabytes(tmp_path) -> None:
+    made = [
+        record(scene=f"scene-{scene}", engine=f"engine{engine}", policy=policy, seed=seed, timed_frames=None)
+        for scene in range(5)
+        for engine in range(5)
+        for policy in ("none", "paper")
+        for seed in range(20)
+    ]
+    assert page_of(tmp_path, made).stat().st_size < 5e6

@@ -1,0 +1,25 @@
+"""The table of what the engines show comes from a run's own environment."""
+
+import json
+
+from reports.tables.capabilities import capability_table, engines_of
+
+ENGINES = {
+    "one": {"version": "1.2", "capabilities": {"contact_points": "up to 4", "near_contacts": False, "planar": True}},
+    "two": {"version": "3.4", "capabilities": {"contact_points": "1", "near_contacts": True, "planar": False}},
+}
+
+
+def test_engines_stand_side_by_side_as_they_describe_themselves(tmp_path) -> None:
+    (tmp_path / "environment.json").write_text(json.dumps({"engines": ENGINES}))
+    table = capability_table(engines_of(tmp_path))
+    assert table.header == ("", "one", "two")
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert rows["version"] == ("1.2", "3.4")
+    assert rows["plays"] == ("planar scenes", "all scenes")
+    assert rows["points that nearly touch"] == ("added by geometry", "listed")
+    assert rows["contact forces"] == ("-", "-"), "what an older run did not record is left open"
+
+
+def test_a_folder_without_an_environment_has_no_engines(tmp_path) -> None:
+    assert engines_of(tmp_path) == {}

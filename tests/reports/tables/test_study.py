@@ -1,0 +1,167 @@
+"""The tables of hand-made records, against a page that was read and found right."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from reports.records.folder import write_csv
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import groups_of
+from reports.tables.comparison import matrix, matrix_table
+from reports.tables.outcomes import ADOPTED_NOTE, outcome
+from reports.tables.study import study_tables
+from reports.tables.table import render, to_markdown
+from scenarios.model import Expectation
+
+GOLDEN = Path(__file__).parents[1] / "golden" / "tables.md"
+STANDS = Expectation("stand", "always in equilibrium")
+FALLS = Expectation("fall", "n d > L first at n = 9", 9)
+TIMES = {"frame_ms_p50": 1.5, "frame_ms_p99": 2.5, "engine_ms": 1.25}
+CORE_TIMES = {"readback_ms": 0.1, "core_ms": 0.2, "port_ms": 0.001}
+
+
+def record(**fields) -> TrialRecord:
+    engine, scene, policy = (
+        fields.get("engine", "bullet"),
+        fields.get("scene", "four_stack"),
+        fields.get("policy", "none"),
+    )
+    return TrialRecord(
+        **{
+            "trial": f"{engine}.{scene}.{policy}.{fields.get('seed', 0)}",
+            "engine": engine,
+            "engine_version": "1",
+            "profile": "game",
+            "scenario": scene,
+            "scene": scene,
+            "parameters": {},
+            "policy": policy,
+            "seed": 0,
+            "repeat": 0,
+            "status": "completed",
+            "expectation": STANDS,
+            "verdict": "right",
+            "environment": "abc",
+            "levels_planned": 30,
+            "height_levels": 30,
+            **fields,
+        }
+    )
+
+
+FALLEN = {"status": "collapsed", "collapse_kind": "topple"}
+RECORDS = [
+    record(**FALLEN, verdict="false_collapse", height_levels=7, collapse_level=7, **TIMES, height_m=0.054),
+    record(policy="at_rest", **TIMES, **CORE_TIMES, wakes=0, refreezes=0, longest_live_s=0.3, creep_m_s=0.0),
+    record(
+        policy="paper",
+        **TIMES,
+        **CORE_TIMES,
+        height_m=0.234,
+        sink_m=0.00044,
+        drift_m=0.0,
+        creep_m_s=0.0,
+        frame_ratio=0.07,
+        frame_ratio_level=25,
+        wakes=3,
+        refreezes=1,
+        longest_live_s=1.2,
+    ),
+    record(engine="dart", status="timeout", verdict="failed", height_levels=17, **TIMES),
+    record(engine="dart", policy="paper", status="crashed", verdict="failed", height_levels=0),
+    record(engine="pymunk", status="unsupported", verdict="none", height_levels=0),
+    record(engine="mujoco", **TIMES, creep_m_s=2.5e-6),
+    record(
+        scene="tower",
+        **FALLEN | {"collapse_kind": "sink"},
+        collapse_level=5,
+        verdict="false_collapse",
+        expectation=FALLS,
+    ),
+    record(scene="tower", policy="at_rest", verdict="false_stand", expectation=FALLS),
+    record(scene="tower", policy="paper", **FALLEN, collapse_level=9, expectation=FALLS),
+]
+
+
+def test_the_tables_are_those_that_were_read_and_found_right() -> None:
+    assert to_markdown(study_tables(RECORDS)) == GOLDEN.read_text(encoding="utf-8")
+
+
+def test_they_can_be_read_at_a_hundred_columns() -> None:
+    page = io.StringIO()
+    for table in study_tables(RECORDS):
+        render(table, Console(width=100, file=page))
+    lines = page.getvalue().splitlines()
+    assert max(map(len, lines)) <= 100
+    assert any("falls at 7 ✗" in line and "30/30 ✓" in line for line in lines)
+    assert any(line.rstrip().endswith("0.07 at 25") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("levels", "cell"),
+    [
+        ((30, 30, 30), "30/30 ✓ 3/3"),
+        ((8, 30, 12), "12 (8-30)/30 ✓ 3/3"),
+    ],
+)
+def test_several_seeds_are_told_by_median_and_range(levels, cell) -> None:
+    assert outcome([record(seed=seed, height_levels=height) for seed, height in enumerate(levels)]) == cell
+
+
+@pytest.mark.parametrize(("right", "cell"), [(0, "30/30 ✗ 0/2"), (1, "30/30 ~ 1/2"), (2, "30/30 ✓ 2/2")])
+def test_a_mark_tells_whether_all_seeds_were_right_or_some_or_none(right, cell) -> None:
+    verdicts = ["right"] * right + ["false_stand"] * (2 - right)
+    assert outcome([record(seed=seed, verdict=verdict) for seed, verdict in enumerate(verdicts)]) == cell
+
+
+def test_a_censored_trial_marks_its_cell_as_a_lower_bound() -> None:
+    cut = record(seed=1, status="timeout", verdict="failed", height_levels=17)
+    assert outcome([cut]) == "≥17/30", "too slow to tell, which theory does not contradict"
+    assert outcome([record(), cut]) == "≥23.5 (17-30)/30 ✓ 1/1"
+
+
+def test_seeds_that_have_their_own_truth_are_counted_among_the_judged_only() -> None:
+    studied = record(seed=1, verdict="none", height_levels=20)
+    assert outcome([record(), studied]) == "25 (20-30)/30 ✓ 1/1"
+
+
+def test_times_of_several_machines_stand_in_rows_of_their_own() -> None:
+    times = {"frame_ms_p50": 1.0, "engine_ms": 1.0}
+    timings = study_tables([record(host="a", **times), record(host="b", seed=1, **times | {"frame_ms_p50": 3.0})])[2]
+    assert [(row[3], row[4]) for row in timings.rows] == [("a", "1.000"), ("b", "3.000")]
+    assert timings.header[3] == "machine"
+
+
+def test_no_records_make_empty_tables() -> None:
+    assert "What stood" in to_markdown(study_tables([]))
+
+
+def test_the_csv_has_every_field_of_every_trial(tmp_path) -> None:
+    write_csv(tmp_path / "trials.csv", RECORDS)
+    with (tmp_path / "trials.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(RECORDS)
+    assert rows[0]["height_levels"] == "7"
+    assert rows[0]["frame_ratio"] == ""
+    assert json.loads(rows[0]["expectation"]) == RECORDS[0].model_dump()["expectation"]
+
+
+def test_a_stack_that_was_frozen_before_the_first_step_is_marked_and_explained() -> None:
+    adopted, live = record(policy="paper", adopted=30), record(policy="paper", adopted=0, seed=1)
+    assert outcome([adopted]) == "30/30† ✓"
+    assert outcome([live]) == "30/30 ✓"
+    assert outcome([adopted, live]) == "30/30† ✓ 2/2"
+    assert ADOPTED_NOTE in study_tables([record(), adopted])[0].notes
+    assert ADOPTED_NOTE not in study_tables([record(), live])[0].notes
+
+
+def test_the_comparison_notes_it_of_the_row() -> None:
+    alone, adopted = matrix(groups_of([record(), record(policy="paper", adopted=30)]))
+    assert (alone.note, adopted.note) == ("", ADOPTED_NOTE)
+    assert adopted.figures[1].text == "30/30†"
+    assert matrix_table([alone, adopted], "").notes[-1] == ADOPTED_NOTE
+    assert ADOPTED_NOTE not in matrix_table([alone], "").notes
