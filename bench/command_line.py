@@ -32,27 +32,17 @@ from bench.environment import describe
 from bench.estimate import estimate
 from bench.interruption import Interruption
 from bench.plan import Trial, plan_trials
-from bench.replaying import draw_stills, export_gltf, first_stacks, replay_trial, write_replays
-from bench.results import TRIALS, Results, ResultsError, check_folder, missing_trials
+from bench.replaying import export_gltf, replay_trial
+from bench.results import Results, ResultsError, check_folder, missing_trials
 from bench.running import ClusterError, outcomes_here, outcomes_on_cluster
 from bench.selection import Selection, selected
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
-from reports.page.study_page import write_page
 from reports.records.atomic import write_atomic
+from reports.records.folder import TRIALS, ResultsFolder
 from reports.records.recording import RecordingError
-from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
-from reports.report import write_report
-from reports.statistics.groups import groups_of
-from reports.statistics.height_cost import cost_points
-from reports.statistics.pairs import pair_rows
-from reports.tables.capabilities import capability_table, engines_of
-from reports.tables.collapse_levels import collapse_level_tables
-from reports.tables.height_cost import cost_table
-from reports.tables.pairs import pair_tables
-from reports.tables.piles import pile_tables
-from reports.tables.repeatability import repeat_tables
-from reports.tables.study import study_tables
+from reports.records.trial import RecordError, RecordWarning, TrialRecord
+from reports.report import build_report
 from reports.tables.table import Table, render
 from scenarios.registry import SCENARIOS, build
 from stability_core.lookup import UnknownNameError
@@ -198,40 +188,32 @@ def replay(
         _tell("no browser could be opened: open that file in one")
 
 
-def _report(folder: Path, *, all_stills: bool = False) -> list[Table]:
-    """A folder's tables, which are written into it, with what the engines show."""
-    records = _records(folder)
-    if not records:
-        raise RecordError(f"{folder / TRIALS}: holds no trial yet")
-    of_pairs = pair_tables(pair_rows(groups_of(records)))
-    tables = [*of_pairs, *study_tables(records), *pile_tables(records), *collapse_level_tables(records)]
-    tables += repeat_tables(folder, records)
-    points = cost_points(folder, records)
-    if points:
-        tables.append(cost_table(points))
-    engines = engines_of(folder)
-    write_report(folder, records, [*tables, *([capability_table(engines)] if engines else [])])
-    if points:
-        from reports.figures.height_cost import write_cost_figure  # half a second that other reports need not wait
-
-        write_cost_figure(folder / "report" / "cost.svg", points)
-    stacks = first_stacks(folder, records)
-    write_replays(folder, stacks)
-    if trouble := draw_stills(folder, stacks, however_many=all_stills):
-        _tell(trouble)
-    page = write_page(folder, records, missing_trials(folder, records))
-    _tell(f"the page of it all: {_relative(page)}")
-    return tables
+def _report(folder: Path, *, all_stills: bool = False) -> tuple[Table, ...]:
+    """Write a folder's report; returns the tables that are printed."""
+    results = ResultsFolder(folder)
+    with _told_warnings():
+        missing = missing_trials(folder, results.records)
+    made = build_report(results, missing, all_stills=all_stills)
+    for notice in made.notices:
+        _tell(notice)
+    _tell(f"the page of it all: {_relative(made.page)}")
+    return made.tables
 
 
 def _records(folder: Path) -> list[TrialRecord]:
     """A folder's records; a torn last line is told in a line of its own."""
+    with _told_warnings():
+        return ResultsFolder(folder).records
+
+
+@contextmanager
+def _told_warnings() -> Iterator[None]:
+    """Print the warnings of records that are read."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
-        records = read_records(folder / TRIALS)
+        yield
     for warning in caught:
         _tell(f"warning: {warning.message}")
-    return records
 
 
 @app.command()

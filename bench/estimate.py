@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.plan import Trial
-from bench.results import TRIALS
+from reports.records.folder import TRIALS
 
 START_S = 0.1
 """Share of each trial [s] for its process and its files."""

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from bench.core_digest import core_of_commit, present_core
 from bench.policies import BENCH_POLICIES
-from bench.results import ENVIRONMENT
 from reports.records.atomic import write_atomic
+from reports.records.folder import ENVIRONMENT
 
 UNKNOWN = "unknown"
 """In place of a digest, on a page that was made before digests were recorded and whose commit is not known."""

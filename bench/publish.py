@@ -22,13 +22,14 @@ from bench import generated
 from bench.environment import describe
 from bench.page_marks import mark, mark_all
 from bench.publications import PUBLICATIONS, PUBLISHED, Gallery, Publication
-from bench.replaying import first_stacks, read_stack
-from bench.results import ENVIRONMENT, STUDY, TRIALS, missing_trials
+from bench.results import missing_trials
 from bench.sources import ROOT
 from bench.studies import load_study
 from reports.records.atomic import atomic_file
+from reports.records.folder import ENVIRONMENT, STUDY, TRIALS
 from reports.records.trial import TrialRecord, read_records
 from reports.replays.gallery_figure import gallery_figure
+from reports.replays.stacks import first_stacks, read_stack
 from reports.replays.stills import write_stills
 from reports.statistics.groups import groups_of
 from stability_core.lookup import UnknownNameError, look_up

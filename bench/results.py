@@ -22,17 +22,14 @@ from bench.plan import plan_trials
 from bench.studies import Study, StudyError, load_study
 from bench.trial import Outcome
 from reports.records.atomic import write_atomic
+from reports.records.folder import ENVIRONMENT, FRAMES, RECORDINGS, REPORT, STUDY, TRIALS
 from reports.records.frames import write_frames
 from reports.records.recording import write_recording
 from reports.records.trial import RecordWriter, TrialRecord, read_records
 
-TRIALS = "trials.jsonl"
-STUDY = "study.toml"
-ENVIRONMENT = "environment.json"
 SESSIONS = "sessions"
-RECORDINGS = "recordings"
 _LOCK = ".lock"
-_PARTS = (STUDY, ENVIRONMENT, TRIALS, "frames", RECORDINGS, "report")
+_PARTS = (STUDY, ENVIRONMENT, TRIALS, FRAMES, RECORDINGS, REPORT)
 _NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "core": "stability_core"}
 
 
@@ -133,7 +130,7 @@ class Results:
         content = {**environment, SESSIONS: [*sessions, session()]}
         write_atomic(folder / STUDY, to_toml(study).encode())
         write_atomic(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
-        self._frames = folder / "frames"
+        self._frames = folder / FRAMES
         self._frames.mkdir(exist_ok=True)
         self._recordings = folder / RECORDINGS
         self._recordings.mkdir(exist_ok=True)

@@ -1,1 +1,20 @@
-"""From raw records to tables; reads what trials left behind and never runs one."""
+"""From raw records to tables, a page and replays: ``reports.load(DIR)`` gives the results as data frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from reports.records.results import Results
+
+
+def load(folder: str | Path) -> Results:
+    """Return the results of a results folder, or of a folder in ``docs/results``, as data frames.
+
+    Args:
+        folder: holds ``trials.jsonl``, ``trials.parquet``, or the ``trials.csv`` of earlier versions.
+    """
+    from reports.records.results import Results  # pandas: half a second that a run need not wait
+
+    return Results(Path(folder))

@@ -1,18 +1,102 @@
-"""The report of a results folder."""
+"""The report of a results folder: its tables, page, replays and stills.
+
+A new table is a file in ``reports/tables`` and a line in ``SECTIONS``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
-from reports.records.folder import write_csv
-from reports.records.trial import TrialRecord
+from reports.page.study_page import write_page
+from reports.records.folder import ResultsFolder
+from reports.records.trial import RecordError
+from reports.replays.stacks import draw_stills, first_stacks, write_replays
+from reports.statistics.groups import groups_of
+from reports.statistics.height_cost import cost_points
+from reports.statistics.pairs import pair_rows
+from reports.tables.capabilities import capability_tables
+from reports.tables.collapse_levels import collapse_level_tables
+from reports.tables.height_cost import height_cost_tables
+from reports.tables.pairs import pair_tables
+from reports.tables.piles import pile_tables
+from reports.tables.repeatability import repeat_tables
+from reports.tables.study import study_tables
 from reports.tables.table import Table, to_markdown
 
 
-def write_report(folder: Path, records: Sequence[TrialRecord], tables: Iterable[Table]) -> None:
-    """Write ``report/tables.md`` and ``report/trials.csv`` into a results folder."""
-    report = folder / "report"
-    report.mkdir(exist_ok=True)
-    (report / "tables.md").write_text(to_markdown(tables), encoding="utf-8")
-    write_csv(report / "trials.csv", records)
+class Section(NamedTuple):
+    """Tables of a report."""
+
+    id: str
+    tables: Callable[[ResultsFolder], Sequence[Table]]
+    """Empty where a study has nothing to show there."""
+    is_printed: bool = True
+    """False for what the terminal does not show."""
+
+
+SECTIONS = (
+    Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(folder.records)))),
+    Section("study", lambda folder: study_tables(folder.records)),
+    Section("piles", lambda folder: pile_tables(folder.records)),
+    Section("collapse_levels", lambda folder: collapse_level_tables(folder.records)),
+    Section("repeatability", lambda folder: repeat_tables(folder.path, folder.records)),
+    Section("height_cost", lambda folder: height_cost_tables(folder.path, folder.records)),
+    Section("capabilities", lambda folder: capability_tables(folder.engines), is_printed=False),
+)
+"""In their order in ``tables.md``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What was made of a results folder."""
+
+    tables: tuple[Table, ...]
+    """Those that the terminal shows."""
+    page: Path
+    notices: tuple[str, ...]
+    """What was left out, and why."""
+
+
+def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
+    """Write tables, figures, replays, stills and the page of a results folder, from its raw records alone.
+
+    Args:
+        folder: with at least one trial.
+        missing: ids of trials that its study plans and that have no record.
+        all_stills: True to draw the final state of all trials, however many.
+
+    Raises:
+        RecordError: if its records cannot be read, or there are none.
+    """
+    if not folder.records:
+        raise RecordError(f"{folder.trials_file}: holds no trial yet")
+    tables = {section: section.tables(folder) for section in SECTIONS}
+    write_tables(folder, list(chain.from_iterable(tables.values())))
+    _draw_height_cost(folder)
+    stacks = first_stacks(folder.path, folder.records)
+    write_replays(folder.path, stacks)
+    notice = draw_stills(folder.path, stacks, however_many=all_stills)
+    page = write_page(folder.path, folder.records, missing)
+    printed = chain.from_iterable(shown for section, shown in tables.items() if section.is_printed)
+    return Report(tuple(printed), page, (notice,) if notice else ())
+
+
+def write_tables(folder: ResultsFolder, tables: Sequence[Table]) -> None:
+    """Write ``report/tables.md`` and ``report/trials.csv``."""
+    from reports.records.results import write_trials_csv  # pandas: half a second that a run need not wait
+
+    folder.report.mkdir(exist_ok=True)
+    (folder.report / "tables.md").write_text(to_markdown(tables), encoding="utf-8")
+    write_trials_csv(folder.report / "trials.csv", folder.records)
+
+
+def _draw_height_cost(folder: ResultsFolder) -> None:
+    points = cost_points(folder.path, folder.records)
+    if points:
+        from reports.figures.height_cost import write_cost_figure  # half a second that other reports need not wait
+
+        write_cost_figure(folder.report / "cost.svg", points)

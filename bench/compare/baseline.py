@@ -15,8 +15,9 @@ from bench.compare.careful_json import JsonError, parse, read_file
 from bench.compare.times import PARTS, Part, shares
 from bench.compare.tolerance import Tolerance
 from bench.environment import digest
-from bench.results import ENVIRONMENT, SESSIONS, STUDY, TRIALS
+from bench.results import SESSIONS
 from reports.records.atomic import write_atomic
+from reports.records.folder import ENVIRONMENT, STUDY, TRIALS
 from reports.records.frames import read_frames
 from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shlex
@@ -19,11 +18,12 @@ from reports.page.gallery import shelves
 from reports.page.summary import verdicts
 from reports.page.traces import traces
 from reports.records.atomic import write_atomic
+from reports.records.folder import ResultsFolder
 from reports.records.trial import Status, TrialRecord
 from reports.statistics.groups import Group, groups_of, ordered_policies
 from reports.statistics.pairs import PairRow, pair_rows
 from reports.statistics.scores import EngineScores, engine_scores
-from reports.tables.capabilities import capability_table, engines_of
+from reports.tables.capabilities import capability_table
 from reports.tables.comparison import COLUMNS, MatrixRow, matrix, matrix_table
 from reports.tables.latex import pairs_to_latex, to_latex
 from reports.tables.pairs import pair_tables, pairs_csv
@@ -49,11 +49,11 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     report = folder / "report"
     figures = report / "figures"
     figures.mkdir(parents=True, exist_ok=True)
-    cells = groups_of(records)
-    scores, engines = engine_scores(cells), engines_of(folder)
+    kept, cells = ResultsFolder(folder), groups_of(records)
+    scores, engines = engine_scores(cells), kept.engines
     told = verdicts(scores)
     thinned, without_frames = traces(folder, cells)
-    study = _study(folder)
+    study = kept.study.get("name")
     rows, of_pairs, told_of_study = matrix(cells), pair_rows(cells), caption(folder, records)
     policies = ordered_policies(cell.key.policy for cell in cells)
     page = (
@@ -106,7 +106,7 @@ def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
     """What a table or page must say of itself: n, seeds, versions and date."""
     seeds = len({record.seed for record in records})
     versions = sorted({f"{record.engine} {record.engine_version}" for record in records})
-    environment = _kept_environment(folder)
+    environment = ResultsFolder(folder).environment
     begun = [session.get("begun", "")[:10] for session in environment.get("sessions", [])]
     when = f", run {' to '.join(dict.fromkeys([begun[0], begun[-1]]))}" if begun else ""
     commit = f", commit {environment['commit'][:10]}" if environment.get("commit") else ""
@@ -236,26 +236,9 @@ def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
     return {"svg": charts.for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
 
 
-def _study(folder: Path) -> str | None:
-    """Name of the study that the folder keeps."""
-    try:
-        found = re.search(r'^name = "(.*)"', (folder / "study.toml").read_text(encoding="utf-8"), re.MULTILINE)
-    except (OSError, UnicodeDecodeError):
-        return None
-    return found[1] if found else None
-
-
-def _kept_environment(folder: Path) -> Mapping[str, Any]:
-    try:
-        kept = json.loads((folder / "environment.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return kept if isinstance(kept, dict) else {}
-
-
 def _machine(folder: Path) -> dict[str, str]:
     """The environment without what stands elsewhere, as text."""
-    kept = _kept_environment(folder)
+    kept = ResultsFolder(folder).environment
     plain = {key: value for key, value in kept.items() if key not in ("engines", "sessions", "settings")}
     plain |= {f"core setting {key}": value for key, value in kept.get("settings", {}).items()}
     return {key: _flat(value) for key, value in plain.items()}

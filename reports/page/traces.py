@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from reports.records.folder import ResultsFolder
 from reports.records.frames import UNTIMED_FRAMES, read_columns
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group
@@ -51,7 +52,7 @@ def bins_for(traces: int) -> int:
 
 def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
     """Seconds of the last frame, times thinned to ``most`` bins, and when bricks were woken and the stack fell."""
-    path = folder / "frames" / f"{trial.trial}.parquet"
+    path = ResultsFolder(folder).frames_file(trial.trial)
     columns = read_columns(path, ("time_s", "frame_ms", "woken"))
     time, frame = columns["time_s"][UNTIMED_FRAMES:], columns["frame_ms"][UNTIMED_FRAMES:]
     bins = np.array_split(frame, min(most, len(frame)))

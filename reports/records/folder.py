@@ -1,23 +1,116 @@
-"""The results folder: its file names, and what is read from it and written into it."""
+"""The results folder: the one owner of its file names and of what is parsed from them."""
 
 from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
-from reports.records.trial import TrialRecord
+import pyarrow.parquet as pq
+
+from reports.records.flat import from_flat
+from reports.records.recording import Recording, read_recording
+from reports.records.trial import RecordError, TrialRecord, read_records
+
+TRIALS = "trials.jsonl"
+PUBLISHED_TRIALS = ("trials.parquet", "trials.csv")
+"""What a published folder keeps in place of ``TRIALS``: the present form, and that of earlier versions."""
+STUDY = "study.toml"
+ENVIRONMENT = "environment.json"
+FRAMES = "frames"
+RECORDINGS = "recordings"
+REPORT = "report"
 
 
-def write_csv(path: Path, records: Iterable[TrialRecord]) -> None:
-    """One line a trial, all fields of the records; what is null is empty, what is nested is JSON."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(TrialRecord.model_fields)
-        for record in records:
-            fields = record.model_dump(mode="json")
-            writer.writerow(json.dumps(v) if isinstance(v, dict) else v for v in fields.values())
+class ResultsFolder:
+    """What a run leaves in a folder, or what is published of it."""
+
+    def __init__(self, path: Path) -> None:
+        """Name the folder; its files are read when they are asked for."""
+        self.path = path
+
+    @property
+    def report(self) -> Path:
+        """Folder of the report."""
+        return self.path / REPORT
+
+    @property
+    def trials_file(self) -> Path:
+        """The records of a run, one line a trial."""
+        return self.path / TRIALS
+
+    @property
+    def study_file(self) -> Path:
+        """The resolved study."""
+        return self.path / STUDY
+
+    def frames_file(self, trial: str) -> Path:
+        """Table of the frames of the trial with this id."""
+        return self.path / FRAMES / f"{trial}.parquet"
+
+    def recording_file(self, trial: str) -> Path:
+        """Recorded poses of the trial with this id."""
+        return self.path / RECORDINGS / f"{trial}.parquet"
+
+    @cached_property
+    def records(self) -> list[TrialRecord]:
+        """All trials, in the order in which they were run.
+
+        Raises:
+            RecordError: if there is no file of trials, or one of its lines is no record.
+
+        Warns:
+            RecordWarning: if the last line was torn by a cut; it is left out.
+        """
+        published = [self.path / name for name in PUBLISHED_TRIALS]
+        if self.trials_file.exists() or not any(map(Path.exists, published)):
+            return read_records(self.trials_file)
+        file = next(filter(Path.exists, published))
+        try:
+            return [from_flat(row) for row in _rows(file)]
+        except ValueError as error:
+            raise RecordError(f"{file}: not a table of trials ({error})") from error
+
+    def recording(self, trial: str) -> Recording:
+        """Read the recorded poses of a trial; errors as of ``read_recording``."""
+        return read_recording(self.recording_file(trial))
+
+    @cached_property
+    def environment(self) -> Mapping[str, Any]:
+        """Machine, versions, settings and sessions of the run; empty if the folder keeps none."""
+        try:
+            kept = json.loads((self.path / ENVIRONMENT).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return kept if isinstance(kept, dict) else {}
+
+    @property
+    def engines(self) -> Mapping[str, Any]:
+        """Descriptors of the engines, by name; empty if the environment has none."""
+        engines: Mapping[str, Any] = self.environment.get("engines", {})
+        return engines
+
+    @cached_property
+    def study(self) -> Mapping[str, Any]:
+        """The resolved study; empty if the folder keeps none that can be read."""
+        try:
+            return tomllib.loads(self.study_file.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+
+
+def _rows(file: Path) -> Iterator[Mapping[str, Any]]:
+    """Rows of a published table of trials."""
+    if file.suffix == ".parquet":
+        with pq.ParquetFile(file) as table:
+            yield from table.read().to_pylist()
+        return
+    with file.open(encoding="utf-8", newline="") as lines:
+        yield from csv.DictReader(lines)
 
 
 def replay_name(trial: TrialRecord) -> str:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from reports.records.folder import ResultsFolder
 from reports.records.frames import UNTIMED_FRAMES, read_frames
 from reports.records.trial import CENSORED, TrialRecord
 
@@ -60,7 +61,7 @@ def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]
 
 def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
     """Median time of a frame [ms] while the highest level stood as the top one; None if there is no such frame."""
-    frames = folder / "frames" / f"{record.trial}.parquet"
+    frames = ResultsFolder(folder).frames_file(record.trial)
     if not record.height_levels or record.timed_frames is None or not frames.exists():
         return None
     timed = read_frames(frames)[UNTIMED_FRAMES:][: record.timed_frames]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from reports.tables.table import NOTHING, Table
@@ -44,13 +42,9 @@ def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
     return Table("What the engines show", ("", *engines), tuple(rows), (note,), folds=True)
 
 
-def engines_of(folder: Path) -> dict[str, Any]:
-    """The engines that a results folder's environment describes; empty if it keeps none."""
-    try:
-        engines: dict[str, Any] = json.loads((folder / "environment.json").read_text(encoding="utf-8"))["engines"]
-    except (OSError, ValueError, KeyError):
-        return {}
-    return engines
+def capability_tables(engines: Mapping[str, Mapping[str, Any]]) -> list[Table]:
+    """The same as a list: empty if no engine is described."""
+    return [capability_table(engines)] if engines else []
 
 
 def _told(field: str, descriptor: dict[str, Any]) -> str:

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
-from reports.statistics.height_cost import CostPoint
+from reports.records.trial import TrialRecord
+from reports.statistics.height_cost import CostPoint, cost_points
 from reports.tables.table import Table
+
+
+def height_cost_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
+    """The table of a results folder; none unless an engine was set up in several ways."""
+    points = cost_points(folder, records)
+    return [cost_table(points)] if points else []
 
 
 def cost_table(points: Sequence[CostPoint]) -> Table:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from reports.records.folder import ResultsFolder
 from reports.records.frames import UNTIMED_FRAMES, read_frames
 from reports.records.trial import TrialRecord
 from reports.tables.table import NOTHING, Table
@@ -27,7 +28,7 @@ def repeat_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
             groups[record.scene, f"{record.engine} {record.profile}", record.policy][record.seed].append(record)
     repeated = {cell: seeds for cell, seeds in groups.items() if any(len(same) > 1 for same in seeds.values())}
     if repeated:
-        tables.append(_repeats(folder / "frames", repeated))
+        tables.append(_repeats(folder, repeated))
     if any(record.calibration_ms is not None for record in records):
         tables.append(_steadiness(records))
     return tables
@@ -38,7 +39,7 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
     return len({record.pose_hash for record in repeats}) == 1
 
 
-def best_times(frames: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
+def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
     """Percentiles 50, 95 and 99 of the least time [ms] that each frame took in any repeat.
 
     Only repeats that did the same on the same machine have such frames: None for others, and for those that were cut
@@ -48,18 +49,18 @@ def best_times(frames: Path, repeats: Sequence[TrialRecord]) -> list[float] | No
         return None
     times = []
     for record in repeats:
-        rows = read_frames(frames / f"{record.trial}.parquet")[UNTIMED_FRAMES:]
+        rows = read_frames(ResultsFolder(folder).frames_file(record.trial))[UNTIMED_FRAMES:]
         times.append([row.frame_ms for row in rows[: record.timed_frames]])
     percentiles: list[float] = np.percentile(np.min(times, axis=0), _PERCENTILES).tolist()
     return percentiles
 
 
-def _repeats(frames: Path, cells: dict[tuple[str, str, str], dict[int, list[TrialRecord]]]) -> Table:
+def _repeats(folder: Path, cells: dict[tuple[str, str, str], dict[int, list[TrialRecord]]]) -> Table:
     rows = []
     for cell, seeds in cells.items():
         several = [repeats for repeats in seeds.values() if len(repeats) > 1]
         alike = sum(map(same_poses, several))
-        best = [times for repeats in several if (times := best_times(frames, repeats)) is not None]
+        best = [times for repeats in several if (times := best_times(folder, repeats)) is not None]
         figures = [f"{statistics.median(column):.3f}" for column in zip(*best, strict=True)] or [NOTHING] * 3
         same = f"{alike}/{len(several)}" + ("" if alike == len(several) else " DIFFER")
         rows.append(

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from bench.replaying import MOST_STILLS, draw_stills
 from reports.page.gallery import shelves
 from reports.records.folder import still_of
 from reports.records.recording import Recorder, Recording, write_recording
 from reports.records.trial import TrialRecord
 from reports.replays.gallery_figure import gallery_figure
 from reports.replays.replay import Replayed
+from reports.replays.stacks import MOST_STILLS, draw_stills
 from reports.replays.stills import COLOURS, StillsError, write_stills
 from reports.statistics.groups import groups_of
 from scenarios.model import Brick

@@ -2,7 +2,8 @@
 
 import json
 
-from reports.tables.capabilities import capability_table, engines_of
+from reports.records.folder import ResultsFolder
+from reports.tables.capabilities import capability_table, capability_tables
 
 ENGINES = {
     "one": {"version": "1.2", "capabilities": {"contact_points": "up to 4", "near_contacts": False, "planar": True}},
@@ -12,7 +13,7 @@ ENGINES = {
 
 def test_engines_stand_side_by_side_as_they_describe_themselves(tmp_path) -> None:
     (tmp_path / "environment.json").write_text(json.dumps({"engines": ENGINES}))
-    table = capability_table(engines_of(tmp_path))
+    table = capability_table(ResultsFolder(tmp_path).engines)
     assert table.header == ("", "one", "two")
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["version"] == ("1.2", "3.4")
@@ -22,4 +23,5 @@ def test_engines_stand_side_by_side_as_they_describe_themselves(tmp_path) -> Non
 
 
 def test_a_folder_without_an_environment_has_no_engines(tmp_path) -> None:
-    assert engines_of(tmp_path) == {}
+    assert ResultsFolder(tmp_path).engines == {}
+    assert capability_tables(ResultsFolder(tmp_path).engines) == []

@@ -21,11 +21,11 @@ def write_times(folder, repeat: int, *times_ms: float) -> None:
 def test_the_best_times_are_percentiles_of_each_frames_least_time(tmp_path) -> None:
     write_times(tmp_path, 0, 1.0, 9.0, 3.0)
     write_times(tmp_path, 1, 8.0, 2.0, 4.0)
-    best = best_times(tmp_path / "frames", [repeated(0), repeated(1)])  # least times 1, 2, 3
+    best = best_times(tmp_path, [repeated(0), repeated(1)])  # least times 1, 2, 3
     assert [round(value, 6) for value in best or ()] == [2.0, 2.9, 2.98]
-    assert best_times(tmp_path / "frames", [repeated(0), repeated(1, "other")]) is None
-    assert best_times(tmp_path / "frames", [repeated(0), repeated(1, timed_frames=2)]) is None
-    assert best_times(tmp_path / "frames", [repeated(0), repeated(1, host="another")]) is None
+    assert best_times(tmp_path, [repeated(0), repeated(1, "other")]) is None
+    assert best_times(tmp_path, [repeated(0), repeated(1, timed_frames=2)]) is None
+    assert best_times(tmp_path, [repeated(0), repeated(1, host="another")]) is None
 
 
 def test_repeats_that_differ_are_flagged_and_have_median_and_mad_alone(tmp_path) -> None:

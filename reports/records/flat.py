@@ -1,0 +1,58 @@
+"""Records as flat rows, one value a column: what CSV, Parquet and data frames hold."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from reports.records.trial import TrialRecord
+
+_PREFIX = "expectation_"
+EXPECTATION_FIELDS = ("outcome", "level", "not_before_s", "within_s", "theory")
+_WHOLE = ("format",)
+_MISSING = (None, "")
+
+
+def flat_columns() -> list[str]:
+    """Return the columns of a flat row: the fields of a record, with the expectation's own in its place."""
+    columns: list[str] = []
+    for name in TrialRecord.model_fields:
+        columns += [_PREFIX + field for field in EXPECTATION_FIELDS] if name == "expectation" else [name]
+    return columns
+
+
+def to_flat(record: TrialRecord) -> dict[str, Any]:
+    """Return a record as a flat row; its parameters are JSON."""
+    row = record.model_dump(mode="json")
+    row["parameters"] = json.dumps(row["parameters"])
+    expectation = row.pop("expectation")
+    row |= {_PREFIX + field: expectation[field] for field in EXPECTATION_FIELDS}
+    return {column: row[column] for column in flat_columns()}
+
+
+def from_flat(row: Mapping[str, Any]) -> TrialRecord:
+    """Return the record of a flat row, or of a row of the CSV of earlier versions.
+
+    Missing values may be null, empty or nan.
+
+    Raises:
+        ValueError: if the row is no record.
+    """
+    fields = {name: value for name, value in row.items() if value not in _MISSING and value == value}
+    if "expectation" in fields:  # earlier CSV files hold it as JSON
+        fields["expectation"] = json.loads(fields["expectation"])
+    else:
+        found = {field: fields.pop(_PREFIX + field) for field in EXPECTATION_FIELDS if _PREFIX + field in fields}
+        fields["expectation"] = found
+    if isinstance(fields.get("parameters"), str):
+        fields["parameters"] = json.loads(fields["parameters"])
+    for name in _WHOLE:
+        fields[name] = int(fields.get(name, 0))
+    try:
+        return TrialRecord.model_validate(fields)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise ValueError(f"field '{'.'.join(map(str, first['loc']))}': {first['msg']}") from error

@@ -1,0 +1,120 @@
+"""Results as data frames: trials, frames and poses of a results folder, in SI units."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from types import NoneType
+from typing import Any, get_args
+
+import pandas as pd
+
+from reports.records.atomic import atomic_file
+from reports.records.flat import flat_columns, to_flat
+from reports.records.folder import ResultsFolder
+from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES
+from reports.records.trial import TrialRecord
+
+_EXPECTATION_TYPES = {
+    "expectation_outcome": "str",
+    "expectation_level": "Int64",
+    "expectation_not_before_s": "float64",
+    "expectation_within_s": "float64",
+    "expectation_theory": "str",
+}
+
+
+class Results:
+    """The results of a study. Nothing is read before it is asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        """Name a results folder, or a folder that is published in ``docs/results``."""
+        self._folder = ResultsFolder(folder)
+
+    @cached_property
+    def trials(self) -> pd.DataFrame:
+        """One row a trial; ``docs/columns.md`` lists the columns. ``parameters`` holds a mapping.
+
+        Raises:
+            RecordError: if the folder holds no trials that can be read.
+        """
+        trials = trials_frame(self._folder.records)
+        trials["parameters"] = trials["parameters"].map(json.loads).astype(object)
+        return trials
+
+    def frames(self, trial: str) -> pd.DataFrame:
+        """Return the frames of a trial: counts and times [ms], one row a frame.
+
+        Raises:
+            OSError: if the folder keeps no frames of it.
+        """
+        return pd.read_parquet(self._folder.frames_file(trial))
+
+    def poses(self, trial: str) -> pd.DataFrame:
+        """Return the recorded poses of a trial: a row where a body's pose or state changed, which holds until the next.
+
+        Columns: body, frame, time_s (at the end of the frame), x_m, y_m, z_m (of the body's centre), qw, qx, qy, qz,
+        and state (live, frozen, removed).
+
+        Raises:
+            RecordingError: if it was not recorded, or its recording is torn.
+        """
+        recording = self._folder.recording(trial)
+        position, quaternion = recording.position * LENGTH_STEP, recording.quaternion * QUATERNION_STEP
+        return pd.DataFrame(
+            {
+                "body": recording.body,
+                "frame": recording.frame,
+                "time_s": (recording.frame + 1) * recording.frame_s,
+                **dict(zip(("x_m", "y_m", "z_m"), position.T, strict=True)),
+                **dict(zip(("qw", "qx", "qy", "qz"), quaternion.T, strict=True)),
+                "state": pd.Categorical.from_codes(recording.state, list(STATES)),
+            }
+        )
+
+    @property
+    def environment(self) -> Mapping[str, Any]:
+        """Machine, versions, settings and sessions of the run; empty if the folder keeps none."""
+        return self._folder.environment
+
+    @property
+    def study(self) -> Mapping[str, Any]:
+        """The resolved study; empty if the folder keeps none."""
+        return self._folder.study
+
+
+def trials_frame(records: Sequence[TrialRecord]) -> pd.DataFrame:
+    """Return one row a trial, in their order; missing numbers are nan or NA, ``parameters`` is JSON."""
+    types = column_types()
+    rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
+    return rows.astype(types)
+
+
+def column_types() -> dict[str, str]:
+    """Return the type of each column: whole numbers that may be missing are ``Int64``."""
+    types = {name: _type(field.annotation) for name, field in TrialRecord.model_fields.items()}
+    types |= _EXPECTATION_TYPES
+    return {column: types[column] for column in flat_columns()}
+
+
+def _type(annotation: Any) -> str:
+    kinds = set(get_args(annotation)) or {annotation}
+    if float in kinds:
+        return "float64"
+    if int in kinds:
+        return "Int64" if NoneType in kinds else "int64"
+    return "int64" if all(isinstance(kind, int) for kind in kinds) else "str"
+
+
+def write_trials_csv(path: Path, records: Sequence[TrialRecord]) -> None:
+    """Write one line a trial, all columns of the flat records; what is missing is empty."""
+    rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
+    rows.to_csv(path, index=False, lineterminator="\n")
+
+
+def write_trials_parquet(path: Path, records: Sequence[TrialRecord]) -> None:
+    """Write the flat records as compressed Parquet, all or none; ``pandas.read_parquet`` reads them."""
+    with atomic_file(path) as draft:
+        trials_frame(records).to_parquet(draft, engine="pyarrow", compression="zstd", index=False)

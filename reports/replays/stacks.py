@@ -1,0 +1,85 @@
+"""Stacks of a results folder with their recordings: replays and stills of all that a report shows.
+
+A stack here is the trials of one scene, engine, profile, seed and repeat under all policies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from reports.records.folder import TRIALS, ResultsFolder, replay_name, still_of
+from reports.records.recording import RecordingError
+from reports.records.trial import TrialRecord
+from reports.replays.replay import Replayed, write_replay
+from reports.replays.stills import StillsError, write_stills
+from reports.statistics.groups import ordered_policies
+
+MOST_STILLS = 120
+"""More than these are drawn only if asked for: a run of the paper's stacks has fewer and waits some 30 s for them."""
+
+
+def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:
+    """The first recorded seed of each scene, engine and profile, under all policies."""
+    stacks: dict[tuple[object, ...], list[TrialRecord]] = {}
+    for record in sorted(records, key=lambda record: (record.seed, record.repeat)):
+        if ResultsFolder(folder).recording_file(record.trial).exists():
+            stacks.setdefault(stack_of(record), []).append(record)
+    return list({stack[:3]: those for stack, those in reversed(stacks.items())}.values())
+
+
+def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
+    """The trials whose recording is there and whole."""
+    found = []
+    for record in records:
+        try:
+            found.append(Replayed(record, ResultsFolder(folder).recording(record.trial)))
+        except RecordingError:
+            continue
+    return found
+
+
+def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None:
+    """Write the replay of each stack beside the report."""
+    for those in stacks:
+        trials = read_stack(folder, those)
+        if trials:
+            write_stack_replay(folder, trials)
+
+
+def write_stack_replay(folder: Path, trials: Sequence[Replayed]) -> Path:
+    """Write the replay of one stack beside the report, policies in their usual order; returns the page."""
+    policies = ordered_policies(trial.record.policy for trial in trials)
+    trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
+    return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials)
+
+
+def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:
+    """Draw how each trial ended, beside the report; returns why some were not drawn, empty if all are there.
+
+    Stills that are newer than the records are left as they are.
+
+    Args:
+        folder: a results folder.
+        stacks: whose trials are drawn.
+        however_many: False to draw none if they are more than ``MOST_STILLS``.
+    """
+    stills, changed = folder / "report" / "stills", (folder / TRIALS).stat().st_mtime
+    waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]
+    count = sum(map(len, waiting))
+    if count > MOST_STILLS and not however_many:
+        return f"{count} stills would take minutes and were not drawn: uv run -m bench report {folder} --stills"
+    try:
+        write_stills(stills, (read_stack(folder, those) for those in waiting))
+    except StillsError as error:
+        return str(error)
+    return ""
+
+
+def _is_older(path: Path, time: float) -> bool:
+    return not path.exists() or path.stat().st_mtime < time
+
+
+def stack_of(record: TrialRecord) -> tuple[object, ...]:
+    """What trials share that differ by policy alone."""
+    return record.scene, record.engine, record.profile, record.seed, record.repeat
