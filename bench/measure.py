@@ -208,10 +208,12 @@ def verdict(
 
     Standing is right if the trial ran to its end; falling is right only at the level itself, not before it is due and
     not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its end, and one that
-    sank where it had to fall, has failed.
+    sank where it had to fall, has failed; one that its time limit stopped is undecided.
     """
     if expectation.outcome == "study" or status == "unsupported":
         return "none"
+    if status == "timeout":
+        return "undecided"
     if status not in {"completed", "collapsed"}:
         return "failed"
     if expectation.outcome == "stand":

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator, model_validator
 
 from reports.records.plain_text import plain_text
 from scenarios.model import Expectation
@@ -21,15 +21,16 @@ from scenarios.model import Expectation
 Status: TypeAlias = Literal[
     "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
 ]
-Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "failed", "none"]
+Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "failed", "undecided", "none"]
 CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
 
 CENSORED: frozenset[Status] = frozenset({"timeout"})
 """Ends that say only "at least this far": their levels are lower bounds, never heights."""
 
 
-FORMAT: Literal[1] = 1
-"""Version of the schema; raised when a field changes its meaning."""
+FORMAT: Literal[2] = 2
+"""Version of the schema; raised when a field changes its meaning. Records of format 1 are converted when they are read:
+their verdict of a trial that was stopped by its time limit was ``failed``."""
 
 
 class RecordError(ValueError):
@@ -45,7 +46,7 @@ class TrialRecord(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    format: Literal[1] = FORMAT
+    format: Literal[2] = FORMAT
     """Version of the schema."""
     trial: str
     """Id of the trial, unique within a study."""
@@ -105,6 +106,8 @@ class TrialRecord(BaseModel):
     """BLAKE2b over every frame's float64 poses, in hexadecimal."""
     expectation: Expectation
     verdict: Verdict
+    """Whether the outcome is what theory demands: ``undecided`` if the time limit stopped the trial, ``none`` where
+    theory does not say or the engine cannot play the scene, ``failed`` if it sank, diverged or crashed."""
     environment: str
     """Digest of the environment.json of the run."""
     collapse_kind: CollapseKind | None = None
@@ -144,6 +147,20 @@ class TrialRecord(BaseModel):
     without an extension, and for a scene without a prebuilt stack."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_present_format(cls, fields: object) -> object:
+        """Convert a record of format 1."""
+        if not isinstance(fields, dict) or fields.get("format") != 1:
+            return fields
+        is_stopped = fields.get("status") in CENSORED and fields.get("verdict") == "failed"
+        return {**fields, "format": FORMAT, **({"verdict": "undecided"} if is_stopped else {})}
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether the outcome counts as right or wrong."""
+        return self.verdict not in {"none", "undecided"}
 
     @field_validator("message", "frame_ratio_message", mode="before")
     @classmethod

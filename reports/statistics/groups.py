@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from reports.records.trial import CENSORED, TrialRecord, Verdict
+from reports.records.trial import TrialRecord, Verdict
 from reports.statistics.intervals import Estimate, median
 from reports.statistics.survival import Lifetime, PairedTest, Survival, compare_pairs, kaplan_meier, lifetime
 from scenarios.model import Expectation
@@ -71,7 +71,7 @@ class Group:
     @cached_property
     def judged(self) -> list[TrialRecord]:
         """Draws that theory can judge: one that was stopped by the time limit is slow, which is not wrong."""
-        return [trial for trial in self.draws if trial.verdict != "none" and trial.status not in CENSORED]
+        return judged_trials(self.draws)
 
     def count(self, verdict: Verdict) -> int:
         """How many of the judged draws were judged so."""
@@ -131,4 +131,4 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
     """Trials that theory can judge: one stopped by its time limit has not been shown to be wrong, only slow."""
-    return [trial for trial in trials if trial.verdict != "none" and trial.status not in CENSORED]
+    return [trial for trial in trials if trial.is_judged]

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from reports.records.trial import CENSORED, TrialRecord, Verdict
+from reports.records.trial import TrialRecord, Verdict
 from reports.statistics.groups import Group, ordered_policies
 from reports.statistics.success_rates import SuccessRates, success_rates
 from scenarios.model import Expectation
@@ -99,7 +99,7 @@ def _pair(name: str, sides: Sequence[Group]) -> Pair:
 
 def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
     """Whether theory judges all sides of a build, and asks for opposite things."""
-    decided = all(trial.verdict != "none" and trial.status not in CENSORED for trial in build)
+    decided = all(trial.is_judged for trial in build)
     return decided and are_opposed([trial.expectation for trial in build])
 
 

@@ -51,7 +51,7 @@ def test_a_step_longer_than_the_limit_is_a_timeout_also_if_the_trial_stops_itsel
     rogue_suite.write_study(["hang"], limits={"trial_wall_s": 8.0})
     rogue_suite.run()
     (record,) = read_records(rogue_suite.out / "trials.jsonl")
-    assert (record.status, record.verdict) == ("timeout", "failed")
+    assert (record.status, record.verdict) == ("timeout", "undecided")
     assert "the engine hung and was stopped" in record.message
 
 

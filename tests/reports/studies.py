@@ -60,7 +60,7 @@ def fallen(level: int, **fields) -> TrialRecord:
 
 def failed(status: str, **fields) -> TrialRecord:
     """A trial that never came to its end."""
-    verdict = "none" if status == "unsupported" else "failed"
+    verdict = {"unsupported": "none", "timeout": "undecided"}.get(status, "failed")
     nothing = {"frame_ms_p50": None, "frame_ms_p99": None, "timed_frames": None, "height_levels": 0}
     return record(**{"status": status, "verdict": verdict, "message": f"it {status}", **nothing, **fields})
 

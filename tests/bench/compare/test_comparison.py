@@ -1,7 +1,11 @@
 """What can be compared is; the rest is told, and is neither a regression nor a pass."""
 
+import json
+from pathlib import Path
+
 import pytest
 
+from bench.compare.baseline import read_baseline
 from bench.compare.comparison import NothingInCommonError, compare_runs
 from bench.compare.findings import Finding
 from bench.compare.tolerance import Tolerance
@@ -69,7 +73,7 @@ def test_a_parameter_that_did_not_exist_had_its_default(make) -> None:
 def test_what_the_clock_ended_is_not_judged(make) -> None:
     """Nor is a stack that was still falling when its time was up."""
     late = make.record(**FELL, wall_s=60.0)
-    for slow in (make.record(status="timeout", height_levels=1, verdict="failed"), late):
+    for slow in (make.record(status="timeout", height_levels=1, verdict="undecided"), late):
         for sides in ((make.side(), make.side(slow)), (make.side(slow), make.side())):
             found = compare_runs(*sides, NAMES)
             assert [one.judgement for one in found.findings] == ["open"]
@@ -154,3 +158,14 @@ def test_without_a_known_version_of_the_code_the_core_is_no_yardstick(make) -> N
         "core / engine",
         "readback / engine",
     }
+
+
+def test_a_baseline_of_format_1_is_converted_when_it_is_read() -> None:
+    """Its trials that the time limit stopped were called failed."""
+    path = Path(__file__).parents[2] / "fixtures" / "format_1" / "baseline.json"
+    old = json.loads(path.read_text(encoding="utf-8"))["trials"]
+    assert [(one["format"], one["verdict"]) for one in old] == [(1, "right"), (1, "failed")]
+    baseline = read_baseline(path)
+    assert [(one.format, one.verdict) for one in baseline.trials] == [(2, "right"), (2, "undecided")]
+    found = [one for one in compare_runs(baseline, baseline, NAMES).findings if one.gate == "outcome"]
+    assert sorted(one.judgement for one in found) == ["open", "same"]

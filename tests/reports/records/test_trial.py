@@ -3,14 +3,18 @@
 import json
 import math
 import re
+from pathlib import Path
 
+import pandas as pd
 import pytest
 from pydantic import ValidationError
 
+from reports.records.folder import ResultsFolder
 from reports.records.frames import FrameRow, read_frames, write_frames
 from reports.records.trial import RecordError, RecordWarning, RecordWriter, TrialRecord, read_records
 from tests.reports.studies import FALLS, record
 
+FORMAT_1 = Path(__file__).parents[2] / "fixtures" / "format_1"
 DESIGNED = re.findall(
     r"\w+",
     "format, trial, engine, engine_version, profile, unit_scale, scenario, scene, parameters, policy, seed, repeat, "
@@ -90,8 +94,8 @@ def test_a_last_line_that_lost_only_its_line_break_is_whole(tmp_path) -> None:
     ("line", "complaint"),
     [
         ("not json", "not a line of JSON"),
-        ('{"format": 99}', "a record of format 99, newer than this suite's 1: update the suite"),
-        ('{"format": "x"}', "not a record of format 1"),
+        ('{"format": 99}', "a record of format 99, newer than this suite's 2: update the suite"),
+        ('{"format": "x"}', "not a record of format 2"),
         ('{"format": 1, "hello": 2}', "not a trial record: field 'trial': Field required"),
     ],
 )
@@ -117,3 +121,30 @@ def test_frames_read_back_as_they_were(tmp_path) -> None:
     assert read_frames(tmp_path / "a.parquet") == rows
     write_frames(tmp_path / "none.parquet", [])
     assert read_frames(tmp_path / "none.parquet") == []
+
+
+def test_a_trial_that_its_time_limit_stopped_was_called_failed_in_format_1(tmp_path) -> None:
+    """It is undecided now, whatever file it was kept in; what sank has failed as before."""
+    old = [json.loads(line) for line in (FORMAT_1 / "trials.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert [(one["format"], one["status"], one["verdict"]) for one in old] == [
+        (1, "timeout", "failed"),
+        (1, "completed", "right"),
+        (1, "collapsed", "failed"),
+    ]
+    records = ResultsFolder(FORMAT_1).records
+    assert [(one.format, one.verdict, one.is_judged) for one in records] == [
+        (2, "undecided", False),
+        (2, "right", True),
+        (2, "failed", True),
+    ]
+    kept = [{name: one[name] for name in one if name not in ("format", "verdict")} for one in old]
+    assert [one.model_dump(mode="json", exclude={"format", "verdict"}) for one in records] == kept
+    pd.DataFrame(
+        [{name: json.dumps(value) if isinstance(value, dict) else value for name, value in one.items()} for one in old],
+        dtype=object,
+    ).to_csv(tmp_path / "trials.csv", index=False)
+    assert ResultsFolder(tmp_path).records == records
+
+
+def test_a_record_of_the_present_format_is_not_changed() -> None:
+    assert trial(status="timeout", verdict="failed").verdict == "failed"

@@ -80,7 +80,7 @@ def test_glue_and_jelly_get_half_of_the_trials_and_no_pair() -> None:
 def test_a_pair_of_which_a_side_is_not_judged_counts_nowhere() -> None:
     records = [
         *both("a", "right", "right"),
-        side("b", "stand", "failed", status="timeout"),  # slow, which is not wrong
+        side("b", "stand", "undecided", status="timeout"),  # slow, which is not wrong
         side("b", "fall", "false_stand"),
         side("c", "stand", "none"),  # built too near its limit
         side("c", "fall", "right"),

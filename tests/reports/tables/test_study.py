@@ -70,7 +70,7 @@ RECORDS = [
         refreezes=1,
         longest_live_s=1.2,
     ),
-    record(engine="dart", status="timeout", verdict="failed", height_levels=17, **TIMES),
+    record(engine="dart", status="timeout", verdict="undecided", height_levels=17, **TIMES),
     record(engine="dart", policy="paper", status="crashed", verdict="failed", height_levels=0),
     record(engine="pymunk", status="unsupported", verdict="none", height_levels=0),
     record(engine="mujoco", **TIMES, creep_m_s=2.5e-6),
@@ -118,7 +118,7 @@ def test_a_mark_tells_whether_all_seeds_were_right_or_some_or_none(right, cell) 
 
 
 def test_a_censored_trial_marks_its_cell_as_a_lower_bound() -> None:
-    cut = record(seed=1, status="timeout", verdict="failed", height_levels=17)
+    cut = record(seed=1, status="timeout", verdict="undecided", height_levels=17)
     assert outcome([cut]) == "≥17/30", "too slow to tell, which theory does not contradict"
     assert outcome([record(), cut]) == "≥23.5 (17-30)/30 ✓ 1/1"
 
