@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from bench.compare.baseline import read_baseline
-from bench.plan import plan_trials
-from bench.studies import load_study
+from bench.studies.plan import plan_trials
+from bench.studies.schema import load_study
 from scenarios.registry import with_defaults
 
 ROOT = Path(__file__).parent.parent

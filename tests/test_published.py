@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.core_digest import core_of_commit, present_core
-from bench.page_marks import NOT_USED, UNKNOWN, core_of, is_of_core, marked, pages, warning
+from bench.machine.core_digest import core_of_commit, present_core
+from bench.publishing.page_marks import NOT_USED, UNKNOWN, core_of, is_of_core, marked, pages, warning
 from reports.records.trial import TrialRecord
 
 ROOT = Path(__file__).parent.parent
@@ -19,7 +19,7 @@ PAPER = ROOT / "docs" / "results" / "paper"
 PUBLISHED = ROOT / "docs" / "results"
 PAGES = {page.relative_to(PUBLISHED).as_posix(): page for page in pages(PUBLISHED)}
 STUDIES = [name for name, page in PAGES.items() if (page.parent / "environment.json").exists()]
-AGAIN = "make it again, or mark it as it is: uv run python -m bench.publish --mark"
+AGAIN = "make it again, or mark it as it is: uv run python -m bench.publishing --mark"
 
 
 def quick_start() -> list[str]:

@@ -23,11 +23,11 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from bench.compare.baseline import BaselineError
-from bench.compare.careful_json import JsonError, parse, read_file
 from bench.compare.comparison import NothingInCommonError
 from bench.compare.findings import Comparison, Finding
-from bench.compare.times import CONFIDENCE, judge_times
-from bench.compare.tolerance import Tolerance
+from bench.compare.strict_json import JsonError, parse, read_file
+from bench.compare.timing import CONFIDENCE, judge_times
+from bench.studies.tolerance import Tolerance
 from stability_core.port import FloatArray
 
 FORMAT = "stillstack-frame-1"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench.sources import ROOT
+from bench.machine.source_digest import ROOT
 
 _HOME = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack" / "checkouts"
 """They are kept: the next comparison with the same base finds it installed, and its core compiled."""

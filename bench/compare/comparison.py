@@ -6,11 +6,11 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 
 from bench.compare.baseline import Baseline, Machine
+from bench.compare.determinism import judge_poses, other_processor
 from bench.compare.findings import Comparison, Finding
 from bench.compare.outcomes import judge_draws, judge_outcome
-from bench.compare.times import PARTS, Part, judge_times
-from bench.compare.tolerance import Tolerance
-from bench.compare.trajectories import judge_poses, other_processor
+from bench.compare.timing import PARTS, Part, judge_times
+from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
 from scenarios.registry import with_defaults
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from itertools import product
 
 from bench.compare.findings import Judgement
-from bench.compare.tolerance import Tolerance
+from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
 
 LEAST_REPEATS = 5

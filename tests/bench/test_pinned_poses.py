@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 from adapters import ENGINES, capabilities
-from bench.environment import engine_version
-from bench.plan import Trial
-from bench.studies import Limits
-from bench.trial import run_trial
+from bench.machine.environment import engine_version
+from bench.studies.plan import Trial
+from bench.studies.schema import Limits
+from bench.trial.run_trial import run_trial
 
 PINNED = Path(__file__).parent / "pinned_poses.json"
 DETERMINISTIC = [name for name in ENGINES if capabilities(name).deterministic == "across processes"]

@@ -18,9 +18,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from bench.calibration import calibrate
-from bench.core_digest import present_core
-from bench.page_marks import write_page
+from bench.machine.calibration import calibrate
+from bench.machine.core_digest import present_core
+from bench.publishing.page_marks import write_page
 from stability_core import StabilityExtension, solve_equilibrium
 from tests.benchmarks.leaning_worlds import MASS, house_of, overload, pile_up, refuse_smooth_v
 from tests.benchmarks.peers import PEERS, four_stack, pyramid

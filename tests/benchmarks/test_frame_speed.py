@@ -5,9 +5,9 @@ waking. Not included: placing planks, reading poses, drawing. The clock is the w
 
 With the extension a round is a frame of a second in which the topmost plank of a tower lands, comes to rest and
 freezes. Without it a round is a frame of the same tower at the same poses, all awake, while it stands. So the ratio of
-both means is ``frame_ratio``, as ``bench.frame_ratio`` defines it. Both are also played in turns: ``alone_ms`` has the
-median time of a frame without the extension just before each second with it, so that a machine whose speed changes
-from second to second does not change their ratio. ``bench compare`` compares these ratios.
+both means is ``frame_ratio``, as ``bench.trial.awake_baseline`` defines it. Both are also played in turns: ``alone_ms``
+has the median time of a frame without the extension just before each second with it, so that a machine whose speed
+changes from second to second does not change their ratio. ``bench compare`` compares these ratios.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ import pytest
 
 from adapters import ENGINES
 from bench.compare.benchmarks import FORMAT
-from bench.environment import engine_version
-from bench.timed_frames import FrameTimes
+from bench.machine.environment import engine_version
+from bench.trial.stepping import FrameTimes
 from tests.benchmarks.towers import PROFILE, SCENE, AwakeTower, SteeredTower, Tower
 
 pytestmark = pytest.mark.benchmark(disable_gc=True)

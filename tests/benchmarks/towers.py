@@ -9,12 +9,12 @@ from functools import cache
 
 from adapters import open_engine
 from adapters.base import Simulation
-from bench.builder import Builder
-from bench.calibration import calibrate
-from bench.frame_ratio import WARM_UP_FRAMES, open_awake
-from bench.measure import Plan, intact
-from bench.play import SEATING_S, Snapshot
-from bench.timed_frames import FrameTimes, PlainFrames, SteeredFrames
+from bench.machine.calibration import calibrate
+from bench.trial.awake_baseline import WARM_UP_FRAMES, open_awake
+from bench.trial.builder import Builder
+from bench.trial.measure import Plan, intact
+from bench.trial.playback import SEATING_S, Snapshot
+from bench.trial.stepping import FrameTimes, PlainFrames, SteeredFrames
 from scenarios.model import CLEARANCE, Scene
 from scenarios.registry import build
 from stability_core import warm_up

@@ -24,8 +24,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.core_digest import present_core
-from bench.page_marks import write_page
+from bench.machine.core_digest import present_core
+from bench.publishing.page_marks import write_page
 from scenarios.statics.contact_patch import Patch
 from scenarios.statics.truth import judge
 from stability_core import Contacts, Masses, Settings, StabilityExtension, solve_equilibrium

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from adapters import open_engine
 from adapters.base import Simulation
-from bench.timed_frames import PlainFrames, SteeredFrames
+from bench.trial.stepping import PlainFrames, SteeredFrames
 from scenarios.model import Brick, World
 from scenarios.planks import MU
 

@@ -25,11 +25,11 @@ import numpy as np
 
 from adapters import open_engine
 from adapters.base import Simulation
-from bench.builder import Builder
-from bench.calibration import calibrate
-from bench.core_digest import present_core
-from bench.page_marks import write_page
-from bench.timed_port import TimedPort
+from bench.machine.calibration import calibrate
+from bench.machine.core_digest import present_core
+from bench.publishing.page_marks import write_page
+from bench.trial.builder import Builder
+from bench.trial.timed_port import TimedPort
 from scenarios.model import Scene
 from scenarios.scenes.poured_pile import poured_pile
 from stability_core import StabilityExtension, warm_up

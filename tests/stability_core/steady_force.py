@@ -32,8 +32,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.core_digest import present_core
-from bench.page_marks import write_page
+from bench.machine.core_digest import present_core
+from bench.publishing.page_marks import write_page
 from scenarios.geometry import Boxes
 from scenarios.model import Brick, Vector
 from scenarios.planks import LENGTH, MU, WIDTH

@@ -33,8 +33,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.core_digest import present_core
-from bench.page_marks import write_page
+from bench.machine.core_digest import present_core
+from bench.publishing.page_marks import write_page
 from scenarios.model import Brick, Vector
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH
 from scenarios.scenes.brick_wall import brick_wall

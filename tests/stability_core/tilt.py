@@ -31,9 +31,9 @@ import numpy as np
 
 from adapters import open_engine
 from adapters.base import Simulation
-from bench.core_digest import present_core
-from bench.gravity import turned
-from bench.page_marks import write_page
+from bench.machine.core_digest import present_core
+from bench.publishing.page_marks import write_page
+from bench.trial.gravity import turned
 from scenarios.model import Brick, Vector, World
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH
 from scenarios.scenes.card_house import card_house

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from bench.command_line import app
+from bench.cli.app import app
 from bench.compare.baseline import write_baseline
 from bench.compare.benchmarks import FORMAT, MOST, read_benchmarks
 

@@ -8,7 +8,7 @@ import pytest
 from bench.compare.baseline import read_baseline
 from bench.compare.comparison import NothingInCommonError, compare_runs
 from bench.compare.findings import Finding
-from bench.compare.tolerance import Tolerance
+from bench.studies.tolerance import Tolerance
 
 NAMES = ("base", "head")
 FELL = {"status": "collapsed", "height_levels": 2, "collapse_level": 3, "verdict": "false_collapse", "pose_hash": "bb"}

@@ -6,10 +6,10 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from bench.command_line import app
-from bench.compare import careful_json
+from bench.cli.app import app
+from bench.compare import strict_json
 from bench.compare.baseline import BaselineError, read_baseline, write_baseline
-from bench.compare.careful_json import JsonError, parse
+from bench.compare.strict_json import JsonError, parse
 
 
 def call(*arguments: object, status: int) -> str:
@@ -79,7 +79,7 @@ def test_a_file_that_is_no_baseline_is_refused_on_either_side(case, good, tmp_pa
 
 
 def test_a_file_that_is_too_large_or_endless_is_not_read_whole(good, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(careful_json, "MOST_BYTES", 2**20)
+    monkeypatch.setattr(strict_json, "MOST_BYTES", 2**20)
     large = tmp_path / "large.json"
     with large.open("wb") as file:
         file.truncate(2**30)  # a gigabyte of nothing

@@ -3,7 +3,7 @@
 import pytest
 
 from bench.compare.outcomes import LEAST_REPEATS, judge_draws, judge_outcome
-from bench.compare.tolerance import Tolerance
+from bench.studies.tolerance import Tolerance
 
 EXACT = Tolerance()
 

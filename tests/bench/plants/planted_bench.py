@@ -12,10 +12,11 @@ if PLANT:
     importlib.import_module(PLANT)
 
 if __name__ == "__main__":
-    from bench import command_line
-    from bench.environment import describe
+    from bench.cli import run
+    from bench.cli.app import app
+    from bench.machine.environment import describe
 
     if PLANT:
-        command_line.describe = lambda engines: describe(engines) | {"sources": PLANT}
-    command_line._report = lambda _: []
-    command_line.app()
+        run.describe = lambda engines: describe(engines) | {"sources": PLANT}
+    run.make_report = lambda _: []
+    app()

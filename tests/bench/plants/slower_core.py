@@ -2,7 +2,7 @@
 
 from time import perf_counter
 
-from bench import timed_frames
+from bench.trial import stepping
 from stability_core import StabilityExtension
 
 
@@ -23,4 +23,4 @@ class _SlowerCore(StabilityExtension):
         return change
 
 
-timed_frames.StabilityExtension = _SlowerCore
+stepping.StabilityExtension = _SlowerCore

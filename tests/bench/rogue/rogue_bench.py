@@ -10,16 +10,18 @@ from adapters import registry
 registry.ENGINES["rogue"] = registry._Entry("rogue_engine", "RogueSimulation", "numpy")
 
 if __name__ != "__main__" and "GRACE_IN_TRIALS_S" in os.environ:  # a trial's own alarm rings before the harness acts
-    from bench import isolation
+    from bench.execution import worker
 
-    isolation.GRACE_S = float(os.environ["GRACE_IN_TRIALS_S"])
+    worker.GRACE_S = float(os.environ["GRACE_IN_TRIALS_S"])
 
 if __name__ == "__main__":
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    from bench import command_line, isolation
+    from bench.cli import run
+    from bench.cli.app import app
+    from bench.execution import worker
 
-    isolation.GRACE_S = float(os.environ.get("GRACE_S", "1"))
-    command_line.describe = lambda _: {"commit": os.environ.get("COMMIT", "c0ffee")}
-    command_line.app()
+    worker.GRACE_S = float(os.environ.get("GRACE_S", "1"))
+    run.describe = lambda _: {"commit": os.environ.get("COMMIT", "c0ffee")}
+    app()

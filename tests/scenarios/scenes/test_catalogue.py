@@ -12,8 +12,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bench.plan import plan_trials
-from bench.studies import load_study
+from bench.studies.plan import plan_trials
+from bench.studies.schema import load_study
 from scenarios.model import CLEARANCE, Place, Pull, Remove
 from scenarios.placement_noise import with_placement_noise
 from scenarios.registry import build
@@ -27,7 +27,7 @@ SCENES = {scene.variant: scene for scene in (build(trial.scenario, **trial.param
 STATIC = {
     name: scene for name, scene in SCENES.items() if all(isinstance(action, Place | Remove) for action in scene.actions)
 }
-"""What a blow does is no matter of statics: ``tests/bench/test_grip.py`` measures it."""
+"""What a blow does is no matter of statics: ``tests/bench/trial/test_manipulator.py`` measures it."""
 QUICK = {name: scene for name, scene in STATIC.items() if len(scene.bricks) < 8}
 """Exact statics takes seconds for the larger ones."""
 SLOPES = {"incline", "groove", "seesaw"}

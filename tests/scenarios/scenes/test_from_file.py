@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from bench.selection import Selection, selected
-from bench.studies import StudyError, load_study
+from bench.studies.schema import StudyError, load_study
+from bench.studies.selection import Selection, selected
 from scenarios.model import CLEARANCE, Place, Remove
 from scenarios.registry import build
 from scenarios.scenes.from_file import EXAMPLES

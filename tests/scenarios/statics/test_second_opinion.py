@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from bench.plan import plan_trials
-from bench.studies import load_study
+from bench.studies.plan import plan_trials
+from bench.studies.schema import load_study
 from scenarios.model import Brick, Place, Pull, Push, Scene, World
 from scenarios.registry import build
 from scenarios.statics.second_opinion import agreed_verdict

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from bench.plan import plan_trials
-from bench.studies import load_study
+from bench.studies.plan import plan_trials
+from bench.studies.schema import load_study
 from reports.statistics.pairs import are_opposed
 from scenarios.geometry import Boxes, height_above_ground
 from scenarios.model import Place, Remove

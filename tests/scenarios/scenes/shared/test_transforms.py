@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from bench.plan import plan_trials
-from bench.studies import load_study
+from bench.studies.plan import plan_trials
+from bench.studies.schema import load_study
 from scenarios.model import CLEARANCE, Place, Remove, pace_of
 from scenarios.placement_noise import SHIFT, deviates, with_placement_noise
 from scenarios.registry import SCENARIOS, build

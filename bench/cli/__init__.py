@@ -1,0 +1,1 @@
+"""The command line: one file a verb; ``app`` puts the verbs together, ``console`` is what they share."""

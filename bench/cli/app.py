@@ -1,0 +1,24 @@
+"""Define the command line: ``uv run -m bench VERB``. Exit status 0 done, 1 a check failed, 2 bad usage or input."""
+
+from __future__ import annotations
+
+import typer
+
+from bench.cli.baseline import baseline
+from bench.cli.check import check
+from bench.cli.compare import compare
+from bench.cli.list import list_
+from bench.cli.replay import replay
+from bench.cli.report import report
+from bench.cli.run import run
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Do your engine's bricks stand when they should, and fall when they should?",
+)
+for _verb in (run, report, replay, baseline, compare):
+    app.command()(_verb)
+app.command(name="list")(list_)
+app.command()(check)

@@ -1,0 +1,47 @@
+"""``bench check``: run the conformance checks on one engine's adapter and print each result."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from adapters import profile_named
+from adapters.conformance import CHECKS
+from bench.cli.console import OUT, input_errors
+
+
+def check(
+    engine: Annotated[str, typer.Argument(help="An engine's name.")],
+    profile: Annotated[str, typer.Option(help="Profile of the engine.")] = "game",
+) -> None:
+    """Check that an engine's adapter keeps the contract that the core relies on."""
+    with input_errors():
+        failed = check_engine(engine, profile, OUT)
+    raise typer.Exit(1 if failed else 0)
+
+
+def check_engine(engine: str, profile: str, console: Console) -> int:
+    """Run every check that applies and print how it went; returns how many failed.
+
+    Raises:
+        UnknownNameError: if there is no such engine, or the engine has no such profile.
+        ProfileError: if a variation of the profile is not what it must be.
+        EngineNotInstalledError: if its package is missing.
+    """
+    profile_named(engine, profile)  # a name that is wrong is told once, not by every check
+    failed = 0
+    for check in CHECKS:
+        promise = check.name.replace("_", " ")
+        if not check.applies(engine, profile):
+            console.print(f"n/a     {promise}", markup=False, highlight=False)
+            continue
+        try:
+            check.run(engine, profile)
+        except Exception as error:  # an engine may fail a check in any way, and the others are still worth running
+            failed += 1
+            console.print(f"FAILED  {promise}: {error}", markup=False, highlight=False, soft_wrap=True)
+        else:
+            console.print(f"ok      {promise}", markup=False, highlight=False)
+    return failed

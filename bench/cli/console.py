@@ -1,0 +1,79 @@
+"""Share consoles, the results folder and the handling of bad input among the verbs."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+from rich.console import Console
+
+from adapters import EngineNotInstalledError, ProfileError
+from bench.compare.baseline import BaselineError
+from bench.compare.checkouts import CheckoutError
+from bench.compare.comparison import NothingInCommonError
+from bench.execution.errors import ClusterError
+from bench.execution.results import TRIALS, ResultsError
+from bench.studies.schema import StudyError
+from reports.records.recording import RecordingError
+from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
+from stability_core.lookup import UnknownNameError
+
+RESULTS = Path("results")
+"""Where a run leaves its results unless told otherwise; estimates are made from the results there."""
+_LOG_WIDTH = 110
+for _stream in (sys.stdout, sys.stderr):  # a terminal that has no such letters shows their codes
+    if isinstance(_stream, io.TextIOWrapper):
+        _stream.reconfigure(errors="backslashreplace")
+OUT = Console(width=None if sys.stdout.isatty() else _LOG_WIDTH)
+"""Standard output: tables and records."""
+ERR = Console(stderr=True)
+"""Standard error: progress, notes and errors."""
+
+
+@contextmanager
+def input_errors() -> Iterator[None]:
+    """Input that cannot be used ends the program with its fix, not with a trace."""
+    try:
+        yield
+    except (
+        UnknownNameError,
+        StudyError,
+        ResultsError,
+        RecordError,
+        RecordingError,
+        EngineNotInstalledError,
+        ProfileError,
+        ClusterError,
+        BaselineError,
+        CheckoutError,
+        NothingInCommonError,
+        OSError,
+    ) as error:
+        ERR.print(f"error: {error}", markup=False, highlight=False, soft_wrap=True)
+        raise typer.Exit(2) from error
+
+
+def tell(text: str) -> None:
+    """Print a line on standard error."""
+    ERR.print(text, highlight=False, soft_wrap=True)
+
+
+def relative(folder: Path) -> str:
+    """Return a path relative to the working directory."""
+    return os.path.relpath(folder)
+
+
+def read_folder(folder: Path) -> list[TrialRecord]:
+    """Return the records of a results folder; warn of a torn last line."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RecordWarning)
+        records = read_records(folder / TRIALS)
+    for warning in caught:
+        tell(f"warning: {warning.message}")
+    return records

@@ -1,0 +1,106 @@
+"""``bench list``: print the registries of scenarios, engines, policies and studies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from adapters import ENGINES, EngineNotInstalledError, Profile, profiles
+from bench.cli.console import OUT, tell
+from bench.machine.environment import describe_engine
+from bench.studies.policies import BENCH_POLICIES
+from bench.studies.schema import load_study, study_names
+from reports.tables.capabilities import capability_table
+from reports.tables.table import render
+from scenarios.registry import SCENARIOS, build
+
+
+def list_(
+    pictures: Annotated[bool, typer.Option("--pictures", help="Draw every scene on one sheet instead.")] = False,
+    out: Annotated[Path, typer.Option(help="Where the sheet goes; .png, .svg or .pdf.")] = Path("scenes.png"),
+) -> None:
+    """What can be run: scenarios and what theory says of them, engines, profiles, policies and studies."""
+    if not pictures:
+        print_catalogue(OUT)
+        return
+    from bench.publishing.contact_sheet import draw_contact_sheet  # a second of imports that nothing else needs
+
+    draw_contact_sheet(out, [build(name) for name in SCENARIOS])
+    tell(f"{len(SCENARIOS)} scenes drawn in {out}")
+
+
+def print_catalogue(console: Console) -> None:
+    """Print scenarios, engines with their profiles and what they show, policies and studies."""
+    for table in (_scenarios(), _engines()):
+        console.print(table)
+        console.print()
+    render(capability_table(_descriptors()), console)
+    for table in (_policies(), _studies()):
+        console.print(table)
+        console.print()
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def _scenarios() -> Table:
+    table = _table("Scenarios", "name", "must, by theory", "theory", "look for")
+    for name, scenario in SCENARIOS.items():
+        scene = build(name)
+        with_parameters = ", ".join(f"{key}={value}" for key, value in scenario.parameters.items())
+        table.add_row(f"{name}\n({with_parameters})", str(scene.expectation), scene.expectation.theory, scene.look_for)
+    return table
+
+
+def _engines() -> Table:
+    table = _table("Engines", "name", "profiles")
+    for name in ENGINES:
+        try:
+            listed = "\n".join(_profile(profile) for profile in profiles(name).values())
+        except EngineNotInstalledError as error:
+            listed = f"not installed: {error}"
+        table.add_row(name, listed)
+    table.caption = "Any profile may be varied by its name: game@scale=10, tuned@substeps=8,iterations=200."
+    table.caption_justify = "left"
+    return table
+
+
+def _descriptors() -> dict[str, dict[str, Any]]:
+    """What those engines that are installed show, as a run keeps it in its environment."""
+    found = {}
+    for name in ENGINES:
+        try:
+            found[name] = describe_engine(name)
+        except EngineNotInstalledError:
+            continue
+    return found
+
+
+def _profile(profile: Profile) -> str:
+    """What it is, and who set the knobs that differ from how the engine is shipped."""
+    return f"{profile.name}: {profile.description} ({profile.tuned_by})"
+
+
+def _policies() -> Table:
+    table = _table("Policies", "name", "what it is")
+    for name, policy in BENCH_POLICIES.items():
+        table.add_row(name, policy.description)
+    return table
+
+
+def _studies() -> Table:
+    table = _table("Studies", "name", "what it is")
+    for name in study_names():
+        try:
+            table.add_row(name, load_study(name).description)
+        except EngineNotInstalledError as error:
+            table.add_row(name, f"cannot be run: {error}")
+    return table

@@ -1,0 +1,116 @@
+"""``bench run``: run a study, or go on with one that was cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+from bench.cli.console import ERR, OUT, RESULTS, input_errors, read_folder, relative, tell
+from bench.cli.report import make_report
+from bench.execution.errors import ClusterError
+from bench.execution.estimate import estimate
+from bench.execution.execute import outcomes_here, outcomes_on_cluster
+from bench.execution.results import TRIALS, Results, check_folder
+from bench.execution.signals import Interruption
+from bench.machine.environment import describe
+from bench.studies.plan import Trial, plan_trials
+from bench.studies.schema import Study, load_study
+from bench.studies.selection import Selection, selected
+from bench.trial.run_trial import Outcome
+from reports.tables.table import render
+
+Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
+"""Runs trials until they are done or a wish to stop is noted."""
+
+
+def run(
+    study: Annotated[str, typer.Argument(help="A study's name (see 'list') or a TOML file.")] = "paper",
+    engine: Annotated[list[str] | None, typer.Option(help="Only this engine; may be repeated.")] = None,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(help="Only this scenario, or FILE.toml with bricks of your own; may be repeated."),
+    ] = None,
+    policy: Annotated[list[str] | None, typer.Option(help="Only this policy; may be repeated.")] = None,
+    profile: Annotated[
+        list[str] | None, typer.Option(help="This profile, or one varied: game@scale=10; may be repeated.")
+    ] = None,
+    seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
+    dask: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Run the trials on the Dask cluster with this scheduler.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Results folder [results/STUDY-TIME].")] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="List the trials and how long they take; write nothing.")
+    ] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Replace the trials that the folder holds.")] = False,
+    accept_changes: Annotated[
+        bool, typer.Option("--accept-changes", help="Go on with a folder although study, commit or machine changed.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines in place of tables.")] = False,
+) -> None:
+    """Run a study, or go on with one that was cut off, and print what stood and what fell."""
+    with input_errors():
+        wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds)
+        if dask is not None and jobs > 1:
+            raise ClusterError("--jobs is for this machine: on a cluster the workers' threads say how many trials run")
+        chosen = selected(load_study(study), wanted)
+        trials = plan_trials(chosen)
+        folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+        check_folder(folder)
+        if dry_run:
+            _show_plan(trials, chosen, folder, fresh, jobs)
+            return
+        environment = describe(chosen.engines)
+        results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
+
+        def outcomes(waiting: Sequence[Trial], interruption: Interruption) -> Iterator[Outcome]:
+            if dask is None:
+                return outcomes_here(chosen, waiting, environment, jobs, interruption, ERR)
+            return outcomes_on_cluster(chosen, waiting, environment, dask, interruption, ERR, results.know)
+
+        _run(trials, results, outcomes, as_json)
+    tables = make_report(folder)
+    if not as_json:
+        for table in tables:
+            render(table, OUT)
+    tell(f"{len(results.finished)} trials are kept in {relative(folder)}")
+
+
+def _show_plan(trials: list[Trial], study: Study, folder: Path, fresh: bool, jobs: int) -> None:
+    """List the trials that a run would run, and tell how long they will take."""
+    kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in read_folder(folder)}
+    waiting = [trial for trial in trials if trial.id not in kept]
+    for trial in waiting:
+        typer.echo(trial.id)
+    earlier = sorted(path.parent for path in RESULTS.glob(f"*/{TRIALS}"))
+    tell(estimate(waiting, study.limits.trial_wall_s, dict.fromkeys([*earlier, folder])).told(jobs))
+    if len(waiting) < len(trials):
+        tell(f"{len(trials) - len(waiting)} more are already there")
+
+
+def _run(trials: Sequence[Trial], results: Results, outcomes: Outcomes, as_json: bool) -> None:
+    """Run the trials that are not yet kept and keep each as it finishes, also when the run is cut off."""
+    waiting = [trial for trial in trials if trial.id not in results.finished]
+    if results.torn:
+        tell("the last line of trials.jsonl was torn by a cut: that trial is run again")
+    if len(waiting) < len(trials):
+        tell(f"going on: {len(trials) - len(waiting)} of {len(trials)} trials are already there")
+    with Interruption() as interruption:
+        try:
+            for outcome in outcomes(waiting, interruption) if waiting else ():
+                results.keep(outcome)
+                if as_json:
+                    typer.echo(outcome.record.model_dump_json())
+        finally:
+            results.close()
+            kept = sum(trial.id in results.finished for trial in trials)
+            if kept < len(trials):
+                tell(f"interrupted: {kept} of {len(trials)} trials are kept in {relative(results.folder)}")
+                tell(f"to go on, run the same with --out {relative(results.folder)}")
+        if interruption.is_set():
+            raise typer.Exit(interruption.exit_status)

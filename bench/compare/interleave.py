@@ -1,0 +1,72 @@
+"""Both sides run anew on this machine, in turns (A B, B A, A B ...), so that its moods favour neither."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from bench.compare.baseline import Baseline, Machine, read_baseline
+from bench.compare.checkouts import Checkout
+from bench.compare.timing import Part
+from bench.execution.results import to_toml
+from bench.studies.schema import Study
+from bench.studies.tolerance import Tolerance
+from reports.records.atomic import write_atomic
+from reports.records.trial import TrialRecord
+
+
+def run_interleaved(
+    sides: tuple[Checkout, Checkout], study: Study, rounds: int, out: Path, console: Console
+) -> tuple[Baseline, Baseline]:
+    """Run ``study`` with base and head ``rounds`` times in alternating order; a round more is a repeat more.
+
+    What was cut off goes on in the same folder.
+
+    Args:
+        sides: base and head.
+        study: what both run; tolerances are the study's.
+        rounds: how often each side runs it.
+        out: folder for the results of all runs.
+        console: is told how far it is.
+
+    Raises:
+        CheckoutError: if a side cannot run the study.
+        BaselineError: if it did not leave what a run leaves.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    plan = (out / "study.toml").resolve()
+    write_atomic(plan, to_toml(_without_tolerances(study)).encode())
+    found: tuple[list[Baseline], list[Baseline]] = ([], [])
+    for number in range(rounds):
+        for side in (0, 1) if number % 2 == 0 else (1, 0):
+            folder = out / f"{('base', 'head')[side]}-{number + 1}"
+            console.print(f"round {number + 1} of {rounds}: {sides[side].name}", highlight=False)
+            sides[side].run(plan, folder.resolve())
+            found[side].append(read_baseline(folder))
+    tolerances = {one.name: one.tolerance for one in study.scenario}
+    base, head = (as_repeats(runs, study.repeats) for runs in found)
+    return base, head.model_copy(update={"tolerances": tolerances})
+
+
+def as_repeats(runs: Sequence[Baseline], repeats: int) -> Baseline:
+    """Several runs of a study of so many ``repeats`` as one run of more repeats."""
+    shares: dict[str, Mapping[Part, float]] = {}
+    machines: dict[str, Machine] = {}
+    trials: list[TrialRecord] = []
+    for number, run in enumerate(runs):
+        machines.update(run.machines)
+        for record in run.trials:
+            repeat = record.repeat + number * repeats
+            name = f"{record.trial.rpartition('.r')[0]}.r{repeat}"
+            trials.append(record.model_copy(update={"trial": name, "repeat": repeat}))
+            if record.trial in run.shares:
+                shares[name] = run.shares[record.trial]
+    return runs[0].model_copy(update={"shares": shares, "machines": machines, "trials": trials})
+
+
+def _without_tolerances(study: Study) -> Study:
+    """The study as an older version of the suite knows it: it may not have heard of tolerances."""
+    plain = [scenario.model_copy(update={"tolerance": Tolerance()}) for scenario in study.scenario]
+    return study.model_copy(update={"scenario": plain})

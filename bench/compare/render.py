@@ -1,0 +1,128 @@
+"""A comparison as people and machines want it: tables for a terminal, Markdown, JUnit XML and JSON."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import asdict, replace
+from typing import get_args
+from xml.etree import ElementTree as ET
+
+from rich.console import Console
+from rich.markup import escape
+
+from bench.compare.findings import ALARMS, GATES, Comparison, Finding, Gate, Judgement, plain
+from bench.compare.timing import CONFIDENCE
+from reports.tables.table import Table, render, to_markdown
+
+_KINDS: tuple[Judgement, ...] = get_args(Judgement)
+_RATIO = (
+    "Times: part / yardstick, of a typical frame of each trial; the ratio of head to base, and its "
+    f"{CONFIDENCE:.0%} interval. The yardstick is the part that has not changed."
+)
+_ASIDE = "Another engine, scene, processor or an end by the clock is told as such: neither a regression nor a pass."
+
+
+def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
+    """The whole comparison in a line."""
+    alarms = comparison.alarms(fail_on)
+    if alarms:
+        counts = ", ".join(
+            f"{count} by {gate}" for gate in fail_on if (count := sum(alarm.gate == gate for alarm in alarms))
+        )
+        return f"{len(alarms)} alarm{'s' * (len(alarms) > 1)}: {counts}"
+    idle = [gate for gate in fail_on if not any(f.gate == gate and f.judgement != "open" for f in comparison.findings)]
+    return "no alarm" + (f"; nothing could be decided by {' and '.join(idle)}" if idle else "")
+
+
+def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
+    """What the gates counted, then what is worse or better or was not decided."""
+    counted = Table(
+        "What the gates found",
+        ("gate", "fails", "worse", "changed", "better", "same", "not decided"),
+        tuple(
+            (gate, "yes" if gate in fail_on else "no", *(str(counts[kind]) for kind in _KINDS))
+            for gate in GATES
+            if (counts := comparison.counts(gate))
+        ),
+        (
+            f"{plain(comparison.head)}, held against {plain(comparison.base)}.",
+            *(f"Not the same: {plain(note)}" for note in comparison.notes),
+        ),
+    )
+    ratio = comparison.about_times or _RATIO
+    lists = [
+        _listed("Worse or changed", [finding for finding in comparison.findings if finding.is_alarm], (), ratio),
+        _listed("Better", [finding for finding in comparison.findings if finding.judgement == "better"], (), ratio),
+        _listed("Not decided", [f for f in comparison.findings if f.judgement == "open"], (_ASIDE,), ratio),
+        _listed("Times", [f for f in comparison.findings if f.gate == "time" and f.judgement == "same"], (), ratio),
+    ]
+    return [counted, *(table for table in lists if table.rows)]
+
+
+def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...], ratio: str) -> Table:
+    rows = tuple((finding.gate, plain(finding.trial), plain(finding.told)) for finding in findings)
+    if any(gate == "time" for gate, _, _ in rows):
+        notes += (ratio,)
+    return Table(title, ("gate", "trial", "what"), rows, notes, folds=True)
+
+
+def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) -> None:
+    """Print the tables, whose text may hold anything, and the headline last."""
+    for table in tables(comparison, fail_on):
+        render(replace(_mapped(table, escape), notes=table.notes), console)
+    console.print(headline(comparison, fail_on), style="bold", highlight=False)
+
+
+_ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
+"""Of what has a meaning inside a line of Markdown, and of what calls a person."""
+
+
+def markdown(comparison: Comparison, fail_on: Collection[Gate]) -> str:
+    """For a job's summary or a comment; no text of the files can become a link, an image or HTML."""
+    found = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
+    return f"**Stacking: {headline(comparison, fail_on)}**\n\n{found}"
+
+
+def _mapped(table: Table, form: Callable[[str], str]) -> Table:
+    rows = tuple(tuple(map(form, row)) for row in table.rows)
+    return replace(table, title=form(table.title), rows=rows, notes=tuple(map(form, table.notes)))
+
+
+def _literal(text: str) -> str:
+    return html.escape(text, quote=False).translate(_ENTITIES)
+
+
+def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:
+    """JUnit XML: a suite a gate, a case a trial; what was not decided is skipped."""
+    root = ET.Element("testsuites", name="stillstack")
+    for gate in GATES:
+        findings = [finding for finding in comparison.findings if finding.gate == gate]
+        failed = [finding for finding in findings if finding.is_alarm and gate in fail_on]
+        skipped = [finding for finding in findings if finding.judgement == "open"]
+        counts = {"tests": len(findings), "failures": len(failed), "skipped": len(skipped)}
+        suite = ET.SubElement(root, "testsuite", {"name": gate} | {key: str(n) for key, n in counts.items()})
+        for finding in findings:
+            case = ET.SubElement(suite, "testcase", classname=f"stillstack.{gate}", name=plain(finding.trial))
+            told = plain(finding.told)
+            if finding.judgement == "open":
+                ET.SubElement(case, "skipped", message=told)
+            elif finding.judgement in ALARMS and gate in fail_on:
+                ET.SubElement(case, "failure", type=finding.judgement, message=told)
+            elif told:
+                ET.SubElement(case, "system-out").text = f"{finding.judgement}: {told}"
+    ET.indent(root)
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def as_json(comparison: Comparison, fail_on: Collection[Gate]) -> str:
+    """Everything, for other programs."""
+    content = {
+        "format": "stillstack-comparison-1",
+        "alarms": len(comparison.alarms(fail_on)),
+        "fail_on": list(fail_on),
+        **asdict(comparison),
+    }
+    return json.dumps(content, indent=1)

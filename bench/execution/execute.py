@@ -1,0 +1,81 @@
+"""Where a study's trials run: in processes of this machine, or on a cluster's workers. Progress is shown meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from rich.console import Console
+
+from bench.execution.local import run_trials
+from bench.execution.progress import show_progress
+from bench.execution.signals import Interruption
+from bench.execution.worker import await_server, start_server, stop_everything
+from bench.machine.environment import digest
+from bench.studies.plan import Trial
+from bench.studies.policies import BENCH_POLICIES
+from bench.studies.schema import Study
+from bench.trial.run_trial import Outcome
+
+
+def outcomes_here(
+    study: Study,
+    trials: Sequence[Trial],
+    environment: Mapping[str, Any],
+    jobs: int,
+    interruption: Interruption,
+    console: Console,
+) -> Iterator[Outcome]:
+    """Outcomes of ``trials`` as they finish, ``jobs`` at a time; a wish to stop ends it early, with every process."""
+    core_policies = _core_policies(study)
+    try:
+        start_server(study.engines, core_policies)
+        if core_policies:
+            console.print("compiling the core once", soft_wrap=True)
+        with interruption.at_once():
+            await_server()
+        with show_progress(trials, console) as progress:
+            yield from run_trials(trials, study.limits, digest(environment), jobs, progress, interruption.is_set)
+    except KeyboardInterrupt:  # while the server compiled
+        pass
+    if interruption.is_set():
+        stop_everything()
+
+
+def outcomes_on_cluster(
+    study: Study,
+    trials: Sequence[Trial],
+    environment: Mapping[str, Any],
+    address: str,
+    interruption: Interruption,
+    console: Console,
+    know: Callable[[Mapping[str, Any]], None],
+) -> Iterator[Outcome]:
+    """Outcomes of ``trials`` as the workers finish them; ``know`` is told the environment of each, before it.
+
+    Raises:
+        ClusterError: if no scheduler answers, it is lost, or a worker runs another checkout.
+    """
+    from bench.execution.dask import connected, run_on_cluster  # half a second that a run on this machine need not wait
+
+    with connected(address) as client:
+        workers = len(client.scheduler_info(n_workers=-1)["workers"])
+        waits = "" if workers else ": the run waits until there is one"
+        console.print(f"workers at {address}: {workers}{waits}", highlight=False, soft_wrap=True)
+        with show_progress(trials, console) as progress:
+            for outcome, where in run_on_cluster(
+                client,
+                trials,
+                study.limits,
+                study.engines,
+                _core_policies(study),
+                environment,
+                progress,
+                interruption.is_set,
+            ):
+                know(where)
+                yield outcome
+
+
+def _core_policies(study: Study) -> list[str]:
+    return [core for name in study.policies if (core := BENCH_POLICIES[name].core)]

@@ -1,0 +1,224 @@
+"""The folder in which a run leaves its results; its names are fixed.
+
+A run that was cut off goes on in its folder. Whatever the cut, even of the power: a record on disk means that all of
+its trial is there, and a trial without a record is run again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from adapters import EngineNotInstalledError
+from bench.machine.environment import digest, session
+from bench.studies.plan import plan_trials
+from bench.studies.schema import Study, StudyError, load_study
+from bench.studies.tolerance import Tolerance
+from bench.trial.run_trial import Outcome
+from reports.records.atomic import write_atomic
+from reports.records.folder import ENVIRONMENT, FRAMES, RECORDINGS, REPORT, STUDY, TRIALS
+from reports.records.frames import write_frames
+from reports.records.recording import write_recording
+from reports.records.trial import RecordWriter, TrialRecord, read_records
+
+SESSIONS = "sessions"
+_LOCK = ".lock"
+_PARTS = (STUDY, ENVIRONMENT, TRIALS, FRAMES, RECORDINGS, REPORT)
+_NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "core": "stability_core"}
+
+
+class ResultsError(ValueError):
+    """A folder that cannot take results; the message names the fix."""
+
+
+def check_folder(folder: Path) -> None:
+    """Whether a folder can be written.
+
+    Raises:
+        ResultsError: if it cannot.
+    """
+    nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+    if not nearest.is_dir():
+        raise ResultsError(f"{nearest} is not a folder: choose another with --out")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise ResultsError(f"{nearest} cannot be written: choose another folder with --out")
+
+
+def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
+    """What differs between this run and the one that left trials in ``folder``; nothing if there are no trials."""
+    if not (folder / TRIALS).exists():
+        return []
+    different = []
+    try:
+        if load_study(str(folder / STUDY)) != study:
+            different.append("study")
+    except StudyError:
+        different.append("study")
+    before = _kept_environment(folder)
+    return different + [_NAMES.get(key, key) for key in environment if before.get(key) != environment[key]]
+
+
+def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
+    """Ids of trials that the folder's study plans and that have no record; none if it keeps no study that can be run.
+
+    A study that no longer can be run (an engine that is not installed, a scene that is gone) can still be reported.
+    """
+    try:
+        planned = plan_trials(load_study(str(folder / STUDY)))
+    except (StudyError, EngineNotInstalledError):
+        return []
+    kept = {record.trial for record in records}
+    return [trial.id for trial in planned if trial.id not in kept]
+
+
+class Results:
+    """A folder that takes the outcomes of a run, one by one. No other run can write into it meanwhile."""
+
+    def __init__(
+        self,
+        folder: Path,
+        study: Study,
+        environment: Mapping[str, Any],
+        *,
+        fresh: bool = False,
+        accept_changes: bool = False,
+    ) -> None:
+        """Make the folder, or go on with the trials that it holds.
+
+        Args:
+            folder: where to.
+            study: what is run.
+            environment: what every trial shares.
+            fresh: whether trials of an earlier run are replaced.
+            accept_changes: whether trials of another study, commit or machine are gone on with; each record names the
+                environment that it came from.
+
+        Raises:
+            ResultsError: if the folder cannot be written, another run is at work in it, or what it holds came from
+                another study or environment and this is not accepted.
+        """
+        check_folder(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+        self._lock = FileLock(folder / _LOCK)  # the system frees it when the process dies, however it does
+        try:
+            self._lock.acquire(blocking=False)
+        except Timeout:
+            raise ResultsError(f"another run is at work in {folder}: wait for it, or choose another --out") from None
+        try:
+            if fresh:
+                _clear(folder)
+            different = changes(folder, study, environment)
+            if different and not accept_changes:
+                raise ResultsError(_refusal(folder, different))
+            self._open(study, environment, bool(different))
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _open(self, study: Study, environment: Mapping[str, Any], different: bool) -> None:
+        folder, self._environment = self.folder, digest(environment)
+        if different:
+            _put_aside(folder)
+        sessions = _kept_environment(folder).get(SESSIONS, []) if (folder / TRIALS).exists() else []
+        content = {**environment, SESSIONS: [*sessions, session()]}
+        write_atomic(folder / STUDY, to_toml(study).encode())
+        write_atomic(folder / ENVIRONMENT, (json.dumps(content, indent=2) + "\n").encode())
+        self._frames = folder / FRAMES
+        self._frames.mkdir(exist_ok=True)
+        self._recordings = folder / RECORDINGS
+        self._recordings.mkdir(exist_ok=True)
+        self._writer = RecordWriter(folder / TRIALS)
+        self.torn = self._writer.torn
+        """Whether the last line was torn by a cut; that trial is run again."""
+        self.finished = {record.trial for record in read_records(folder / TRIALS)}
+        """Ids of the trials kept so far."""
+
+    def know(self, environment: Mapping[str, Any]) -> None:
+        """Keep the environment of another machine under the digest by which its records name it."""
+        file = self.folder / f"environment-{digest(environment)}.json"
+        if digest(environment) != self._environment and not file.exists():
+            write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
+
+    def keep(self, outcome: Outcome) -> None:
+        """Write frames and recording, then the record: a record on disk means that all of its trial is."""
+        if outcome.frames:
+            write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
+        if outcome.recording is not None:
+            write_recording(self._recordings / f"{outcome.record.trial}.parquet", outcome.recording)
+        self._writer.append(outcome.record)
+        self.finished.add(outcome.record.trial)
+
+    def close(self) -> None:
+        """No more outcomes."""
+        self._writer.close()
+        self._lock.release()
+
+
+def _clear(folder: Path) -> None:
+    """Remove what an earlier run left, the trials first: without them nothing else counts."""
+    for name in (TRIALS, *_PARTS):
+        part = folder / name
+        if part.is_dir():
+            shutil.rmtree(part)
+        else:
+            part.unlink(missing_ok=True)
+    for environment in folder.glob("environment-*.json"):
+        environment.unlink()
+
+
+def _kept_environment(folder: Path) -> dict[str, Any]:
+    try:
+        kept = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return kept if isinstance(kept, dict) else {}
+
+
+def _put_aside(folder: Path) -> None:
+    """Keep the environment of the earlier trials under the digest by which their records name it."""
+    kept = _kept_environment(folder)
+    if kept:
+        name = digest({key: value for key, value in kept.items() if key != SESSIONS})
+        (folder / ENVIRONMENT).replace(folder / f"environment-{name}.json")
+
+
+def _refusal(folder: Path, different: Sequence[str]) -> str:
+    return (
+        f"{folder} holds trials of another run; changed since: {', '.join(different)}. Choose another folder with "
+        "--out, replace the trials with --fresh, or go on nevertheless with --accept-changes"
+    )
+
+
+def to_toml(study: Study) -> str:
+    """The resolved study. TOML writes strings, numbers and flat lists as JSON does."""
+    content = study.model_dump()
+    scenarios, limits = content.pop("scenario"), content.pop("limits")
+    rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}
+    lines = [*_assignments(content), "", "[limits]", *_assignments(limits)]
+    for kind, those in rules.items():
+        for rule in those:
+            lines += ["", f"[[{kind}]]", *_assignments({field: names for field, names in rule.items() if names})]
+    for scenario in scenarios:
+        lines += ["", "[[scenario]]", f"name = {json.dumps(scenario['name'])}"]
+        if scenario["parameters"]:
+            lines += ["", "[scenario.parameters]", *_assignments(scenario["parameters"])]
+        if allowed := _set_tolerances(scenario["tolerance"]):
+            lines += ["", "[scenario.tolerance]", *_assignments(allowed)]
+    return "\n".join(lines) + "\n"
+
+
+def _set_tolerances(tolerance: Mapping[str, Any]) -> dict[str, Any]:
+    """Those that differ from their defaults."""
+    usual = Tolerance().model_dump()
+    return {name: value for name, value in tolerance.items() if value != usual[name]}
+
+
+def _assignments(fields: Mapping[str, Any]) -> list[str]:
+    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items()]

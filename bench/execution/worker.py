@@ -1,0 +1,258 @@
+"""One trial in a fresh process: what an engine does to its process is this trial's outcome, and nobody else's.
+
+The processes are forked from a server that has loaded the harness and the engines, but never opened one: a trial
+starts in tens of milliseconds, sees no other trial's leftovers, and runs the code as it was when the server started.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import math
+import multiprocessing
+import os
+import resource
+import signal
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from multiprocessing import connection, forkserver, resource_tracker
+from multiprocessing.connection import Connection
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import psutil
+from pebble import ProcessExpired, ProcessFuture
+from pebble.concurrent import process
+
+from adapters import ENGINES
+from bench.execution.forkserver import CONTEXT
+from bench.studies.plan import Trial
+from bench.studies.schema import Limits
+from bench.trial.playback import Progress
+from bench.trial.run_trial import Outcome, bare_record, run_trial
+from reports.records.plain_text import plain_text
+from reports.records.trial import Status
+
+GRACE_S = 60.0
+"""A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""
+WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
+"""Environment variable that tells the server for which policies to compile: it is started with no other word."""
+_ATTEND_S = 0.1
+"""How often the memory of a silent process is looked at [s]."""
+_TELL_S = 0.25
+"""Progress is told no more often than this [s], lest telling disturbs the timing."""
+_MOST_OUTPUT = 2**24
+"""An engine that prints without end must not fill the disk [bytes]."""
+_TAIL = 2**16
+"""How much of its output is looked through for its last words [bytes]."""
+_MEBI = 2**20
+_HUNG = "the engine hung and was stopped; how far it got is not known"
+
+
+def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
+    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them.
+
+    Args:
+        engines: whose modules it loads.
+        core_policies: for which it compiles the core; a policy that no trial uses costs nothing.
+    """
+    modules = [ENGINES[engine].module for engine in engines]
+    core = ["bench.execution.preload_core"] if core_policies else []
+    os.environ[WANTED_POLICIES] = ",".join(core_policies)
+    forkserver.set_forkserver_preload([__name__, *modules, *core, "bench.execution.preload"])
+    resource_tracker.ensure_running()  # its start would let the signal through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # works in a cluster worker's threads too
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def await_server() -> None:
+    """Return when the server has loaded everything, and compiled the core if need be."""
+    in_process(os.getpid, None)().result()
+
+
+def stop_everything() -> None:
+    """End the server and every trial that still runs."""
+    for child in psutil.Process().children(recursive=True):
+        try:
+            child.kill()
+        except psutil.NoSuchProcess:
+            continue
+
+
+class IsolatedTrial:
+    """A trial at work in its own process."""
+
+    def __init__(self, trial: Trial, limits: Limits, environment: str, core: int | None, folder: Path) -> None:
+        """Start it.
+
+        Args:
+            trial: what to run.
+            limits: when it is stopped.
+            environment: digest of the environment, for the record.
+            core: the processor core to run on; None leaves that to the system.
+            folder: for its output while it runs.
+        """
+        self.trial = trial
+        self.core = core
+        self._limits = limits
+        self._environment = environment
+        self._log = folder / f"{trial.id}.log"
+        self._reader, writer = CONTEXT.Pipe(duplex=False)
+        self._news: deque[Progress] = deque()
+        self._pid: int | None = None
+        self._excess_mib: float | None = None
+        self._begun = monotonic()
+        launch = in_process(_run_in_child, limits.trial_wall_s + GRACE_S)
+        self.future: ProcessFuture[Outcome] = launch(trial, limits, environment, core, writer, self._log)
+        writer.close()
+        threading.Thread(target=self._attend, daemon=True).start()
+
+    def news(self) -> Iterator[Progress]:
+        """What it has told since last asked."""
+        while self._news:
+            yield self._news.popleft()
+
+    def _attend(self) -> None:
+        """Listen to the process and limit its memory, whatever the run itself is busy with."""
+        with self._reader:
+            while not self.future.done():
+                try:
+                    if self._reader.poll(_ATTEND_S):
+                        message = self._reader.recv()
+                        if isinstance(message, Progress):
+                            self._news.append(message)
+                        else:
+                            self._pid = message
+                except (EOFError, OSError):  # the process has ended
+                    return
+                self._limit_memory()
+
+    def _limit_memory(self) -> None:
+        """End the process if it has taken more memory than it may."""
+        if self._pid is None:
+            return
+        try:
+            taken = psutil.Process(self._pid).memory_info().rss / _MEBI
+            if taken > self._limits.memory_mib:
+                self._excess_mib = taken
+                os.kill(self._pid, signal.SIGKILL)
+        except (psutil.Error, ProcessLookupError):
+            return
+
+    def outcome(self) -> Outcome:
+        """What it left behind; waits for its end."""
+        try:
+            return self.future.result()
+        except ProcessExpired as error:
+            if self._excess_mib is not None:
+                return self._lost("out_of_memory", self._excess())
+            if self._stopped_itself(error.exitcode):
+                return self._lost("timeout", _HUNG)
+            return self._lost("crashed", f"{_ending(error.exitcode)}: {_last_words(self._log)}")
+        except TimeoutError:
+            return self._lost("timeout", _HUNG)
+        except MemoryError:
+            return self._lost("out_of_memory", "the process ran out of memory")
+        except Exception as error:  # a fault of the harness itself costs this trial, not the run
+            return self._lost("error", f"harness: {type(error).__name__}: {error}")
+        finally:
+            self._log.unlink(missing_ok=True)
+
+    def stop(self) -> None:
+        """End it without an outcome.
+
+        Its process is killed rather than its future cancelled: a result that comes at the same moment would break the
+        thread that waits for it. Before the process has told its number no result can come.
+        """
+        if self._pid is None:
+            self.future.cancel()  # type: ignore[no-untyped-call]
+            return
+        with suppress(ProcessLookupError):
+            os.kill(self._pid, signal.SIGKILL)
+
+    def _lost(self, status: Status, message: str) -> Outcome:
+        """The record of a trial whose process left none."""
+        return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
+
+    def _stopped_itself(self, exitcode: int | None) -> bool:
+        """Whether the process died of its own alarm, not of one that its engine had set before the limit.
+
+        Either that alarm or pebble ends a step that does not return. Pebble counts polls of 0.1 s, each of which takes
+        a little longer, so that its limit comes seconds late after minutes.
+        """
+        return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
+
+    def _excess(self) -> str:
+        return f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB"
+
+
+def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
+    """``function`` in a fresh process that is ended after ``timeout_s`` [s]."""
+    # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
+    return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]
+
+
+def _run_in_child(
+    trial: Trial, limits: Limits, environment: str, core: int | None, writer: Connection, log: Path
+) -> Outcome:
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # an engine that hangs may keep that thread from running
+    _send_output_to(log)
+    if core is not None:
+        os.sched_setaffinity(0, {core})
+    writer.send(os.getpid())
+    last = -_TELL_S
+
+    def tell(progress: Progress) -> None:
+        nonlocal last
+        now = monotonic()
+        if now - last >= _TELL_S:
+            last = now
+            writer.send(progress)
+
+    return run_trial(trial, limits, environment, tell)
+
+
+def _end_with_parent() -> None:
+    """A harness that was killed takes its trials along, lest they disturb the timings of the run that goes on."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+
+def _send_output_to(log: Path) -> None:
+    """Engines print at will: keep it off the terminal, and keep it for a crash's last words."""
+    with log.open("w", encoding="utf-8") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (_MOST_OUTPUT, _MOST_OUTPUT))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a study of crashes would leave gigabytes of core dumps
+    faulthandler.enable(sys.stderr)
+
+
+def _ending(exitcode: int | None) -> str:
+    if exitcode == -signal.SIGKILL:
+        return "the process died of SIGKILL (if nobody sent it, the system ran out of memory)"
+    if exitcode is not None and exitcode < 0:
+        return f"the process died of {signal.Signals(-exitcode).name}"
+    return f"the process ended with status {exitcode}"
+
+
+def _last_words(log: Path) -> str:
+    """What a crashed process printed last: Python's line on a fatal error if there is one."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - _TAIL))
+            said = plain_text(file.read().decode(errors="replace"))
+    except FileNotFoundError:
+        return "it said nothing"
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    fatal = [line for line in lines if line.startswith("Fatal Python error")]
+    return (fatal or lines or ["it said nothing"])[-1][:300]

@@ -1,0 +1,1 @@
+"""Describe the machine and the sources that a run takes place on."""

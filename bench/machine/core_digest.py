@@ -1,0 +1,69 @@
+"""A digest of the core's code: which core made a published page, whatever its prose said.
+
+The digest covers the syntax trees of all Python files of ``stability_core``, sorted by their names. Docstrings and all
+other strings that stand alone, comments and layout are left out, so that an edit of prose outdates no page. Any other
+change counts, also one that changes no result, such as a new name of a variable.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import io
+import subprocess
+import tarfile
+from collections.abc import Mapping
+
+from bench.machine.source_digest import ROOT
+
+CORE = "stability_core"
+
+
+def digest_of(sources: Mapping[str, str]) -> str:
+    """Return the digest, 12 hexadecimal digits, of sources by their names."""
+    digest = hashlib.blake2b(digest_size=6)
+    for name in sorted(sources):
+        digest.update(f"{name}\0{_code(ast.parse(sources[name]))}\0".encode())
+    return digest.hexdigest()
+
+
+def present_core() -> str:
+    """Return the digest of the core of this checkout."""
+    folder = ROOT / CORE
+    return digest_of(
+        {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.py")}
+    )
+
+
+def core_of_commit(commit: str) -> str | None:
+    """Return the digest of a commit's core; None if there is no git, or it does not hold that commit."""
+    try:
+        archive = subprocess.run(
+            ["git", "archive", commit, CORE], cwd=ROOT, capture_output=True, check=True, timeout=60
+        ).stdout
+    except (OSError, subprocess.SubprocessError):
+        return None
+    with tarfile.open(fileobj=io.BytesIO(archive)) as files:
+        sources = {
+            member.name.removeprefix(f"{CORE}/"): file.read().decode()
+            for member in files
+            if member.name.endswith(".py") and (file := files.extractfile(member)) is not None
+        }
+    return digest_of(sources)
+
+
+def _code(part: object) -> str:
+    """Write a syntax tree without prose, alike on every version of Python: fields that are empty are left out."""
+    if isinstance(part, ast.AST):
+        fields = [f"{name}={_code(value)}" for name, value in ast.iter_fields(part) if value not in (None, [])]
+        return f"{type(part).__name__}({', '.join(fields)})"
+    if isinstance(part, list):
+        return f"[{', '.join(_code(item) for item in part if not _is_prose(item))}]"
+    return repr(part)
+
+
+def _is_prose(statement: object) -> bool:
+    """Whether a statement is a string that stands alone: a docstring, or one below a constant."""
+    if not isinstance(statement, ast.Expr) or not isinstance(statement.value, ast.Constant):
+        return False
+    return isinstance(statement.value.value, str)

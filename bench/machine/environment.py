@@ -1,0 +1,123 @@
+"""Where a run took place: versions, machine, commit, and what each engine gives and how its profiles are set."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from adapters import ENGINES, Profile, capabilities, profiles
+from bench.machine.core_digest import present_core
+from bench.machine.source_digest import ROOT, SUITE, sources_digest
+from stability_core import Settings
+
+_PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
+
+
+def engine_version(engine: str) -> str:
+    """Version of the engine's package."""
+    return importlib.metadata.version(ENGINES[engine].package)
+
+
+def describe(engines: Iterable[str]) -> dict[str, Any]:
+    """What every trial of a run shares; the same on the same machine at the same commit, all of it plain JSON."""
+    environment = {
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "processor": _processor(),
+        "cores": psutil.cpu_count(logical=False),
+        "threads": os.cpu_count(),
+        "memory_gib": round(psutil.virtual_memory().total / 2**30, 1),
+        "packages": {name: importlib.metadata.version(name) for name in _PACKAGES},
+        "lock_sha256": hashlib.sha256((ROOT / "uv.lock").read_bytes()).hexdigest(),
+        "commit": _git("rev-parse", "HEAD"),
+        "modified": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "sources": sources_digest(SUITE),
+        "core": present_core(),
+        "settings": asdict(Settings()),
+        "engines": {name: describe_engine(name) for name in engines},
+    }
+    plain: dict[str, Any] = json.loads(json.dumps(environment))
+    return plain
+
+
+def describe_engine(name: str) -> dict[str, Any]:
+    """Version, capabilities and profiles of one engine.
+
+    Raises:
+        EngineNotInstalledError: if its package is missing.
+    """
+    shown = capabilities(name)  # loads the engine: a missing one is told before its version is looked up
+    return {
+        "version": engine_version(name),
+        "capabilities": asdict(shown),
+        "profiles": {key: _profile(profile) for key, profile in profiles(name).items()},
+    }
+
+
+def session() -> dict[str, Any]:
+    """How the machine was when a run began or went on; it may differ each time."""
+    return {
+        "host": platform.node(),
+        "begun": datetime.now(UTC).isoformat(timespec="seconds"),
+        "load": [round(load, 2) for load in psutil.getloadavg()],
+        "governor": _governor(),
+        "cores_allowed": sorted(allowed_cores()),
+    }
+
+
+def allowed_cores() -> set[int]:
+    """The cores that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):  # Linux only
+        return os.sched_getaffinity(0)
+    return set(range(os.cpu_count() or 1))
+
+
+def digest(environment: Mapping[str, Any]) -> str:
+    """Short digest by which a record names its environment."""
+    canonical = json.dumps(environment, sort_keys=True).encode()
+    return hashlib.blake2b(canonical, digest_size=6).hexdigest()
+
+
+def _profile(profile: Profile) -> dict[str, Any]:
+    return {
+        "description": profile.description,
+        "substeps": profile.substeps,
+        "frame_s": profile.frame_s,
+        "tuned_by": profile.tuned_by,
+        "knobs": {name: {"value": knob.value, "reason": knob.reason} for name, knob in profile.knobs.items()},
+    }
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        for line in cpuinfo.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def _governor() -> str | None:
+    """What decides the processor's frequency; None where the system does not tell."""
+    file = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
+    return file.read_text(encoding="utf-8").strip() if file.exists() else None
+
+
+def _git(*arguments: str) -> str | None:
+    """Output of a git command in this checkout; None where there is no git or no checkout."""
+    try:
+        done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()

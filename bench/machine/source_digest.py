@@ -1,0 +1,20 @@
+"""A digest of Python sources: which version of the code a result, or a compiled kernel, came from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters", "reports", "bench"))
+"""Every folder whose code takes part in a trial."""
+
+
+def sources_digest(folders: Iterable[Path]) -> str:
+    """Digest of all Python files below ``folders``: their names and their content."""
+    digest = hashlib.blake2b(digest_size=8)
+    for folder in folders:
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()

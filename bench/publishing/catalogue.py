@@ -1,0 +1,120 @@
+"""What is published in ``docs/results``, and by which command its numbers are made."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass, field
+
+from bench.machine.source_digest import ROOT
+from bench.studies.schema import Study, load_study
+from bench.studies.selection import Selection, selected
+
+PUBLISHED = ROOT / "docs" / "results"
+
+
+@dataclass(frozen=True, slots=True)
+class Gallery:
+    """Stills that are published as one picture, a row a scene and a column a policy."""
+
+    engine: str
+    profile: str
+    scenes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Publication:
+    """A study whose results are published in the folder of its name."""
+
+    shows: str
+    """In a line."""
+    study: str
+    selection: Selection = field(default_factory=Selection)
+    gallery: Gallery | None = None
+
+    @property
+    def arguments(self) -> list[str]:
+        """Of ``bench run``."""
+        chosen = self.selection
+        options = {
+            "--engine": chosen.engines,
+            "--scenario": chosen.scenarios,
+            "--policy": chosen.policies,
+            "--profile": chosen.profiles,
+            "--seeds": () if chosen.seeds is None else (str(chosen.seeds),),
+        }
+        return [self.study, *(word for option, names in options.items() for name in names for word in (option, name))]
+
+    @property
+    def command(self) -> str:
+        """What runs the study."""
+        return shlex.join(["uv", "run", "-m", "bench", "run", *self.arguments])
+
+    def resolved(self) -> Study:
+        """The study as it is run; errors as of ``selected``."""
+        return selected(load_study(self.study), self.selection)
+
+
+_THREE_STACKS = ("four_stack", "card_house", "leaning_tower")
+PUBLICATIONS: dict[str, Publication] = {
+    "paper": Publication(
+        "the paper's three stacks and two planar ones, four engines, profile `game`, seed 0, without and with the "
+        "extension",
+        "paper",
+        gallery=Gallery("bullet", "game", ("four_stack", "card_house-3", "leaning_tower")),
+    ),
+    "publish": Publication(
+        "those stacks by 20 hands on six engines, profile `game`, without the extension and with `at_rest`, "
+        "`paper` and `equilibrium`",
+        "publish",
+    ),
+    "truth": Publication(
+        "every scene with a known answer, most of them in pairs, on five 3-D engines in `tuned`, by every policy",
+        "truth",
+        Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier")),
+    ),
+    "any_stack": Publication(
+        "stacks of other people's bug reports, and each at three times the size, profile `game`, five 3-D engines, "
+        "without the extension and with `equilibrium`",
+        "any_stack",
+        Selection(policies=("none", "equilibrium")),
+        gallery=Gallery(
+            "bullet",
+            "game",
+            (
+                "own_scene-issue_atonce10-0eb37ace",
+                "own_scene-issue_box3d_tiny_pyramid-d397f3ed",
+                "own_scene-issue_pallet-a191f233",
+                "own_scene-issue_peel_mass_ratio_300-389a84e3",
+            ),
+        ),
+    ),
+    "at_once": Publication(
+        "prebuilt stacks in pairs, profile `game`, five 3-D engines, without the extension and with `equilibrium`",
+        "at_once",
+        Selection(profiles=("game",)),
+    ),
+    "profiles": Publication(
+        "the paper's scenes on the engines alone, as shipped and as tuned",
+        "paper",
+        Selection(profiles=("default", "tuned"), policies=("none",)),
+    ),
+    "unity4": Publication(
+        "the paper's stacks on an emulation of its engine, by 30 hands, without and with the extension", "unity4"
+    ),
+    "unity4_leaning": Publication("flatter Vs and higher card houses there, by 10 hands", "unity4_leaning"),
+    "claims": Publication(
+        "the paper's three stacks on PhysX and Rapier, profile `game`, seed 0",
+        "paper",
+        Selection(engines=("physx", "rapier"), scenarios=_THREE_STACKS, policies=("none", "paper")),
+    ),
+    "cost": Publication(
+        "levels reached against milliseconds a frame: substeps and iterations of six engines, with the figure", "cost"
+    ),
+    "scale": Publication("what a world 10 or 100 times larger buys", "scale"),
+    "ratio": Publication(
+        "frame time with the extension over without, on 25 levels of PhysX and Rapier, every profile",
+        "ratio",
+        Selection(engines=("physx", "rapier")),
+    ),
+}
+"""By the name of the folder."""

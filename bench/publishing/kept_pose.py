@@ -1,0 +1,152 @@
+"""Does a leaning tower fall as one? How much of it is still in one piece when it strikes the ground.
+
+    uv run python -m bench.publishing.kept_pose
+
+writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each fall beside it.
+
+A real leaning tower turns about the edge of its lowest plank and stays whole until it hits the ground. From the frame
+before the core lets it go to the first frame in which a falling plank touches the ground, a plank is kept if its pose,
+seen from the plank below it, has moved by less than half a thickness and turned by less than 5 degrees. The lowest
+plank does not fall, and the second turns on it: neither is counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from adapters import open_engine
+from bench.machine.core_digest import present_core
+from bench.publishing.catalogue import PUBLISHED
+from bench.publishing.page_marks import write_page
+from bench.trial.measure import BoolArray
+from bench.trial.playback import Play
+from scenarios.geometry import Boxes, FloatArray, rotation
+from scenarios.planks import LENGTH, THICKNESS
+from scenarios.registry import build
+
+ENGINES = ("bullet", "mujoco", "dart")
+POLICIES = ("paper", "equilibrium")
+FOLDER = PUBLISHED / "equilibrium"
+MOVED = THICKNESS / 2
+TURNED = np.radians(5.0)
+STRUCK = 1e-3
+"""A corner [m] so close to the ground has struck it: less than the fall of one frame."""
+
+
+@dataclass(frozen=True)
+class Fall:
+    """One tower, from its release to the ground."""
+
+    poses: list[tuple[FloatArray, FloatArray]]
+    """Positions (n, 3) [m] and quaternions (n, 4), frame by frame; the first is the last before the release."""
+    frame_s: float
+    woken: int
+    """Planks that the core woke in the frame of the release."""
+
+    @property
+    def kept(self) -> BoolArray:
+        """For each plank from the third on: is its pose on the plank below kept at the end? Shape (n - 2,)."""
+        begin, end = (seen_from_below(*self.poses[frame]) for frame in (0, -1))
+        moved = np.linalg.norm(end[0] - begin[0], axis=1)
+        cosine = ((np.einsum("nij,nij->n", begin[1], end[1])) - 1) / 2
+        kept: BoolArray = (moved < MOVED) & (np.arccos(np.clip(cosine, -1, 1)) < TURNED)
+        return kept[1:]
+
+    @property
+    def tilt(self) -> float:
+        """How far [rad] the top plank has turned about y at the end."""
+        w, x, y, z = self.poses[-1][1][-1]
+        return float(abs(np.arctan2(2 * (w * y - z * x), 1 - 2 * (x * x + y * y))))
+
+
+def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Position (n - 1, 3) and rotation (n - 1, 3, 3) of each plank but the lowest in the frame of the one below."""
+    axes = rotation(quaternion)
+    below = np.swapaxes(axes[:-1], 1, 2)
+    return np.einsum("nij,nj->ni", below, np.diff(position, axis=0)), below @ axes[1:]
+
+
+def watch_fall(engine: str, policy: str) -> Fall:
+    """Build a leaning tower until it falls, and keep the poses of the fall."""
+    scene = build("leaning_tower")
+    simulation = open_engine(engine, "game", world=scene.world, sleeping="off", expected=scene.bricks)
+    poses: list[tuple[FloatArray, FloatArray]] = []
+
+    def keep(_: Any) -> None:
+        _, position, quaternion = simulation.poses()
+        poses.append((position.copy(), quaternion.copy()))
+
+    play = Play(scene, simulation, policy, np.inf, keep)
+    play.run()
+    release = next(row.frame for row in play.rows if row.woken)
+    size = np.array([brick.size for brick in play.builder.bricks])
+    fall = []
+    for position, quaternion in poses[release - 1 :]:
+        fall.append((position, quaternion))
+        corners = Boxes.at(size[: len(position)], position, quaternion).corners
+        if corners[1:, :, 2].min() < STRUCK:
+            break
+    outcome = Fall(fall, simulation.info.frame_s, play.rows[release].woken or 0)
+    simulation.close()
+    return outcome
+
+
+def table(falls: dict[tuple[str, str], Fall]) -> str:
+    """The results as a page."""
+    lines = [
+        "# How a leaning tower falls",
+        "",
+        "Made by `uv run python -m bench.publishing.kept_pose`, whose docstring tells what is counted: the planks that",
+        "keep their pose on the plank below until the tower strikes the ground. Scene `leaning_tower`, profile `game`.",
+        "The fall lasts from the release to the first touch of the ground; the tilt is the top plank's by then.",
+        "",
+        "| Engine | policy | woken | kept | fall, s | tilt, deg | picture |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for (engine, policy), fall in falls.items():
+        lines.append(
+            f"| {engine} | `{policy}` | {fall.woken} | {fall.kept.sum()} of {len(fall.kept)} "
+            f"| {(len(fall.poses) - 1) * fall.frame_s:.2f} | {np.degrees(fall.tilt):.0f} "
+            f"| [side view](kept_pose_{engine}_{policy}.svg) |"
+        )
+    return "\n".join([*lines, ""])
+
+
+def picture(fall: Fall) -> str:
+    """Side view (x to the right, z up) at the release, half-way and at the ground, as SVG."""
+    moments = [0, len(fall.poses) // 2, len(fall.poses) - 1]
+    pitch, height = 3.2 * LENGTH, 1.2 * LENGTH
+    scale = 2000
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {3 * pitch * scale:.0f} {height * scale:.0f}">',
+        f'<path d="M0 {height * scale - 2:.0f}H{3 * pitch * scale:.0f}" stroke="black" stroke-width="2"/>',
+    ]
+    for place, frame in enumerate(moments):
+        position, quaternion = fall.poses[frame]
+        for center, axes in zip(position, rotation(quaternion), strict=True):
+            signs = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+            corners = [center + axes[:, 0] * a * LENGTH / 2 + axes[:, 2] * b * THICKNESS / 2 for a, b in signs]
+            points = " ".join(
+                f"{(x + place * pitch + LENGTH) * scale:.0f},{(height - z) * scale - 2:.0f}" for x, _, z in corners
+            )
+            parts.append(f'<polygon points="{points}" fill="#d9b98c" stroke="#5a4020"/>')
+        parts.append(
+            f'<text x="{place * pitch * scale + 10:.0f}" y="30" font-size="24">{frame * fall.frame_s:.2f} s</text>'
+        )
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def main() -> None:
+    """Watch every fall and write the page with its pictures."""
+    core = present_core()
+    falls = {(engine, policy): watch_fall(engine, policy) for engine in ENGINES for policy in POLICIES}
+    write_page(FOLDER / "kept_pose.md", table(falls), core)
+    for (engine, policy), fall in falls.items():
+        (FOLDER / f"kept_pose_{engine}_{policy}.svg").write_text(picture(fall), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+"""Marks on published pages: which core made a page, and a banner on top if that is not the present one.
+
+Each page below ``docs/results`` ends with a line ``core: DIGEST``, written together with its numbers and never changed
+after. The banner follows from it, and ``uv run python -m bench.publishing --mark`` renews all banners.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+<<<<<<< HEAD:bench/page_marks.py
+from bench.core_digest import core_of_commit, present_core
+from bench.policies import BENCH_POLICIES
+=======
+from bench.execution.results import ENVIRONMENT
+from bench.machine.core_digest import core_of_commit, present_core
+from bench.studies.policies import BENCH_POLICIES
+>>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds):bench/publishing/page_marks.py
+from reports.records.atomic import write_atomic
+from reports.records.folder import ENVIRONMENT
+
+UNKNOWN = "unknown"
+"""In place of a digest, on a page that was made before digests were recorded and whose commit is not known."""
+NOT_USED = "not used"
+"""In place of a digest, on a page of engines alone: it says nothing of the core."""
+_FOOTER = re.compile(rf"\n*^core: ([0-9a-f]{{12}}|{UNKNOWN}|{NOT_USED})\n*\Z", re.MULTILINE)
+_BANNER = re.compile(r"\A> \*\*Made with an earlier core[^\n]*\n\n?")
+_TABLES, _TRIALS = "tables.md", "trials.csv"
+
+
+class MarkError(ValueError):
+    """A page that does not tell its core; the message names the page and the fix."""
+
+
+def pages(folder: Path) -> Iterator[Path]:
+    """Every published page below ``docs/results``, sorted; its own README is only their list."""
+    return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder)
+
+
+def signed(text: str, core: str) -> str:
+    """Return a page with the line that names its core at the end."""
+    return f"{_FOOTER.sub('', text).rstrip()}\n\ncore: {core}\n"
+
+
+def core_of(page: Path) -> str:
+    """Return the digest of the core that made a page, ``UNKNOWN`` or ``NOT_USED``.
+
+    Raises:
+        MarkError: if the page has no such line.
+    """
+    found = _FOOTER.search(page.read_text(encoding="utf-8"))
+    if found is None:
+        raise MarkError(f"{page}: no line 'core: DIGEST' at its end; write it with 'python -m bench.publishing --mark'")
+    return found[1]
+
+
+def warning(core: str, present: str) -> str:
+    """Return what readers must know of a page of ``core``; empty if it holds for the present one."""
+    if core in {present, NOT_USED}:
+        return ""
+    told = "digest unknown" if core == UNKNOWN else f"digest `{core}`"
+    return f"Made with an earlier core ({told}); not yet made again: its claims hold for that core only."
+
+
+def marked(text: str, core: str, present: str) -> str:
+    """Return a page with the line that names its core, and the banner on top that its core asks for."""
+    told = warning(core, present)
+    banner = f"> **{told}**\n\n" if told else ""
+    return banner + signed(_BANNER.sub("", text), core)
+
+
+def write_page(page: Path, text: str, core: str) -> None:
+    """Write a page that was made with ``core``: the digest when its making began, lest the code changed meanwhile."""
+    page.parent.mkdir(parents=True, exist_ok=True)
+    write_atomic(page, marked(text, core, present_core()).encode())
+
+
+def mark(page: Path, present: str | None = None) -> None:
+    """Renew a page's banner; a page that does not tell its core yet gets the line, as far as its core can be known."""
+    text = page.read_text(encoding="utf-8")
+    found = _FOOTER.search(text)
+    core = found[1] if found else _recorded_core(page)
+    write_atomic(page, marked(text, core, present or present_core()).encode())
+
+
+def mark_all(folder: Path) -> int:
+    """Renew the banners of all pages; return how many are of an earlier core."""
+    present, earlier = present_core(), 0
+    for page in pages(folder):
+        mark(page, present)
+        earlier += bool(warning(core_of(page), present))
+    return earlier
+
+
+def _recorded_core(page: Path) -> str:
+    """The core that the run of a study recorded, or that of the commit which it names."""
+    if page.name != _TABLES or not (page.parent / ENVIRONMENT).exists():
+        return UNKNOWN
+    if not is_of_core(page.parent):
+        return NOT_USED
+    environment = json.loads((page.parent / ENVIRONMENT).read_text(encoding="utf-8"))
+    return environment.get("core") or core_of_commit(environment["commit"]) or UNKNOWN
+
+
+def is_of_core(folder: Path) -> bool:
+    """Whether any trial of a published study was played with a policy of the core."""
+    with (folder / _TRIALS).open(encoding="utf-8", newline="") as file:
+        policies = {row["policy"] for row in csv.DictReader(file)}
+    return any(BENCH_POLICIES[policy].core is not None for policy in policies)

@@ -1,0 +1,155 @@
+"""``uv run python -m bench.publishing NAME [DIR]``: publish a study in ``docs/results/NAME``.
+
+Without DIR the study is run first, into ``results/published-NAME``; what was cut off goes on there. Tables, figures and
+trials are then copied, and the documents' generated parts filled anew, so that the README says what the tables say.
+
+``uv run python -m bench.publishing --mark`` runs nothing: it marks the pages of an earlier core, and fills those parts.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+<<<<<<< HEAD:bench/publish.py
+from bench import generated
+from bench.environment import describe
+from bench.page_marks import mark, mark_all
+from bench.publications import PUBLICATIONS, PUBLISHED, Gallery, Publication
+from bench.results import missing_trials
+from bench.sources import ROOT
+from bench.studies import load_study
+=======
+from bench.execution.results import ENVIRONMENT, STUDY, TRIALS, missing_trials
+from bench.machine.environment import describe
+from bench.machine.source_digest import ROOT
+from bench.publishing import doc_blocks
+from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED, Gallery, Publication
+from bench.publishing.page_marks import mark, mark_all
+from bench.publishing.replays import first_stacks, read_stack
+from bench.studies.schema import load_study
+>>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds):bench/publishing/publish.py
+from reports.records.atomic import atomic_file
+from reports.records.folder import ENVIRONMENT, STUDY, TRIALS
+from reports.records.trial import TrialRecord, read_records
+from reports.replays.gallery_figure import gallery_figure
+from reports.replays.stacks import first_stacks, read_stack
+from reports.replays.stills import write_stills
+from reports.statistics.groups import groups_of
+from stability_core.lookup import UnknownNameError, look_up
+
+PICTURE = "stills.png"
+_TABLES = ("tables.md", "trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg")
+"""Of a report; the last three only of some studies."""
+_STILL_PIXELS, _PICTURE_DPI = 480, 120
+
+
+class PublishError(ValueError):
+    """Results that are not fit to be published; the message names the fix."""
+
+
+def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
+    """Copy what readers need of a results folder and its report into ``to / name``; returns that folder.
+
+    Raises:
+        UnknownNameError: if nothing of that name is published.
+        PublishError: if the folder holds another study, half of one, or one of changed sources.
+        RecordError: if its records cannot be read.
+        StillsError: if a picture is due and cannot be drawn.
+    """
+    publication, records = look_up("publication", name, PUBLICATIONS), read_records(folder / TRIALS)
+    _check(publication, folder, records)
+    target = to / name
+    target.mkdir(parents=True, exist_ok=True)
+    report = folder / "report"
+    for part in (*(report / table for table in _TABLES), folder / STUDY, folder / ENVIRONMENT):
+        if part.exists():
+            shutil.copyfile(part, target / part.name)
+    if (target / "tables.md").exists():
+        mark(target / "tables.md")
+    _copy_figures(report / "figures", target / "figures")
+    if publication.gallery is not None:
+        _draw(publication.gallery, folder, records, target / PICTURE)
+    return target
+
+
+def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:
+    if load_study(str(folder / STUDY)) != publication.resolved():
+        raise PublishError(f"{folder} holds another study: run {publication.command}")
+    missing = missing_trials(folder, records)
+    if missing:
+        raise PublishError(f"{folder} lacks {len(missing)} trials: go on with {publication.command} --out {folder}")
+    _check_sources(json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8")), str(folder))
+
+
+def _check_sources(environment: Mapping[str, Any], where: str) -> None:
+    if environment.get("modified") is not False or not environment.get("commit"):
+        raise PublishError(f"{where}: sources that no commit holds; commit them, and run it again")
+
+
+def _copy_figures(source: Path, target: Path) -> None:
+    """Those for browsers; papers find the PDF in a report of their own."""
+    shutil.rmtree(target, ignore_errors=True)
+    figures = sorted(source.glob("*.svg"))
+    if figures:
+        target.mkdir()
+    for figure in figures:
+        shutil.copyfile(figure, target / figure.name)
+
+
+def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], picture: Path) -> None:
+    """The picture of some stills."""
+    wanted = (gallery.engine, gallery.profile)
+    stacks = [
+        read_stack(folder, those)
+        for those in first_stacks(folder, records)
+        if (those[0].engine, those[0].profile) == wanted and those[0].scene in gallery.scenes
+    ]
+    stills = folder / "report" / "gallery"
+    write_stills(stills, stacks, _STILL_PIXELS)
+    figure = gallery_figure(stills, groups_of(records), *wanted, gallery.scenes)
+    with atomic_file(picture) as draft:
+        figure.savefig(draft, format="png", dpi=_PICTURE_DPI)
+
+
+def main(
+    name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(PUBLICATIONS)}.")] = None,
+    folder: Annotated[Path | None, typer.Argument(metavar="[DIR]", help="A results folder of it.")] = None,
+    is_mark: Annotated[bool, typer.Option("--mark", help="Only mark the pages of an earlier core.")] = False,
+) -> None:
+    """Publish a study in docs/results, and run it first unless a results folder is given."""
+    if is_mark == (name is not None):
+        raise typer.BadParameter("give the name of a publication, or --mark alone")
+    if name is None:
+        earlier = mark_all(PUBLISHED)
+        doc_blocks.main()
+        typer.echo(f"pages of an earlier core: {earlier}; the documents' generated parts are filled anew")
+        return
+    try:
+        publication = look_up("publication", name, PUBLICATIONS)
+        if folder is None:
+            folder = ROOT / "results" / f"published-{name}"
+            _check_sources(describe(()), "this checkout")  # before the hours that a run may take
+            _bench("run", *publication.arguments, "--out", str(folder))
+        else:
+            _bench("report", str(folder))
+        target = publish(name, folder)
+    except (UnknownNameError, ValueError, OSError, RuntimeError) as error:
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(2) from error
+    doc_blocks.main()
+    typer.echo(f"published in {target.relative_to(ROOT)}; the documents' generated parts are filled anew")
+
+
+def _bench(*arguments: str) -> None:
+    """The command line, in a process of its own as always; its tables are not shown here."""
+    done = subprocess.run([sys.executable, "-m", "bench", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
+    if done.returncode:
+        raise typer.Exit(done.returncode)

@@ -1,0 +1,1 @@
+"""Plan what is run: studies and their schema, selections, trials, policies and tolerances."""

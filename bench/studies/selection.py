@@ -1,0 +1,64 @@
+"""A study as the command line narrows or changes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from adapters import ENGINES
+from bench.studies.policies import BENCH_POLICIES
+from bench.studies.schema import Study, check_study
+from scenarios.registry import SCENARIOS
+from stability_core.lookup import look_up
+
+OWN = ".toml"
+"""How the name of a scene of one's own ends: a file of bricks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """What the command line asks for; what is empty or None stays as the study has it."""
+
+    engines: Sequence[str] = ()
+    scenarios: Sequence[str] = ()
+    policies: Sequence[str] = ()
+    profiles: Sequence[str] = ()
+    seeds: int | None = None
+
+
+def selected(study: Study, selection: Selection) -> Study:
+    """The study with the selection in place of its own; a chosen scenario keeps the study's parameters, if it has any.
+
+    Raises:
+        UnknownNameError: for a name that does not exist.
+        StudyError: for a combination that cannot be run, such as a profile that an engine does not have.
+        EngineNotInstalledError: if the package of one of the engines is missing.
+    """
+    for engine in selection.engines:
+        look_up("engine", engine, ENGINES)
+    for scenario in selection.scenarios:
+        if not scenario.endswith(OWN):
+            look_up("scenario", scenario, SCENARIOS)
+    for policy in selection.policies:
+        look_up("policy", policy, BENCH_POLICIES)
+    content: dict[str, Any] = study.model_dump()
+    named = {
+        "engines": list(selection.engines),
+        "policies": list(selection.policies),
+        "profiles": list(selection.profiles),
+        "seeds": selection.seeds,
+        "scenario": [
+            chosen
+            for name in selection.scenarios
+            for chosen in [one for one in content["scenario"] if one["name"] == name] or [_plain(name)]
+        ],
+    }
+    if selection.profiles:
+        content["sweep"] = []
+    return check_study(content | {field: value for field, value in named.items() if value}, f"study '{study.name}'")
+
+
+def _plain(name: str) -> dict[str, Any]:
+    """A scenario of which the study has no parameters: as it is, or out of a file."""
+    return {"name": "own_scene", "parameters": {"file": name}} if name.endswith(OWN) else {"name": name}

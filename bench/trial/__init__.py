@@ -1,0 +1,1 @@
+"""Run one trial: build its scene in an engine, step it, monitor and judge it."""

@@ -1,0 +1,186 @@
+"""The hand that builds a scene in an engine: lets bricks go, takes them away, pushes, presses and pulls them."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+
+from adapters.base import Simulation
+from bench.trial.drives import Drives
+from bench.trial.gravity import TurningGravity
+from bench.trial.manipulator import Grip, Listener
+from bench.trial.measure import FloatArray, Plan
+from bench.trial.support import drop_heights
+from scenarios.geometry import Boxes, resting_shift, side_by_side
+from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
+
+HOLD_S = 0.1
+"""How long [s] before it is pushed or pulled a brick is held: the extension wakes it in the frame after it is told."""
+_EARLY_S = 1e-9
+"""An action is due if it lies no more than this [s] ahead: frame times are rounded sums."""
+
+
+class Builder:
+    """Carries out a scene's actions on a simulation, each in the frame in which it is due."""
+
+    def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
+        """Build ``scene`` in an empty ``simulation``; ``listener`` is told what the hand holds."""
+        self._simulation = simulation
+        self._fixed = Boxes.of(scene.world.fixed)
+        self._is_poured = scene.poured
+        self._grip = Grip(simulation, listener)
+        self._gravity = TurningGravity(simulation, listener.turn_gravity if listener else lambda _: None)
+        self._drives = Drives(simulation)
+        self._is_driving = False
+        self._pending = list(reversed(scene.actions))
+        self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
+        self._bodies: list[int] = []  # in the order of placement
+        self._planned: dict[int, Brick] = {}  # by body, of those now in the world
+        self._drop_below: dict[int, float] = {}  # by body, of those that lost their support
+        self.placed: dict[int, float] = {}
+        """The levels that are complete, and when [s] the last brick of each was let go."""
+        self.level = 0
+        """The highest level of which a brick has been let go."""
+        self.plan = Plan.of(())
+        """Of the bricks now in the world, in the order of ``Simulation.poses``."""
+        self._set_down: list[int] = []  # bodies of prebuilt stacks that nobody has asked for yet
+
+    @property
+    def bricks(self) -> list[Brick]:
+        """The bricks now in the world as they were planned, in the order of ``Simulation.poses``."""
+        return list(self._planned.values())
+
+    @property
+    def is_done(self) -> bool:
+        """True when every action has been carried out."""
+        return not (self._pending or self._grip.pulls or self._grip.presses or self._gravity.tilts or self._is_driving)
+
+    def take_set_down(self) -> list[int]:
+        """Return the bodies set down without a gap since the last call: a prebuilt stack, to be judged at once."""
+        bodies, self._set_down = self._set_down, []
+        return bodies
+
+    def act(self, time: float) -> None:
+        """Carry out all actions that are due at ``time`` [s], and go on with those that take longer."""
+        for body in self._grip.pull_on(time):
+            self._forget(body)
+            self._plan_anew()
+        self._grip.press_on(time + _EARLY_S)
+        while action := self._due(time):
+            self._pending.pop()
+            self._carry_out(action, time)
+            self._plan_anew()
+        self._gravity.turn_on(time)
+        if moved := self._drives.go_on(time, self._planned):
+            self._planned |= moved
+            self._plan_anew()
+        self._is_driving = self._drives.is_changing(time)
+        for action in self._pending:
+            if (
+                isinstance(action, Push | Press | Pull)
+                and action.time <= time + HOLD_S
+                and action.brick < len(self._bodies)
+            ):
+                self._grip.hold(self._bodies[action.brick])
+        if self._grip.pulls:
+            self._follow_the_hand()
+
+    def _carry_out(self, action: Action, time: float) -> None:
+        """Do what is due, or begin what takes longer."""
+        match action:
+            case Place():
+                self._place(action, time)
+            case Remove():
+                body = self._bodies[action.brick]
+                self._simulation.remove(body)
+                self._forget(body)
+            case Push():
+                self._grip.push(self._bodies[action.brick], action.impulse)
+            case Press():
+                self._grip.press(self._bodies[action.brick], action)
+            case Pull():
+                self._grip.pull(self._bodies[action.brick], action)
+            case Drive():
+                self._drives.begin(self._bodies[action.brick], action)
+            case Tilt():
+                self._gravity.begin(action)
+
+    def _follow_the_hand(self) -> None:
+        """What the hand pulls is in its place wherever it is."""
+        bodies, position, quaternion = self._simulation.poses()
+        for row, body in enumerate(bodies.tolist()):
+            if body in self._grip.pulls:
+                before = self._planned[body]
+                self._planned[body] = at_pose(before, position[row], quaternion[row])
+                self._note_lost_support(before, body)
+        self._plan_anew()
+
+    def _forget(self, body: int) -> None:
+        """Take a brick that the simulation no longer holds out of the plan."""
+        self._drives.forget(body)
+        self._note_lost_support(self._planned.pop(body), body)
+
+    def _note_lost_support(self, before: Brick, moved: int) -> None:
+        """Note the bricks that rested on one that was taken away or pulled from where it was ``before``."""
+        rest = {body: brick for body, brick in self._planned.items() if body != moved}
+        left = [self._planned[moved]] if moved in self._planned else []
+        bodies, position, _ = self._simulation.poses()
+        heights = drop_heights(Plan.of(list(rest.values())), position[bodies != moved], before, left)
+        for body, height in zip(rest, heights.tolist(), strict=True):
+            if height > -math.inf:
+                self._drop_below.setdefault(body, height)
+
+    def _plan_anew(self) -> None:
+        self.plan = Plan.of(self.bricks)
+        if self._drop_below:
+            held = dict.fromkeys(self._grip.pulls, -math.inf)
+            heights = self._drop_below | held
+            rows = [heights.get(body, -math.inf) for body in self._planned]
+            self.plan = replace(self.plan, drop_below=np.array(rows))
+
+    def _due(self, time: float) -> Action | None:
+        if self._pending and self._pending[-1].time <= time + _EARLY_S:
+            return self._pending[-1]
+        return None
+
+    def _place(self, action: Place, time: float) -> None:
+        shift = self._resting_shift(action) + action.height - CLEARANCE
+        for brick in action.bricks:
+            x, y, z = brick.position
+            body = self._simulation.spawn(replace(brick, position=(x, y, z + shift)))
+            self._bodies.append(body)
+            self._planned[body] = brick
+            if action.height == 0.0:
+                self._set_down.append(body)
+            self.level = max(self.level, brick.level)
+            self._missing[brick.level] -= 1
+            if not self._missing[brick.level]:
+                self.placed[brick.level] = time
+
+    def _resting_shift(self, action: Place) -> float:
+        """Return what to add to the planned heights [m] so that the group hangs ``CLEARANCE`` above its support.
+
+        The support is a fixed box or a brick of a lower level than the one that it carries. A brick that is planned
+        beside the group is none, though it may overlap it in plan by the micrometres by which it has moved; of poured
+        bricks the plan tells nothing.
+        """
+        _, position, quaternion = self._simulation.poses()
+        plan, group = self.plan, Boxes.of(action.bricks)
+        level = np.array([brick.level for brick in action.bricks])
+        lower = plan.level < level.max()
+        carries_nothing = plan.level[lower] >= level[:, None]
+        if not self._is_poured:
+            planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
+            carries_nothing |= side_by_side(group, planned)
+        actual = Boxes.at(plan.size[lower], position[lower], quaternion[lower])
+        return resting_shift(group, actual, neighbours=carries_nothing, fixed=self._fixed)
+
+
+def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick:
+    """A brick at the pose that an engine reports: position (3,) [m], quaternion (4,)."""
+    x, y, z = position.tolist()
+    w, i, j, k = quaternion.tolist()
+    return replace(brick, position=(x, y, z), quaternion=(w, i, j, k))

@@ -1,0 +1,84 @@
+"""Bodies that the host moves: their velocities from frame to frame, and where the plan has them and what they carry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.driven import advanced
+from adapters.vectors import rotate
+from bench.trial.measure import FloatArray
+from scenarios.model import Brick, Drive
+
+
+@dataclass(slots=True)
+class _Driving:
+    """A moved body and the velocity that it has or is being brought to."""
+
+    action: Drive
+    start: FloatArray
+    """Velocity [m/s] and spin [rad/s] when the action began, shape (6,)."""
+    now: FloatArray
+    """The same in the present frame."""
+
+
+class Drives:
+    """Drives the moved bodies of one simulation."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._driven: dict[int, _Driving] = {}
+
+    def is_changing(self, time: float) -> bool:
+        """True while a body has not yet the velocity that it is brought to."""
+        return any(time < driving.action.until for driving in self._driven.values())
+
+    def begin(self, body: int, action: Drive) -> None:
+        """Begin to bring a body to a velocity."""
+        before = self._driven.get(body)
+        start = np.zeros(6) if before is None else before.now
+        self._driven[body] = _Driving(action, start, start)
+
+    def forget(self, body: int) -> None:
+        """A body left the world."""
+        self._driven.pop(body, None)
+
+    def go_on(self, time: float, planned: Mapping[int, Brick]) -> dict[int, Brick]:
+        """Drive on for the frame that begins at ``time`` [s]; return the bricks whose plan moves, by body.
+
+        The velocity is that of the middle of the frame, so that an even acceleration covers its exact distance.
+        """
+        frame_s = self._simulation.info.frame_s
+        changed: dict[int, Brick] = {}
+        for body, driving in self._driven.items():
+            action = driving.action
+            part = (time + frame_s / 2 - action.time) / action.seconds if action.seconds else 1.0
+            target = np.array((*action.velocity, *action.spin))
+            driving.now = driving.start + min(max(part, 0.0), 1.0) * (target - driving.start)
+            linear, angular = driving.now[:3], driving.now[3:]
+            (u, v, w), (i, j, k) = linear.tolist(), angular.tolist()
+            self._simulation.drive(body, (u, v, w), (i, j, k))
+            if driving.now.any():
+                carried = [other for other, brick in planned.items() if brick.level > planned[body].level]
+                changed |= _moved([body, *(carried if action.carries else [])], planned, linear, angular, frame_s)
+        return changed
+
+
+def _moved(
+    bodies: list[int], planned: Mapping[int, Brick], linear: FloatArray, angular: FloatArray, seconds: float
+) -> dict[int, Brick]:
+    """Return the planned bricks after ``seconds`` on a platform, the first of ``bodies``, that moves as given."""
+    center = np.array(planned[bodies[0]].position)
+    turn = advanced(center, np.array((1.0, 0.0, 0.0, 0.0)), linear, angular, seconds)[1]
+    moved = {}
+    for body in bodies:
+        brick = planned[body]
+        _, quaternion = advanced(center, np.array(brick.quaternion), linear, angular, seconds)
+        arm = rotate(turn[None], (np.array(brick.position) - center)[None])[0]
+        x, y, z = (center + linear * seconds + arm).tolist()
+        w, i, j, k = quaternion.tolist()
+        moved[body] = Brick(brick.size, brick.mass, (x, y, z), (w, i, j, k), brick.level, brick.moved)
+    return moved

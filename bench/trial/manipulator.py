@@ -1,0 +1,115 @@
+"""What a user does to a brick that lies: holds, strikes, presses, pulls it; the extension hears what is held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from adapters.base import Simulation
+from bench.trial.measure import FloatArray
+from scenarios.model import Press, Pull, Vector
+
+
+class Listener(Protocol):
+    """Who must know what a user holds: the stability extension, or nobody."""
+
+    def disturb(self, bodies: Sequence[int]) -> None:
+        """A user holds ``bodies``."""
+
+    def release(self, bodies: Sequence[int]) -> None:
+        """The user let ``bodies`` go."""
+
+    def turn_gravity(self, gravity: Vector) -> None:
+        """Gravity [m/s2] has changed."""
+
+
+@dataclass(slots=True)
+class _Pulling:
+    """A pull that goes on."""
+
+    until: float
+    """When it ends [s]."""
+    velocity: FloatArray
+    """What the hand wants [m/s], shape (2,)."""
+    speed: FloatArray
+    """What it gives the brick at the beginning of a frame [m/s], shape (2,): as much more as friction takes away."""
+    position: FloatArray
+    """Where the brick was a frame ago [m], shape (2,)."""
+
+
+class Grip:
+    """The user's hand on the bricks of one simulation."""
+
+    def __init__(self, simulation: Simulation, listener: Listener | None) -> None:
+        self._simulation = simulation
+        self._listener = listener
+        self._held: set[int] = set()
+        self.pulls: dict[int, _Pulling] = {}
+        """The pulls that go on, by body."""
+        self.presses: dict[int, float] = {}
+        """When [s] each press that goes on ends, by body."""
+
+    def hold(self, body: int) -> None:
+        """Take hold of a body: it stays live, and what rests on it is looked at again."""
+        if body not in self._held:
+            self._held.add(body)
+            if self._listener is not None:
+                self._listener.disturb((body,))
+
+    def push(self, body: int, impulse: Vector) -> None:
+        """Strike a body with an ``impulse`` [N s] and let it go."""
+        self._simulation.push(body, impulse)
+        self._let_go(body)
+
+    def press(self, body: int, action: Press) -> None:
+        """Begin to press on a body."""
+        self._simulation.apply_force(body, action.force)
+        self.presses[body] = action.until
+
+    def press_on(self, time: float) -> None:
+        """Let go of the bodies whose press is over at ``time`` [s]."""
+        for body in [body for body, until in self.presses.items() if time >= until]:
+            del self.presses[body]
+            self._simulation.apply_force(body, (0.0, 0.0, 0.0))
+            self._let_go(body)
+
+    def _let_go(self, body: int) -> None:
+        if body in self._held:
+            self._held.remove(body)
+            if self._listener is not None:
+                self._listener.release((body,))
+
+    def pull(self, body: int, action: Pull) -> None:
+        """Begin to pull a body."""
+        wanted = np.array(action.velocity)
+        self.pulls[body] = _Pulling(action.until, wanted, wanted, self._place(body))
+
+    def pull_on(self, time: float) -> list[int]:
+        """Pull for one more frame, from ``time`` [s]; take away those whose pull has ended, and tell which.
+
+        A strike a frame, as strong as it takes: where the brick stayed behind in the last frame, a stronger one.
+        """
+        frame_s = self._simulation.info.frame_s
+        for body, pulling in self.pulls.items():
+            position = self._place(body)
+            pulling.speed = pulling.speed + pulling.velocity - (position - pulling.position) / frame_s
+            pulling.position = position
+            linear, _ = self._simulation.velocities()
+            missing = pulling.speed - linear[list(self._simulation.bricks).index(body), :2]
+            x, y = (self._simulation.bricks[body].mass * missing).tolist()
+            self._simulation.push(body, (x, y, 0.0))
+        ended = [body for body, pulling in self.pulls.items() if time >= pulling.until]
+        for body in ended:
+            self._simulation.remove(body)
+            self._held.discard(body)
+            del self.pulls[body]
+        return ended
+
+    def _place(self, body: int) -> FloatArray:
+        """Where a body is in x and y [m], shape (2,)."""
+        bodies, position, _ = self._simulation.poses()
+        place: FloatArray = position[bodies == body][0, :2].copy()
+        return place

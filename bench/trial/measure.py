@@ -1,0 +1,237 @@
+"""Is it still standing, and how well? Pure functions of planned and actual poses.
+
+A brick is in place while it lies within a plank's thickness sideways of where it was let go and within
+15 degrees of tilt, and its level has not sunk by half a thickness into the level below. Four kinds of collapse
+are told apart:
+
+- topple: a brick turned by more than 15 degrees;
+- slide: a brick moved sideways by more than its thickness;
+- drop: a brick fell straight down through free space, because the plan no longer holds its support or because it
+  lies more than its thickness lower than planned on the level below and overlaps nothing by much;
+- sink: a level moved by more than half a thickness into what still lies below it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.records.trial import CollapseKind, Status, Verdict
+from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
+from scenarios.model import Brick, Expectation
+from scenarios.statics import falling
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+TILT_LIMIT = falling.TILT_LIMIT
+"""Angle [rad] off its plan from which a brick has toppled."""
+SLIDE_LIMIT = falling.SLIDE_LIMIT
+"""Distance sideways of its plan from which a brick has slid, in thicknesses."""
+SINK_LIMIT = 0.5
+"""Relative sink between neighbouring levels, in thicknesses of a brick."""
+DROP_LIMIT = 1.0
+"""Relative sink beyond which a brick that overlaps nothing has dropped, in thicknesses: a level that sank so far into
+the level below would overlap it by as much."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Where a set of bricks ought to be; row i of every array belongs to brick i."""
+
+    position: FloatArray
+    """Planned centres [m], shape (n, 3)."""
+    quaternion: FloatArray
+    """Planned orientations (w, x, y, z), shape (n, 4)."""
+    size: FloatArray
+    """Edge lengths [m], shape (n, 3)."""
+    level: npt.NDArray[np.int64]
+    """Levels from 1, shape (n,)."""
+    drop_below: FloatArray
+    """Height [m] of the centre below which a brick has dropped, shape (n,); minus infinity while its support is there.
+    ``bench.trial.support`` sets it."""
+
+    @classmethod
+    def of(cls, bricks: Sequence[Brick]) -> Plan:
+        """The plan of bricks as a scene tells it."""
+        return cls(
+            np.array([brick.position for brick in bricks], np.float64).reshape(-1, 3),
+            np.array([brick.quaternion for brick in bricks], np.float64).reshape(-1, 4),
+            np.array([brick.size for brick in bricks], np.float64).reshape(-1, 3),
+            np.array([brick.level for brick in bricks], np.int64),
+            np.full(len(bricks), -np.inf),
+        )
+
+    @property
+    def thickness(self) -> FloatArray:
+        """Least edge of each brick [m], shape (n,)."""
+        thickness: FloatArray = self.size.min(axis=1)
+        return thickness
+
+
+@dataclass(frozen=True, slots=True)
+class Faults:
+    """Which bricks are out of place, and how; boolean arrays of shape (n,)."""
+
+    topple: BoolArray
+    slide: BoolArray
+    drop: BoolArray
+    sink: BoolArray
+
+    @property
+    def any(self) -> BoolArray:
+        """Out of place in whichever way."""
+        return self.topple | self.slide | self.drop | self.sink
+
+    @property
+    def kind(self) -> CollapseKind | None:
+        """The gravest way in which a brick is out of place; None if all are in place."""
+        if self.topple.any():
+            return "topple"
+        if self.slide.any():
+            return "slide"
+        if self.drop.any():
+            return "drop"
+        return "sink" if self.sink.any() else None
+
+
+def sideways(plan: Plan, position: FloatArray) -> FloatArray:
+    """Horizontal distance [m] of each brick from where it was let go, shape (n,)."""
+    offset = position[:, :2] - plan.position[:, :2]
+    distance: FloatArray = np.hypot(offset[:, 0], offset[:, 1])
+    return distance
+
+
+def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
+    """Angle [rad] by which the vertical of each brick has turned from its plan, shape (n,); yaw is no tilt."""
+    w, x, y, z = quaternion.T
+    pw, px, py, pz = plan.quaternion.T
+    # vector part of q * conj(planned): only its horizontal components turn the vertical
+    rx = -w * px + x * pw - y * pz + z * py
+    ry = -w * py + x * pz + y * pw - z * px
+    angle: FloatArray = 2 * np.arcsin(np.clip(np.hypot(rx, ry), 0, 1))
+    return angle
+
+
+def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
+    """How far [m] each brick's level has sunk into the level below, shape (n,); the ground does not sink.
+
+    The mean of a level is compared: a tower that leans as one lowers one side of a level and lifts the other,
+    and that is a lean, not a sink.
+    """
+    if not len(position):
+        return np.empty(0)
+    rise = position[:, 2] - plan.position[:, 2]
+    count = np.bincount(plan.level)
+    total = np.bincount(plan.level, rise)
+    sunk, below = np.zeros(len(count)), 0.0
+    for level in range(1, len(count)):
+        if count[level]:
+            here = total[level] / count[level]
+            sunk[level], below = below - here, here
+    return sunk[plan.level]
+
+
+def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
+    """Which bricks are out of place, and how."""
+    thickness = plan.thickness
+    sunk = relative_sink(plan, position)
+    return Faults(
+        topple=tilt(plan, quaternion) > TILT_LIMIT,
+        slide=sideways(plan, position) > SLIDE_LIMIT * thickness,
+        drop=(position[:, 2] < plan.drop_below) | _fell_freely(plan, position, quaternion, sunk),
+        sink=sunk > SINK_LIMIT * thickness,
+    )
+
+
+def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
+    """Find the bricks that lie more than a thickness too low and yet inside nothing, shape (n,).
+
+    A brick that passed through the level below, or through the ground, counts as inside it.
+    """
+    fallen = sunk > DROP_LIMIT * plan.thickness
+    if not fallen.any():
+        return fallen
+    boxes = Boxes.at(plan.size, position, quaternion)
+    here = Boxes(boxes.center[fallen], boxes.half_axes[fallen])
+    is_lower = plan.level[None, :] < plan.level[fallen, None]
+    clearance = np.where(is_lower, vertical_clearance(here, boxes), np.inf).min(axis=1)
+    overlap = -np.minimum(clearance, height_above_ground(here))
+    fallen[fallen] = overlap < SINK_LIMIT * plan.thickness[fallen]
+    return fallen
+
+
+def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
+    """True while every brick is in place."""
+    return not faults(plan, position, quaternion).any.any()
+
+
+def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]) -> int:
+    """The highest of the ``landed`` levels that is in place together with every level below it; 0 if none."""
+    broken = plan.level[out_of_place]
+    reach = int(broken.min()) - 1 if len(broken) else math.inf
+    return max((level for level in landed if level <= reach), default=0)
+
+
+def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) -> float:
+    """Height [m] of the highest corner of a level's bricks."""
+    of_level = plan.level == level
+    w, x, y, z = quaternion[of_level].T
+    third_row = np.abs(np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1))
+    half_height = 0.5 * (third_row * plan.size[of_level]).sum(axis=1)
+    return float((position[of_level, 2] + half_height).max())
+
+
+def sink(plan: Plan, position: FloatArray, level: int) -> float:
+    """How far [m] a level's bricks lie below their ideal height, on average."""
+    of_level = plan.level == level
+    return float((plan.position[of_level, 2] - position[of_level, 2]).mean())
+
+
+def creep(before: FloatArray, after: FloatArray, seconds: float) -> float:
+    """Fastest mean motion [m/s] of a brick between two sets of positions (n, 3)."""
+    return float(np.linalg.norm(after - before, axis=1).max() / seconds)
+
+
+def verdict(
+    expectation: Expectation,
+    status: Status,
+    collapse_level: int | None,
+    kind: CollapseKind | None,
+    collapse_s: float | None = None,
+) -> Verdict:
+    """Was the outcome what theory demands?
+
+    Standing is right if the trial ran to its end; falling is right only at the level itself, not before it is due and
+    not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its end, and one that
+    sank where it had to fall, has failed; one that its time limit stopped is undecided.
+    """
+    if expectation.outcome == "study" or status == "unsupported":
+        return "none"
+    if status == "timeout":
+        return "undecided"
+    if status not in {"completed", "collapsed"}:
+        return "failed"
+    if expectation.outcome == "stand":
+        return "right" if status == "completed" else "false_collapse"
+    if expectation.level is None:
+        raise ValueError("a scene that must fall names the level at which it does")
+    if collapse_level is None or collapse_level > expectation.level:
+        return "false_stand"
+    is_early = collapse_s is not None and collapse_s < expectation.not_before_s
+    if collapse_level < expectation.level or is_early:
+        return "false_collapse"
+    if _is_late(expectation, collapse_s):
+        return "false_stand"
+    return "failed" if kind == "sink" else "right"
+
+
+def _is_late(expectation: Expectation, collapse_s: float | None) -> bool:
+    """Tell whether a fall came later than theory allows: until then something held the stack."""
+    if expectation.within_s is None or collapse_s is None:
+        return False
+    return collapse_s > expectation.not_before_s + expectation.within_s

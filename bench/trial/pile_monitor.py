@@ -1,0 +1,107 @@
+"""Watches a poured heap: when it came to rest, how high and how steep it is, how far it sinks and creeps.
+
+Stands in for ``StackWatch`` where bricks find their own places, and nothing could be called a collapse.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from bench.trial import measure
+from bench.trial.measure import FloatArray, Plan
+from bench.trial.stack_monitor import Standing
+from scenarios.geometry import Boxes
+
+MOVING_M_S = 10e-3
+"""A brick whose centre is faster than this [m/s] is not at rest: what creeps is slower, what tumbles faster."""
+HALF_BELOW = 1 - 0.5 ** (1 / 3)
+"""Half of a cone's volume lies below this share of its height; and half of it within half its radius."""
+
+
+def slope_deg(position: FloatArray) -> float | None:
+    """Angle of repose [deg] of a heap of equal bricks: that of the cone with the same median height and radius.
+
+    Medians, so that a brick which rolled away changes nothing. None if all lie at one spot.
+
+    Args:
+        position: their centres [m], shape (n, 3).
+    """
+    middle = np.median(position, axis=0)
+    radius = 2.0 * float(np.median(np.hypot(*(position[:, :2] - middle[:2]).T)))
+    return math.degrees(math.atan2(middle[2] / HALF_BELOW, radius)) if radius > 0.0 else None
+
+
+class HeapWatch:
+    """Takes in the poses after every frame. Everything here is simulated time."""
+
+    collapse = None
+    """No brick has a place that it could leave."""
+    is_over = False
+    """A heap is always watched to the end."""
+
+    def __init__(self, last_action_s: float, watch_from_s: float) -> None:
+        """Watch from ``watch_from_s`` [s] on how it sinks and creeps: the last action, and time for it to land."""
+        self._last_action_s = last_action_s
+        self._watch_from_s = watch_from_s
+        self._first: tuple[float, FloatArray] | None = None
+        self._latest: tuple[float, FloatArray] | None = None
+        self._plan = Plan.of(())
+        self._quaternion: FloatArray = np.empty((0, 4))
+        self._poured = 0
+        self._moved_s = 0.0
+
+    @property
+    def standing(self) -> Standing | None:
+        """The heap as it was last seen; None if nothing was poured.
+
+        Its level is the number of bricks that were poured, its sink that of their mean height while it is watched.
+        """
+        if self._latest is None or not len(self._latest[1]):
+            return None
+        position = self._latest[1]
+        begin = position if self._first is None else self._first[1]
+        boxes = Boxes.at(self._plan.size, position, self._quaternion)
+        return Standing(
+            level=self._poured,
+            height_m=float((position + boxes.reach)[:, 2].max()),
+            sink_m=float((begin - position)[:, 2].mean()),
+            drift_m=float(measure.sideways(self._plan, position).max()),
+        )
+
+    @property
+    def repose_deg(self) -> float | None:
+        """Angle of repose [deg]; None if there is no heap."""
+        return slope_deg(self._latest[1]) if self._latest is not None and len(self._latest[1]) else None
+
+    @property
+    def creep_m_s(self) -> float | None:
+        """Fastest mean motion [m/s] of a brick over the time of watching; None if it never came."""
+        if self._first is None or self._latest is None or self._latest[0] == self._first[0]:
+            return None
+        (begin, before), (end, after) = self._first, self._latest
+        return measure.creep(before, after, end - begin)
+
+    @property
+    def rest_s(self) -> float | None:
+        """How long [s] after the last action a brick was last seen moving; None if one still moved at the end."""
+        if self._latest is None or self._moved_s >= self._latest[0]:
+            return None
+        return max(0.0, self._moved_s - self._last_action_s)
+
+    def see(
+        self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
+    ) -> None:
+        """Take in one frame, as ``StackWatch.see`` does; each brick is a level of its own."""
+        if self._latest is not None and len(self._latest[1]) == len(position):
+            before, was = self._latest
+            if measure.creep(was, position, time - before) > MOVING_M_S:
+                self._moved_s = time
+        else:
+            self._moved_s = time
+        self._latest = time, position
+        self._plan, self._quaternion, self._poured = plan, quaternion, len(placed)
+        if self._first is None and time >= self._watch_from_s:
+            self._first = time, position

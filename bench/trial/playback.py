@@ -1,0 +1,176 @@
+"""Plays one scene on one engine, frame by frame, until it is built and watched, has collapsed or must be stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from time import perf_counter
+
+import numpy as np
+
+from adapters.base import Simulation
+from bench.trial.builder import Builder
+from bench.trial.measure import FloatArray
+from bench.trial.pile_monitor import HeapWatch
+from bench.trial.sleep_stats import Sleepers
+from bench.trial.stack_monitor import StackWatch
+from bench.trial.stepping import FrameTimes, PlainFrames, SteeredFrames, Steering
+from reports.records.frames import FrameRow
+from reports.records.recording import Recorder
+from reports.records.trial import Status
+from scenarios.model import Brick, Scene
+
+SEATING_S = 1.0
+"""The last brick's share of time [s], as every other has a second before the next one comes; watching starts then.
+Times the scene's pace."""
+_ROUNDING_S = 1e-9
+"""Frame times are rounded sums [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a trial has got."""
+
+    level: int
+    levels: int
+    bricks: int
+    simulated_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """A stack just before the next level is begun."""
+
+    bricks: Sequence[Brick]
+    """As planned."""
+    position: FloatArray
+    """Actual centres [m], shape (n, 3)."""
+    quaternion: FloatArray
+    """Actual orientations, shape (n, 4)."""
+
+
+class Play:
+    """One run. What it has seen is there to be read also if it ends by an exception."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        simulation: Simulation,
+        policy: str | None,
+        wall_limit_s: float,
+        tell: Callable[[Progress], None],
+    ) -> None:
+        """Prepare to play ``scene`` in an empty ``simulation``.
+
+        Args:
+            scene: what to build.
+            simulation: an empty world.
+            policy: of the core; None for the engine alone.
+            wall_limit_s: wall time [s] after which to stop.
+            tell: is called with the progress after every frame.
+        """
+        self._scene = scene
+        self._simulation = simulation
+        self.is_steered = policy is not None
+        self._frames = PlainFrames(simulation) if policy is None else SteeredFrames(simulation, policy)
+        self._wall_limit_s = wall_limit_s
+        self._tell = tell
+        self._last_action_s = scene.done_s
+        self._seated_s = self._last_action_s + SEATING_S * scene.pace
+        self._hash = blake2b(digest_size=16)
+        self.builder = Builder(scene, simulation, self._frames)
+        self.watch = (
+            HeapWatch(self._last_action_s, self._seated_s) if scene.poured else StackWatch(self._seated_s, scene.pace)
+        )
+        self.sleepers = Sleepers()
+        self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
+        self.rows: list[FrameRow] = []
+        self.at_level: dict[int, Snapshot] = {}
+        """By level: the stack when it was complete, just before the next one was begun."""
+        self.adopted: int | None = None
+        """Bodies of prebuilt stacks frozen before the first step; None without an extension or a prebuilt stack."""
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulated time so far [s]."""
+        return len(self.rows) * self._simulation.info.frame_s
+
+    @property
+    def pose_hash(self) -> str:
+        """BLAKE2b over the float64 poses of every frame so far."""
+        return self._hash.hexdigest()
+
+    def run(self) -> Status:
+        """Play to the end; returns how it ended.
+
+        A stack that still stands when a frame ends after the limit has timed out, even if that frame was the last.
+        """
+        deadline = perf_counter() + self._wall_limit_s
+        end = self._last_action_s + self._scene.watch_s - _ROUNDING_S
+        while True:
+            if self.watch.collapse is None:
+                self.builder.act(self.simulated_s)
+                self._adopt(self.builder.take_set_down())
+            if not self._play_frame():
+                return "diverged"
+            is_late = perf_counter() > deadline
+            if is_late and self.watch.collapse is None:
+                return "timeout"
+            if is_late or self.watch.is_over or (self.builder.is_done and self.simulated_s >= end):
+                return "completed" if self.watch.collapse is None else "collapsed"
+
+    def frames_of(self, level: int) -> list[FrameRow]:
+        """The frames in which ``level`` was placed, each brick's second included."""
+        until = self._seated_s + _ROUNDING_S
+        return [row for row in self.rows if row.level == level and row.time_s <= until]
+
+    def _adopt(self, bodies: Sequence[int]) -> None:
+        """Let the extension, if there is one, judge a prebuilt stack before the next step."""
+        if bodies and isinstance(self._frames, SteeredFrames):
+            self.adopted = (self.adopted or 0) + len(self._frames.adopt(bodies))
+
+    def _play_frame(self) -> bool:
+        """One frame, taken in by all who watch; False if the poses are no longer finite."""
+        begin = self.simulated_s
+        times, steering = self._frames.play()
+        self.rows.append(self._row(times, steering))
+        now = self.simulated_s
+        bodies, position, quaternion = self._simulation.poses()
+        if not (np.isfinite(position).all() and np.isfinite(quaternion).all()):
+            return False
+        self._hash.update(np.ascontiguousarray(position, np.float64).tobytes())
+        self._hash.update(np.ascontiguousarray(quaternion, np.float64).tobytes())
+        position, quaternion = position.copy(), quaternion.copy()  # an engine may hand out its own memory
+        self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
+        builder = self.builder
+        self.watch.see(now, builder.plan, position, quaternion, builder.placed)
+        if steering is not None:
+            self.sleepers.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
+        if now <= self._seated_s + _ROUNDING_S:
+            self.at_level[builder.level] = Snapshot(builder.bricks, position, quaternion)
+        self._tell(Progress(builder.level, self._scene.levels, len(bodies), now))
+        return True
+
+    def _row(self, times: FrameTimes, steering: Steering | None) -> FrameRow:
+        frame, world = len(self.rows), self._simulation
+        plain = FrameRow(
+            frame=frame,
+            time_s=(frame + 1) * world.info.frame_s,
+            level=self.builder.level,
+            bricks=len(world.bricks),
+            live=len(world.bricks) - len(world.frozen),
+            engine_ms=times.engine * 1e3,
+            frame_ms=times.total * 1e3,
+        )
+        if steering is None:
+            return plain
+        return plain._replace(
+            contacts=steering.contacts,
+            readback_ms=times.readback * 1e3,
+            core_ms=times.core * 1e3,
+            port_ms=times.port * 1e3,
+            frozen=len(steering.frozen),
+            woken=len(steering.woken),
+            woken_because=steering.told,
+        )

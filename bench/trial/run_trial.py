@@ -1,0 +1,238 @@
+"""One trial, from opening the engine to the record that it leaves behind."""
+
+from __future__ import annotations
+
+import gc
+import platform
+import statistics
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from adapters import capabilities, open_engine
+from bench.machine.calibration import calibrate, typical
+from bench.machine.environment import allowed_cores, engine_version
+from bench.studies.plan import Trial
+from bench.studies.policies import BENCH_POLICIES
+from bench.studies.schema import Limits
+from bench.trial import measure
+from bench.trial.awake_baseline import HIGHEST_LEVEL, time_awake
+from bench.trial.pile_monitor import HeapWatch
+from bench.trial.playback import Play, Progress
+from reports.records.frames import UNTIMED_FRAMES, FrameRow
+from reports.records.recording import Recording
+from reports.records.trial import Status, TrialRecord
+from scenarios.model import Scene
+from scenarios.placement_noise import NoRoomError
+from stability_core import warm_up
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a trial leaves behind."""
+
+    record: TrialRecord
+    frames: list[FrameRow]
+    recording: Recording | None = None
+    """Where its bricks were; None if it was never opened."""
+
+
+def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Progress], None]) -> Outcome:
+    """Run one trial in this process. An engine's failure is an outcome, never an exception.
+
+    Args:
+        trial: what to run.
+        limits: when to stop.
+        environment: digest of the environment, for the record.
+        tell: is called with the progress after every frame.
+    """
+    try:
+        scene = trial.build_scene()
+    except NoRoomError as error:
+        return Outcome(bare_record(trial, trial.planned_scene(), environment, "unsupported", str(error)), [])
+    if capabilities(trial.engine).planar and not scene.planar:
+        why = f"{trial.engine} is a planar engine and {scene.variant} is not a planar scene"
+        return Outcome(bare_record(trial, scene, environment, "unsupported", why), [])
+    begin = perf_counter()
+    policy = BENCH_POLICIES[trial.policy]
+    play = None
+    machine: dict[str, Any] = {}
+    try:
+        if policy.core is not None:
+            warm_up(policy.core)
+        simulation = open_engine(
+            trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
+        )
+        info = simulation.info
+        play = Play(scene, simulation, policy.core, limits.trial_wall_s, tell)
+        before = calibrate()
+        with _undisturbed():
+            status, message = play.run(), ""
+        machine = {"host": platform.node(), "core": _only_core(), "calibration_ms": typical(before, calibrate())}
+        simulation.close()
+    except NotImplementedError as error:  # what this engine's interface cannot do
+        status, message = "unsupported", str(error)
+    except MemoryError:
+        status, message = "out_of_memory", "the process ran out of memory"
+    except Exception as error:  # whatever an engine or the core raises is this trial's outcome
+        status, message = "error", f"{type(error).__name__}: {error}"
+    if play is None:
+        return Outcome(bare_record(trial, scene, environment, status, message), [])
+    fields = {
+        **_seen(play),
+        **_timings(_standing_rows(play), info.frame_s),
+        **(_ratio(trial, scene, play) if policy.core is not None and limits.ratio and status != "error" else {}),
+        "engine_version": info.version,
+        "unit_scale": info.unit_scale,
+        "wall_s": perf_counter() - begin,
+        **machine,
+    }
+    message = message or _message(status, play, limits)
+    return Outcome(bare_record(trial, scene, environment, status, message, **fields), play.rows, play.recorder.finish())
+
+
+def bare_record(
+    trial: Trial, scene: Scene, environment: str, status: Status, message: str, **fields: Any
+) -> TrialRecord:
+    """The record of a trial: who it was, how it ended, what ``fields`` were measured, and the verdict."""
+    collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
+    return TrialRecord(
+        **{
+            "trial": trial.id,
+            "engine": trial.engine,
+            "engine_version": engine_version(trial.engine),
+            "profile": trial.profile,
+            "scenario": trial.scenario,
+            "scene": trial.scene,
+            "pair": scene.pair,
+            "parameters": scene.parameters,
+            "policy": trial.policy,
+            "seed": trial.seed,
+            "repeat": trial.repeat,
+            "status": status,
+            "message": message,
+            "expectation": scene.expectation,
+            "verdict": measure.verdict(scene.expectation, status, *collapse),
+            "environment": environment,
+            "levels_planned": scene.levels,
+            **fields,
+        }
+    )
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Without garbage collection, whose pauses would be counted as the engine's."""
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+def _only_core() -> int | None:
+    """The core that this process is kept to, if it is kept to one."""
+    allowed = allowed_cores()
+    return min(allowed) if len(allowed) == 1 else None
+
+
+def _seen(play: Play) -> dict[str, Any]:
+    standing, collapse = play.watch.standing, play.watch.collapse
+    fields: dict[str, Any] = {
+        "levels_placed": len(play.builder.placed),
+        "creep_m_s": play.watch.creep_m_s,
+        "pose_hash": play.pose_hash,
+        "simulated_s": play.simulated_s,
+    }
+    if standing is not None:
+        fields |= {
+            "height_levels": standing.level,
+            "height_m": standing.height_m,
+            "sink_m": standing.sink_m,
+            "drift_m": standing.drift_m,
+        }
+    if collapse is not None:
+        fields |= {"collapse_level": collapse.level, "collapse_kind": collapse.kind, "collapse_s": collapse.time}
+    if isinstance(play.watch, HeapWatch):
+        fields |= {"rest_s": play.watch.rest_s, "repose_deg": play.watch.repose_deg}
+    if play.is_steered:
+        fields |= {
+            "adopted": play.adopted,
+            "wakes": play.sleepers.wakes,
+            "refreezes": play.sleepers.refreezes,
+            "longest_live_s": play.sleepers.longest_live_s(play.simulated_s),
+        }
+        if play.rows:  # an engine may raise in its first step
+            fields |= {
+                "live_mean": statistics.fmean(row.live for row in play.rows),
+                "live_last": play.rows[-1].live,
+            }
+    return fields
+
+
+def _standing_rows(play: Play) -> list[FrameRow]:
+    """The frames up to the collapse: tumbling bricks cost much, and only what lets a stack fall would pay for them."""
+    collapse = play.watch.collapse
+    return play.rows if collapse is None else [row for row in play.rows if row.time_s <= collapse.time]
+
+
+def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
+    """Times of all frames but the first ones."""
+    timed = rows[UNTIMED_FRAMES:]
+    if not timed:
+        return {}
+    frame_ms = np.array([row.frame_ms for row in timed])
+    p50, p95, p99 = np.percentile(frame_ms, [50, 95, 99]).tolist()
+    fields = {
+        "frame_ms_p50": p50,
+        "frame_ms_p95": p95,
+        "frame_ms_p99": p99,
+        "frame_ms_max": float(frame_ms.max()),
+        "timed_frames": len(timed),
+        "realtime_factor": frame_s * 1e3 / float(frame_ms.mean()),
+    }
+    for name in ("engine_ms", "readback_ms", "core_ms", "port_ms"):
+        parts = [getattr(row, name) for row in timed]
+        if None not in parts:
+            fields[name] = statistics.fmean(parts)
+    return fields
+
+
+def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
+    standing = play.watch.standing
+    if standing is None:
+        return {"frame_ratio_message": "no level stood"}
+    level = min(HIGHEST_LEVEL, standing.level)
+    falls_at = scene.expectation.level
+    if falls_at is not None and level >= falls_at:
+        return {"frame_ratio_level": level, "frame_ratio_message": "no engine can hold this stack awake"}
+    if level not in play.at_level:
+        return {"frame_ratio_level": level, "frame_ratio_message": "the level came together with higher ones"}
+    steered_ms = [row.frame_ms for row in play.frames_of(level) if row.frame >= UNTIMED_FRAMES]
+    if not steered_ms:
+        message = f"the level was laid within the first {UNTIMED_FRAMES} frames, which are not timed"
+        return {"frame_ratio_level": level, "frame_ratio_message": message}
+    try:
+        with _undisturbed():
+            awake = time_awake(trial.engine, trial.profile, scene.world, play.at_level[level])
+    except Exception as error:  # a stack that the engine refuses has no ratio; the trial itself is done
+        return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
+    if awake.frame_ms is None:
+        return {"frame_ratio_level": level, "frame_ratio_message": awake.message}
+    return {"frame_ratio_level": level, "frame_ratio": statistics.fmean(steered_ms) / awake.frame_ms}
+
+
+def _message(status: Status, play: Play, limits: Limits) -> str:
+    collapse = play.watch.collapse
+    if status == "collapsed" and collapse is not None:
+        return f"{collapse.kind} at level {collapse.level}, {collapse.time:.2f} s"
+    if status == "timeout":
+        return f"stopped after {limits.trial_wall_s:g} s of wall time at {play.simulated_s:.1f} simulated seconds"
+    if status == "diverged":
+        return f"poses were not finite after {play.simulated_s:.2f} s"
+    return ""

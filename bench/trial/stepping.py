@@ -1,0 +1,137 @@
+"""Plays frames, each timed: the engine's step, then the extension's update, split into read-back, core and port."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+from adapters.base import Simulation
+from bench.trial.timed_port import TimedPort
+from scenarios.model import Vector
+from stability_core import Change, StabilityExtension
+
+
+@dataclass(frozen=True, slots=True)
+class FrameTimes:
+    """Times of one frame [s]."""
+
+    engine: float
+    readback: float = 0.0
+    core: float = 0.0
+    port: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """Time of the whole frame [s]."""
+        return self.engine + self.readback + self.core + self.port
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """What the core read and did in one frame, and before its step if a prebuilt stack was set down."""
+
+    contacts: int
+    """Contact points read."""
+    frozen: Sequence[int]
+    woken: Sequence[int]
+    reasons: Sequence[str]
+    """Why, for each of ``woken``."""
+
+    @property
+    def told(self) -> str:
+        """The reasons and how often each was given."""
+        return "; ".join(f"{count} {reason}" for reason, count in Counter(self.reasons).items())
+
+
+class PlainFrames:
+    """Frames of the engine alone; its port is never asked for, so that it need not record what only the core reads."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def play(self) -> tuple[FrameTimes, None]:
+        """One frame: how long it took."""
+        begin = perf_counter()
+        self._simulation.step(self._simulation.info.frame_s)
+        return FrameTimes(perf_counter() - begin), None
+
+    def disturb(self, bodies: Sequence[int]) -> None:
+        """There is no extension that must know what a user holds."""
+
+    def release(self, bodies: Sequence[int]) -> None:
+        """There is no extension that must know what a user lets go."""
+
+    def turn_gravity(self, gravity: Vector) -> None:
+        """There is no extension that must know which way bricks fall."""
+
+
+class SteeredFrames:
+    """Frames of the engine with the stability extension."""
+
+    def __init__(self, simulation: Simulation, policy: str) -> None:
+        self._simulation = simulation
+        self._port = TimedPort(simulation.port)
+        self._extension = StabilityExtension(self._port, policy=policy, gravity=simulation.world.gravity)
+        self._before: list[tuple[FrameTimes, Steering]] = []  # what was adopted since the last step
+
+    def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
+        """Let the extension judge a prebuilt stack before the next step; returns the bodies that it froze.
+
+        Time and changes count for the next frame.
+        """
+        self._before.append(self._timed(self._simulation.find_contacts, lambda: self._extension.adopt(bodies)))
+        return tuple(self._before[-1][1].frozen)
+
+    def play(self) -> tuple[FrameTimes, Steering]:
+        """One frame: how long it took, and what the core did."""
+        frame_s = self._simulation.info.frame_s
+        played = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
+        parts, self._before = [*self._before, played], []
+        if len(parts) == 1:
+            return played
+        return _total([times for times, _ in parts]), _together([steering for _, steering in parts])
+
+    def _timed(self, engine: Callable[[], None], core: Callable[[], Change]) -> tuple[FrameTimes, Steering]:
+        """Call the engine, then the core; return how long both took, and what the core did."""
+        port = self._port
+        port.reset()
+        begin = perf_counter()
+        engine()
+        done = perf_counter()
+        change = core()
+        core_s = perf_counter() - done - port.readback_s - port.steering_s
+        reasons = [change.reasons[body] for body in change.woken]
+        times = FrameTimes(done - begin, port.readback_s, core_s, port.steering_s)
+        return times, Steering(port.contact_points, change.frozen, change.woken, reasons)
+
+    def disturb(self, bodies: Sequence[int]) -> None:
+        """Tell the extension that a user holds ``bodies``."""
+        self._extension.disturb(bodies)
+
+    def release(self, bodies: Sequence[int]) -> None:
+        """Tell the extension that the user let ``bodies`` go."""
+        self._extension.release(bodies)
+
+    def turn_gravity(self, gravity: Vector) -> None:
+        """Tell the extension which way bricks fall, and how fast [m/s2]."""
+        self._extension.gravity = gravity
+
+
+def _total(times: Sequence[FrameTimes]) -> FrameTimes:
+    return FrameTimes(
+        sum(one.engine for one in times),
+        sum(one.readback for one in times),
+        sum(one.core for one in times),
+        sum(one.port for one in times),
+    )
+
+
+def _together(parts: Sequence[Steering]) -> Steering:
+    return Steering(
+        sum(part.contacts for part in parts),
+        [body for part in parts for body in part.frozen],
+        [body for part in parts for body in part.woken],
+        [reason for part in parts for reason in part.reasons],
+    )

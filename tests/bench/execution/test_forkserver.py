@@ -1,0 +1,29 @@
+"""How a trial's process ended is told to every thread that asks."""
+
+import os
+import threading
+import time
+from multiprocessing import forkserver
+
+from bench.execution.forkserver import CONTEXT
+
+
+def test_two_threads_that_ask_at_once_hear_the_same_status(monkeypatch) -> None:
+    """The first one is held up between reading the status and noting it: the second must wait for it."""
+    read = forkserver.read_signed
+
+    def read_slowly(pipe: int) -> int:
+        status = read(pipe)
+        time.sleep(0.2)
+        return status
+
+    process = CONTEXT.Process(target=os._exit, args=(3,))
+    process.start()
+    monkeypatch.setattr(forkserver, "read_signed", read_slowly)
+    told: list[int | None] = []
+    threads = [threading.Thread(target=lambda: told.append(process._popen.poll(0))) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert told == [3, 3]

@@ -1,0 +1,22 @@
+"""What the documents say of engines and profiles is what the adapters say."""
+
+from __future__ import annotations
+
+import pytest
+
+from bench.machine.source_digest import ROOT
+from bench.publishing.doc_blocks import BLOCKS, filled
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_a_document_tells_what_the_adapters_tell(block: str) -> None:
+    name, write = BLOCKS[block]
+    document = (ROOT / name).read_text(encoding="utf-8")
+    assert document == filled(document, block, write()), "fill it anew: uv run python -m bench.publishing.doc_blocks"
+
+
+def test_only_what_is_between_the_marks_is_replaced() -> None:
+    document = "before\n<!-- begin one (how) -->\nold\n<!-- end one -->\nafter\n"
+    assert filled(document, "one", "new\n") == "before\n<!-- begin one (how) -->\n\nnew\n\n<!-- end one -->\nafter\n"
+    with pytest.raises(ValueError, match="no block 'two': mark it with"):
+        filled(document, "two", "new")

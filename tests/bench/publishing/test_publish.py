@@ -1,0 +1,131 @@
+"""Publishing copies what a run left, and refuses what readers must not be shown."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from bench.execution.results import to_toml
+from bench.machine.core_digest import present_core
+from bench.publishing.catalogue import PUBLICATIONS, Publication
+from bench.publishing.publish import PublishError, main, publish
+from bench.studies.plan import plan_trials
+from bench.studies.schema import load_study
+from bench.studies.selection import Selection
+from reports.records.trial import RecordWriter
+from stability_core.lookup import UnknownNameError
+from tests.reports.studies import record
+
+STUDY = """
+name = "made-up"
+engines = ["bullet"]
+policies = ["none", "paper"]
+
+[[scenario]]
+name = "leaning_tower"
+"""
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch) -> Path:
+    """A whole results folder of a study that is to be published as "made-up"."""
+    file = tmp_path / "made-up.toml"
+    file.write_text(STUDY)
+    monkeypatch.setitem(PUBLICATIONS, "made-up", Publication("something", str(file)))
+    folder = tmp_path / "results"
+    figures = folder / "report" / "figures"
+    figures.mkdir(parents=True)
+    study = load_study(str(file))
+    (folder / "study.toml").write_text(to_toml(study))
+    writer = RecordWriter(folder / "trials.jsonl")
+    for trial in plan_trials(study):
+        writer.append(record(scene=trial.scene, policy=trial.policy, trial=trial.id))
+    writer.close()
+    for name in ("tables.md", "trials.csv", "tables.tex", "index.html", "figures/speed.svg", "figures/speed.pdf"):
+        (folder / "report" / name).write_text(name)
+    (folder / "report" / "trials.csv").write_text("trial,policy\na,none\nb,paper\n")
+    write_environment(folder, modified=False)
+    return folder
+
+
+def write_environment(folder: Path, **changed) -> None:
+    environment = {"commit": "c0ffee", "modified": False, "core": present_core(), **changed}
+    (folder / "environment.json").write_text(json.dumps(environment))
+
+
+def test_tables_trials_figures_and_where_they_come_from_are_copied(run, tmp_path) -> None:
+    target = publish("made-up", run, tmp_path / "docs")
+    found = {str(path.relative_to(target)) for path in target.rglob("*") if path.is_file()}
+    assert found == {
+        "tables.md", "trials.csv", "tables.tex", "figures/speed.svg", "study.toml", "environment.json"
+    }  # fmt: skip
+    assert (target / "tables.md").read_text() == f"tables.md\n\ncore: {present_core()}\n"
+
+
+def test_results_of_an_earlier_core_are_marked_as_such(run, tmp_path) -> None:
+    """It ran before the core changed: a folder that is published late."""
+    write_environment(run, core="0123456789ab")
+    told = (publish("made-up", run, tmp_path / "docs") / "tables.md").read_text()
+    assert told.startswith("> **Made with an earlier core (digest `0123456789ab`); not yet made again")
+    assert told.endswith("\n\ntables.md\n\ncore: 0123456789ab\n")
+
+
+@pytest.mark.parametrize("arguments", [[], ["paper", "--mark"]])
+def test_either_a_name_or_a_mark_is_asked_for(arguments: list[str]) -> None:
+    app = typer.Typer()
+    app.command()(main)
+    told = CliRunner().invoke(app, arguments)
+    assert told.exit_code == 2
+    assert "give the name of a publication, or --mark alone" in " ".join(told.output.split())
+
+
+def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_path) -> None:
+    target = tmp_path / "docs" / "made-up"
+    (target / "figures").mkdir(parents=True)
+    (target / "figures" / "old.svg").touch()
+    (target / "decisions.md").touch()
+    publish("made-up", run, tmp_path / "docs")
+    assert [path.name for path in (target / "figures").iterdir()] == ["speed.svg"]
+    assert (target / "decisions.md").exists()
+
+
+def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) -> None:
+    lines = (run / "trials.jsonl").read_text().splitlines(keepends=True)
+    (run / "trials.jsonl").write_text(lines[0])
+    with pytest.raises(PublishError, match=rf"lacks 1 trials: go on with uv run -m bench run \S+ --out {run}"):
+        publish("made-up", run, tmp_path / "docs")
+    assert not (tmp_path / "docs").exists()
+
+
+@pytest.mark.parametrize("changed", [{"modified": True}, {"commit": None}])
+def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
+    write_environment(run, **changed)
+    with pytest.raises(PublishError, match="sources that no commit holds; commit them"):
+        publish("made-up", run, tmp_path / "docs")
+
+
+def test_another_study_and_an_unknown_name_are_refused(run, tmp_path) -> None:
+    with pytest.raises(PublishError, match="holds another study: run uv run -m bench run ratio --engine physx"):
+        publish("ratio", run, tmp_path / "docs")
+    with pytest.raises(UnknownNameError, match="did you mean 'paper'"):
+        publish("papper", run, tmp_path / "docs")
+
+
+def test_the_command_of_a_publication_says_all_that_was_chosen() -> None:
+    chosen = Selection(engines=("physx",), policies=("none", "paper"), seeds=3)
+    arguments = ["paper", "--engine", "physx", "--policy", "none", "--policy", "paper", "--seeds", "3"]
+    assert Publication("", "paper", chosen).arguments == arguments
+
+
+@pytest.mark.parametrize("name", PUBLICATIONS)
+def test_every_publication_can_be_planned_and_has_the_scenes_of_its_picture(name: str) -> None:
+    publication = PUBLICATIONS[name]
+    trials = plan_trials(publication.resolved())
+    assert trials
+    if publication.gallery is not None:
+        shown = {trial.scene for trial in trials if trial.engine == publication.gallery.engine}
+        assert shown >= set(publication.gallery.scenes)
+    assert re.fullmatch(r"[a-z0-9_]+", name)

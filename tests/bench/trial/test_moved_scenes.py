@@ -1,0 +1,41 @@
+"""Scenes whose ground is moved by the host come out on an engine as theory says, on both sides of each limit."""
+
+import math
+
+import pytest
+
+from adapters import open_engine
+from bench.trial.measure import verdict
+from bench.trial.playback import Play
+from scenarios.registry import build
+
+PAIRS = (
+    ("lifted_tower", "angle", (20.0, 28.0)),
+    ("belt_tower", "start", (0.5, 1.5)),
+    ("trapdoor", "beyond", (-10.0, 10.0)),
+    ("pressed_plank", "force", (0.7, 1.5)),
+    ("tilted_ground", "angle", (20.0, 28.0)),
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "value"), [(name, what, value) for name, what, both in PAIRS for value in both]
+)
+@pytest.mark.parametrize("engine", ["bullet", "mujoco"])
+def test_a_moved_scene_ends_as_theory_says(engine: str, name: str, parameter: str, value: float) -> None:
+    scene = build(name, **{parameter: value})
+    simulation = open_engine(engine, "game", world=scene.world, expected=scene.bricks)
+    try:
+        play = Play(scene, simulation, None, math.inf, lambda _: None)
+        status, collapse = play.run(), play.watch.collapse
+    finally:
+        simulation.close()
+    seen = (None, None, None) if collapse is None else (collapse.level, collapse.kind, collapse.time)
+    assert verdict(scene.expectation, status, *seen) == "right"
+
+
+@pytest.mark.parametrize(("name", "parameter", "both"), PAIRS)
+def test_the_scenes_of_a_pair_share_it_and_differ_in_their_answers(name: str, parameter: str, both: tuple) -> None:
+    stands, falls = (build(name, **{parameter: value}) for value in both)
+    assert stands.pair == falls.pair != ""
+    assert (stands.expectation.outcome, falls.expectation.outcome) == ("stand", "fall")
