@@ -8,21 +8,11 @@ its limit; a negative one lies beyond. A real drop has energy that statics does 
 from __future__ import annotations
 
 from scenarios.model import Expectation
-from scenarios.parameters import real
 
 CERTAIN = 0.05
 """Least share of the limit by which a known answer must lie off it."""
 ANSWERED = 1e-9
 """Rounding of a share."""
-
-
-def signed_margin(value: object) -> float:
-    """``value`` as a margin.
-
-    Raises:
-        ValueError: unless it is a number from -0.5 to 0.5.
-    """
-    return real("margin", value, least=-0.5, most=0.5)
 
 
 def by_margin(margin: float, limit: str, *, falls_at: int, not_before_s: float = 0.0) -> Expectation:

@@ -1,66 +1,119 @@
-"""Checks of a scene's parameters, and the id of the variant that they make."""
+"""Parameters of scenes: the ranges that a builder declares, and the id of the variant that values make.
+
+A builder annotates each parameter with its range, ``courses: Annotated[int, Whole(1, 200)] = 8``. The decorator
+``scenarios.scenario.scenario`` reads the ranges and checks every value before the builder runs.
+"""
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
-
-from scenarios.model import Scene
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Protocol, TypeAlias, TypeGuard
 
 Value: TypeAlias = float | int | str
 
 
-def whole(name: str, value: object, *, least: int, most: int) -> int:
-    """``value`` as an integer from ``least`` to ``most``.
+class Range(Protocol):
+    """The values that a parameter may take. Its text is the range as users read it."""
 
-    Raises:
-        ValueError: if it is anything else; the message names the range.
-    """
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most and value % 1 == 0:
-        return int(value)
-    raise ValueError(f"{name} must be a whole number from {least} to {most}, got {value!r}")
+    def check(self, name: str, value: object) -> Value:
+        """Return ``value`` in the parameter's type.
 
-
-def real(name: str, value: object, *, least: float, most: float) -> float:
-    """``value`` as a number from ``least`` to ``most``.
-
-    Raises:
-        ValueError: if it is anything else, NaN included; the message names the range.
-    """
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most:
-        return float(value)
-    raise ValueError(f"{name} must be a number from {least:g} to {most:g}, got {value!r}")
+        Raises:
+            ValueError: if ``value`` is out of range; the message names the parameter and the range.
+        """
 
 
-def choice(name: str, value: object, among: Sequence[str]) -> str:
-    """``value`` as one of the words ``among`` which it must be.
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """Whole numbers from ``least`` to ``most``."""
 
-    Raises:
-        ValueError: if it is anything else; the message names them all.
-    """
-    for word in among:
-        if value == word:
-            return word
-    raise ValueError(f"{name} must be one of {', '.join(among)}, got {value!r}")
+    least: int
+    most: int
+
+    def check(self, name: str, value: object) -> int:
+        """Return ``value`` as an integer.
+
+        Raises:
+            ValueError: if ``value`` is anything else; the message names the range.
+        """
+        if _is_number(value) and self.least <= value <= self.most and value % 1 == 0:
+            return int(value)
+        raise ValueError(f"{name} must be a whole number from {self}, got {value!r}")
+
+    def __str__(self) -> str:
+        return f"{self.least} to {self.most}"
 
 
-def defaults(builder: Callable[..., Scene]) -> dict[str, Value]:
-    """The parameters of a scene's builder and their defaults, in the order in which it declares them."""
-    return {name: parameter.default for name, parameter in inspect.signature(builder).parameters.items()}
+@dataclass(frozen=True, slots=True)
+class Real:
+    """Numbers from ``least`` to ``most``."""
+
+    least: float
+    most: float
+
+    def check(self, name: str, value: object) -> float:
+        """Return ``value`` as a float.
+
+        Raises:
+            ValueError: if ``value`` is anything else, NaN included; the message names the range.
+        """
+        if _is_number(value) and self.least <= value <= self.most:
+            return float(value)
+        raise ValueError(f"{name} must be a number from {self}, got {value!r}")
+
+    def __str__(self) -> str:
+        return f"{self.least:g} to {self.most:g}"
 
 
-def variant_of(builder: Callable[..., Scene], parameters: Mapping[str, Value]) -> str:
-    """The id of a variant: the scenario's name, then whatever differs from the defaults.
+class Choice:
+    """One of some words."""
+
+    __slots__ = ("words",)
+
+    def __init__(self, *words: str) -> None:
+        self.words = words
+
+    def check(self, name: str, value: object) -> str:
+        """Return ``value`` as one of the words.
+
+        Raises:
+            ValueError: if ``value`` is anything else; the message names all words.
+        """
+        for word in self.words:
+            if value == word:
+                return word
+        raise ValueError(f"{name} must be one of {self}, got {value!r}")
+
+    def __str__(self) -> str:
+        return ", ".join(self.words)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+Margin: TypeAlias = Annotated[float, Real(-0.5, 0.5)]
+"""Distance from the limit, as a share of the limit: see ``scenarios.margins``."""
+Scale: TypeAlias = Annotated[float, Real(0.1, 100)]
+"""Size of everything over that of the standard plank."""
+Gap: TypeAlias = Annotated[float, Real(0, 20)]
+"""Distance [mm] between neighbours."""
+Friction: TypeAlias = Annotated[float, Real(0, 2)]
+"""Coulomb coefficient of every pair."""
+
+
+def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str, Value]) -> str:
+    """Return the id of a variant: the scenario's name, then every value that differs from its default.
 
     The first parameter, the one that a scenario is varied by, comes bare: ``card_house-2``; the others follow their
     names: ``card_house-2-theta75``. So no two variants share an id, and an id is fit for a file name.
     """
-    parts = [builder.__name__]
-    for index, (name, default) in enumerate(defaults(builder).items()):
-        if parameters[name] != default:
-            parts.append(("" if index == 0 else name) + short(parameters[name]))
+    parts = [name]
+    for index, (parameter, default) in enumerate(defaults.items()):
+        if parameters[parameter] != default:
+            parts.append(("" if index == 0 else parameter) + short(parameters[parameter]))
     return "-".join(parts)
 
 

@@ -1,14 +1,14 @@
-"""Scenarios by name. A new one is one file and one entry in ``SCENARIOS``."""
+"""Scenarios by name. A new one is one file in ``scenarios/scenes`` and one entry in ``SCENARIOS``."""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 
 from scenarios.model import Scene
-from scenarios.parameters import Value, choice, defaults
+from scenarios.parameters import Value
+from scenarios.scenario import AT_ONCE, ONE_BY_ONE, Scenario
 from scenarios.scenes.belt_tower import belt_tower
 from scenarios.scenes.branches import branches
 from scenarios.scenes.brick_wall import brick_wall
@@ -38,7 +38,7 @@ from scenarios.scenes.pushed_plank import pushed_plank
 from scenarios.scenes.pyramid import pyramid
 from scenarios.scenes.random_tower import random_tower
 from scenarios.scenes.seesaw import seesaw
-from scenarios.scenes.shared.prebuilt import BUILT, at_once, at_once_below
+from scenarios.scenes.shared.prebuilt import at_once, at_once_below
 from scenarios.scenes.shared.transforms import resized
 from scenarios.scenes.support_removal import robbed_stack
 from scenarios.scenes.table import table
@@ -47,45 +47,9 @@ from scenarios.scenes.trapdoor import trapdoor
 from scenarios.scenes.wall_plank import wall_plank
 from stability_core.lookup import look_up
 
-
-@dataclass(frozen=True, slots=True)
-class Scenario:
-    """What can be built: a scene for every choice of its parameters."""
-
-    builder: Callable[..., Scene]
-    is_static: bool = True
-    """Whether it can be prebuilt and resized (parameters ``built`` and ``size``): bricks are laid and taken, not
-    poured, pushed or dropped."""
-
-    @property
-    def description(self) -> str:
-        """One line: what is built."""
-        return (inspect.getdoc(self.builder) or "").partition("\n")[0]
-
-    @property
-    def parameters(self) -> Mapping[str, Value]:
-        """The parameters' names and defaults."""
-        return {**defaults(self.builder), **({"built": BUILT[0], "size": 1.0} if self.is_static else {})}
-
-
-_DYNAMIC = (
-    character,
-    pushed_plank,
-    pulled_plank,
-    dropped_plank,
-    pressed_plank,
-    tilted_ground,
-    lifted_tower,
-    belt_tower,
-    trapdoor,
-    poured_pile,
-    own_scene,
-)
-"""Scenarios without the parameters ``built`` and ``size``. A scene of one's own says in its file which bricks come
-together, and has a ``size`` of its own."""
-SCENARIOS: Mapping[str, Scenario] = {
-    builder.__name__: Scenario(builder, builder not in _DYNAMIC)
-    for builder in (
+SCENARIOS: Mapping[str, Scenario[...]] = {
+    scenario.name: scenario
+    for scenario in (
         plank_tower,
         four_stack,
         leaning_tower,
@@ -122,6 +86,7 @@ SCENARIOS: Mapping[str, Scenario] = {
         own_scene,
     )
 }
+"""In the order in which users see them."""
 
 
 def build(name: str, **parameters: Value) -> Scene:
@@ -136,24 +101,24 @@ def build(name: str, **parameters: Value) -> Scene:
         look_up(f"parameter of {name}", parameter, scenario.parameters)
     try:
         if not scenario.is_static:
-            return scenario.builder(**parameters)
+            return scenario(**parameters)
         size = parameters.pop("size", 1.0)
-        built = choice("built", parameters.pop("built", BUILT[0]), BUILT)
-        if built == BUILT[0]:
-            scene = scenario.builder(**parameters)
+        built = scenario.ranges["built"].check("built", parameters.pop("built", ONE_BY_ONE))
+        if built == ONE_BY_ONE:
+            scene = scenario(**parameters)
             scene = replace(scene, parameters={**scene.parameters, "built": built})
         else:
-            scene = _prebuilt(scenario.builder, built, **parameters)
+            scene = _prebuilt(scenario, built, **parameters)
         return resized(scene, size)
     except ValueError as error:
         raise ValueError(f"scenario {name}: {error}") from error
 
 
 @lru_cache(maxsize=256, typed=True)
-def _prebuilt(builder: Callable[..., Scene], built: str, **parameters: Value) -> Scene:
+def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene:
     """Return a prebuilt scene; cached, because exact statics looks for the brick that is taken."""
-    scene = builder(**parameters)
-    return at_once(scene) if built == "at_once" else at_once_below(scene)
+    scene = scenario(**parameters)
+    return at_once(scene) if built == AT_ONCE else at_once_below(scene)
 
 
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:

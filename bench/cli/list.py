@@ -16,7 +16,9 @@ from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import load_study, study_names
 from reports.tables.capabilities import capability_table
 from reports.tables.table import render
+from scenarios.parameters import Range, Value
 from scenarios.registry import SCENARIOS, build
+from scenarios.scenario import OF_STATICS
 
 
 def list_(
@@ -55,9 +57,18 @@ def _scenarios() -> Table:
     table = _table("Scenarios", "name", "must, by theory", "theory", "look for")
     for name, scenario in SCENARIOS.items():
         scene = build(name)
-        with_parameters = ", ".join(f"{key}={value}" for key, value in scenario.parameters.items())
-        table.add_row(f"{name}\n({with_parameters})", str(scene.expectation), scene.expectation.theory, scene.look_for)
+        lines = [_parameter(key, default, scenario.ranges.get(key)) for key, default in scenario.defaults.items()]
+        shared = [", ".join(OF_STATICS)] if scenario.is_static else []
+        named = "\n  ".join([name, *lines, *shared])
+        table.add_row(named, str(scene.expectation), scene.expectation.theory, scene.look_for)
+    table.caption = "; ".join(_parameter(key, default, allowed) for key, (default, allowed) in OF_STATICS.items())
+    table.caption_justify = "left"
     return table
+
+
+def _parameter(name: str, default: Value, allowed: Range | None) -> str:
+    """Return a parameter's name, its default and, in brackets, its range."""
+    return f"{name}={default}" + (f" ({allowed})" if allowed else "")
 
 
 def _engines() -> Table:

@@ -19,7 +19,8 @@ from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
 from reports.statistics.pairs import ALL
 from reports.tables.capabilities import capability_table
 from reports.tables.table import NOTHING, Table, to_markdown
-from scenarios.registry import SCENARIOS, Scenario, build
+from scenarios.registry import SCENARIOS, build
+from scenarios.scenario import Scenario
 
 
 def capabilities_block() -> str:
@@ -108,7 +109,7 @@ def scenes_block() -> str:
     return "\n".join(_scene(name, scenario) for name, scenario in SCENARIOS.items())
 
 
-def _scene(name: str, scenario: Scenario) -> str:
+def _scene(name: str, scenario: Scenario[...]) -> str:
     scene = build(name)
     told = f"- Theory: {scene.expectation.theory}\n- Look for: {scene.look_for}\n"
     return f"**`{name}`**: {scenario.description}\n\n{told}"

@@ -11,9 +11,12 @@ one does.
 
 from __future__ import annotations
 
-from scenarios.model import Action, Brick, Drive, Expectation, Place, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Action, Brick, Drive, Expectation, Place, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import DENSITY, GRAVITY, MU
+from scenarios.scenario import Plan, dynamic_scenario
 
 EDGE = 0.04
 """Edge of a cube [m]."""
@@ -30,16 +33,14 @@ SURE = 1.4
 """Factor on either side of the limit from which the answer is known."""
 
 
-def belt_tower(*, start: float = 1.5, levels: int = 4) -> Scene:
+@dynamic_scenario
+def belt_tower(*, start: Annotated[float, Real(0.1, 3.0)] = 1.5, levels: Annotated[int, Whole(3, 10)] = 4) -> Plan:
     """A column of cubes on a conveyor belt that starts and stops.
 
     Args:
         start: acceleration of the belt, in units of that at which the column tips.
         levels: number of cubes.
     """
-    start = real("start", start, least=0.1, most=3.0)
-    levels = whole("levels", levels, least=3, most=10)
-    parameters: dict[str, Value] = {"start": start, "levels": levels}
     belt = Brick(BELT, 1.0, (0.0, 0.0, BOTTOM + BELT[2] / 2), moved=True)
     top = BOTTOM + BELT[2]
     actions: list[Action] = [Place(0.0, (belt,), height=BOTTOM)]
@@ -53,15 +54,12 @@ def belt_tower(*, start: float = 1.5, levels: int = 4) -> Scene:
         Drive(time, 0, (acceleration * START_S, 0.0, 0.0), seconds=START_S, carries=True),
         Drive(time + START_S, 0, (0.0, 0.0, 0.0), seconds=START_S, carries=True),
     ]
-    return Scene(
-        scenario="belt_tower",
-        variant=variant_of(belt_tower, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=tuple(actions),
         expectation=_expected(start, levels, time),
         look_for="the column comes along with the belt; started too fast, it tips backwards as a live one does",
-        pair=variant_of(belt_tower, parameters | {"start": 1.5}),
+        partner={"start": 1.5},
         planar=True,
     )
 

@@ -10,11 +10,13 @@ trunk, tell that it tips. The columns come together, so that nothing tips before
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.margins import by_margin
+from scenarios.model import World
+from scenarios.parameters import Margin, Scale, Whole
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 TRUNK = 6.0
 """Height of the trunk in thicknesses of a plank: room to tip."""
@@ -22,7 +24,8 @@ HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
 """Half the trunk's edge, where the columns stand, their edge, and half the plate's edge, in lengths of a plank."""
 
 
-def branches(*, columns: int = 4, margin: float = 0.3, scale: float = 4.0) -> Scene:
+@scenario
+def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 4.0) -> Plan:
     """A plate on one trunk with columns around it, one of which is loaded.
 
     Args:
@@ -30,10 +33,6 @@ def branches(*, columns: int = 4, margin: float = 0.3, scale: float = 4.0) -> Sc
         margin: share by which the load is lighter than the limit; a negative one is heavier.
         scale: size of everything over that of the standard plank.
     """
-    columns = whole("columns", columns, least=2, most=4)
-    margin = signed_margin(margin)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"columns": columns, "margin": margin, "scale": scale}
     length, width, thickness, _ = plank_of(scale)
     edge, plate_edge, trunk_edge = COLUMN * length, 2 * HALF_PLATE * length, 2 * HALF_TRUNK * length
     is_planar = columns == 2
@@ -54,16 +53,13 @@ def branches(*, columns: int = 4, margin: float = 0.3, scale: float = 4.0) -> Sc
     borne = plate.mass + sum(column.mass for column in standing)
     limit = borne * HALF_TRUNK / (RADIUS - HALF_TRUNK)
     load = box((edge, edge, thickness), RADIUS * length, level=4, bottom=floor + edge, mass=(1 - margin) * limit)
-    return Scene(
-        scenario="branches",
-        variant=variant_of(branches, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([[trunk], [plate], standing, [load]]),
         expectation=by_margin(
             margin, f"a load of {limit / borne:.2f} times all that stands on the trunk, about its edge", falls_at=4
         ),
         look_for="each branch stands by itself; only all of them, seen from the trunk, tip",
-        pair=variant_of(branches, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=is_planar,
     )

@@ -11,12 +11,18 @@ ends, where a half plank stands on one side of a whole one.
 
 from __future__ import annotations
 
-from scenarios.model import Brick, Expectation, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Brick, Expectation, World
+from scenarios.parameters import Gap, Whole
 from scenarios.planks import LENGTH, MU, lay, one_a_second
+from scenarios.scenario import Plan, scenario
 
 
-def brick_wall(*, courses: int = 8, width: int = 3, gap: float = 2.0) -> Scene:
+@scenario
+def brick_wall(
+    *, courses: Annotated[int, Whole(1, 200)] = 8, width: Annotated[int, Whole(2, 50)] = 3, gap: Gap = 2.0
+) -> Plan:
     """A wall of planks along x in running bond, each course a level.
 
     Args:
@@ -24,15 +30,8 @@ def brick_wall(*, courses: int = 8, width: int = 3, gap: float = 2.0) -> Scene:
         width: whole planks in odd courses; even ones have one less, and a half plank at each end.
         gap: between neighbours of a course [mm]; with 0 their faces touch.
     """
-    courses = whole("courses", courses, least=1, most=200)
-    width = whole("width", width, least=2, most=50)
-    gap = real("gap", gap, least=0, most=20)
-    parameters: dict[str, Value] = {"courses": courses, "width": width, "gap": gap}
     planks = [plank for level in range(1, courses + 1) for plank in _course(level, width, gap * 1e-3)]
-    return Scene(
-        scenario="brick_wall",
-        variant=variant_of(brick_wall, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "pressure through the middles of the half-plank joints balances every plank"),

@@ -10,10 +10,13 @@ on what lies straight below lets the beam stand when its counterweight has gone,
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Action, Expectation, Remove, Scene, World
-from scenarios.parameters import Value, choice, real, variant_of
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Action, Expectation, Remove, World
+from scenarios.parameters import Choice, Margin, Scale, Value
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 PIER = 6.0
 """Height of the pier in thicknesses of a plank: room to tip."""
@@ -27,7 +30,13 @@ LIMIT = -(BEAM_ARM + COUNTERWEIGHT * COUNTERWEIGHT_ARM) / LOAD_ARM
 """The load that balances everything, over the mass of the beam."""
 
 
-def cantilever(*, margin: float = 0.3, taken: str = "nothing", scale: float = 1.5) -> Scene:
+@scenario
+def cantilever(
+    *,
+    margin: Margin = 0.3,
+    taken: Annotated[str, Choice("nothing", "load", "counterweight")] = "nothing",
+    scale: Scale = 1.5,
+) -> Plan:
     """A beam that reaches beyond its pier, held by a counterweight; then load or counterweight is taken away.
 
     Args:
@@ -35,12 +44,8 @@ def cantilever(*, margin: float = 0.3, taken: str = "nothing", scale: float = 1.
         taken: "nothing", "load" or "counterweight", two seconds after the load was laid.
         scale: size of everything over that of the standard plank.
     """
-    margin = signed_margin(margin)
-    taken = choice("taken", taken, ("nothing", "load", "counterweight"))
-    scale = real("scale", scale, least=0.1, most=100)
     if taken != "nothing" and margin <= 0:
         raise ValueError(f"margin must be positive where something is taken, got {margin:g}: it has fallen before")
-    parameters: dict[str, Value] = {"margin": margin, "taken": taken, "scale": scale}
     length, width, thickness, mass = plank_of(scale)
     top, piece = PIER * thickness, (PIECE * length, width, thickness)
     bricks = [
@@ -60,14 +65,11 @@ def cantilever(*, margin: float = 0.3, taken: str = "nothing", scale: float = 1.
         expectation = Expectation("stand", "without its load the beam is held all the better")
     elif taken == "counterweight":
         expectation = Expectation("fall", "alone the beam carries a sixth of its mass", 4, not_before_s=time)
-    return Scene(
-        scenario="cantilever",
-        variant=variant_of(cantilever, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=expectation,
         look_for="the beam turns about the pier's edge as soon as its counterweight is too light or gone",
-        pair=variant_of(cantilever, parameters | common),
+        partner=common,
         planar=True,
     )

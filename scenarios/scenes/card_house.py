@@ -29,10 +29,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Annotated
 
-from scenarios.model import Brick, Expectation, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.model import Brick, Expectation, World
+from scenarios.parameters import Friction, Gap, Real, Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, lay, lean, one_a_second
+from scenarios.scenario import Plan, scenario
 
 RIDGE_GAP = 0.2e-3
 """Gap [m] between the two planks of a V at its ridge."""
@@ -42,7 +44,14 @@ CERTAIN = 1.05
 """Friction this many times off its limit gives an answer that survives a real hand."""
 
 
-def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU, gap: float = 2.0) -> Scene:
+@scenario
+def card_house(
+    *,
+    storeys: Annotated[int, Whole(1, 10)] = 1,
+    theta: Annotated[float, Real(45, 85)] = 72.0,
+    friction: Friction = MU,
+    gap: Gap = 2.0,
+) -> Plan:
     """Leaning pairs of planks under flat roofs: one storey is the inverted V.
 
     Args:
@@ -51,21 +60,13 @@ def card_house(*, storeys: int = 1, theta: float = 72.0, friction: float = MU, g
         friction: Coulomb coefficient of every pair.
         gap: between roof planks, and at least between the feet of two Vs [mm]; with 0 roof planks touch.
     """
-    storeys = whole("storeys", storeys, least=1, most=10)
-    theta = real("theta", theta, least=45, most=85)
-    friction = real("friction", friction, least=0, most=2)
-    gap = real("gap", gap, least=0, most=20)
-    parameters: dict[str, Value] = {"storeys": storeys, "theta": theta, "friction": friction, "gap": gap}
     angle = math.radians(theta)
-    return Scene(
-        scenario="card_house",
-        variant=variant_of(card_house, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=friction),
         actions=one_a_second(_groups(storeys, angle, gap * 1e-3)),
         expectation=expected(angle, friction),
         look_for="feet that creep apart and a ridge that drops; standing on too little friction is glue",
-        pair=variant_of(card_house, parameters | {"friction": MU}),
+        partner={"friction": MU},
         planar=True,
     )
 

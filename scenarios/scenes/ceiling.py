@@ -10,9 +10,12 @@ What to look for: a contact above a brick is no support. A brick that stays unde
 
 from __future__ import annotations
 
-from scenarios.model import Action, Expectation, Place, Remove, Scene, Vector, World
-from scenarios.parameters import Value, choice, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Action, Expectation, Place, Remove, Vector, World
+from scenarios.parameters import Choice, Whole
 from scenarios.planks import MU, box
+from scenarios.scenario import Plan, scenario
 
 BRICK: Vector = (0.06, 0.06, 0.04)
 """Edges of a brick [m]."""
@@ -22,16 +25,16 @@ PAUSE_S = 2.0
 """From the last brick to the removal [s]: time to settle."""
 
 
-def ceiling(*, bricks: int = 3, taken: str = "upper") -> Scene:
+@scenario
+def ceiling(
+    *, bricks: Annotated[int, Whole(2, 20)] = 3, taken: Annotated[str, Choice("upper", "lower")] = "upper"
+) -> Plan:
     """A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
 
     Args:
         bricks: of the column.
         taken: "upper", the brick that touches the ceiling, or "lower", all others.
     """
-    bricks = whole("bricks", bricks, least=2, most=20)
-    taken = choice("taken", taken, ("upper", "lower"))
-    parameters: dict[str, Value] = {"bricks": bricks, "taken": taken}
     column = [box(BRICK, 0.0, level=level, bottom=(level - 1) * BRICK[2]) for level in range(1, bricks + 1)]
     time = bricks - 1 + PAUSE_S
     actions: list[Action] = [Place(float(second), (brick,)) for second, brick in enumerate(column[:-1])]
@@ -41,14 +44,11 @@ def ceiling(*, bricks: int = 3, taken: str = "upper") -> Scene:
         expectation = Expectation("stand", "what is left stood before, under more load")
     else:
         expectation = Expectation("fall", "a ceiling can only push down", bricks, time)
-    return Scene(
-        scenario="ceiling",
-        variant=variant_of(ceiling, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU, fixed=(box(CEILING, 0.0, level=1, bottom=bricks * BRICK[2]),)),
         actions=tuple(actions),
         expectation=expectation,
         look_for="a contact above a brick is no support: what stays under the ceiling hangs from it",
-        pair=variant_of(ceiling, parameters | {"taken": "upper"}),
+        partner={"taken": "upper"},
         planar=True,
     )

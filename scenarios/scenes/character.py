@@ -12,10 +12,11 @@ What to look for: whatever was found to stand with the character's help must be 
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Action, Place, Push, Remove, Scene, World
-from scenarios.parameters import Value, real, variant_of
+from scenarios.margins import by_margin
+from scenarios.model import Action, Place, Push, Remove, World
+from scenarios.parameters import Margin, Scale
 from scenarios.planks import MU, box, plank_of
+from scenarios.scenario import Plan, dynamic_scenario
 
 PEDESTAL = 6.0
 """Height of pedestal and prop in thicknesses of a plank: room to tip."""
@@ -30,16 +31,14 @@ ALONE_S, WITHOUT_PROP_S = 3.0, 3.0
 """How long the character moves about before the prop is taken, and from then until it leaves itself [s]."""
 
 
-def character(*, margin: float = 0.3, scale: float = 2.0) -> Scene:
+@dynamic_scenario
+def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
     """A plank on a pedestal and a prop, on which a character moves about; then the prop goes, then the character.
 
     Args:
         margin: by how much the plank's middle is inside the pedestal's edge, over half its length; negative: outside.
         scale: size of everything over that of the standard plank.
     """
-    margin = signed_margin(margin)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"margin": margin, "scale": scale}
     length, width, thickness, mass = plank_of(scale)
     top, x, edge = PEDESTAL * thickness, -margin * length / 2, FIGURE * length
     pedestal = box((1.2 * length, width, top), -0.6 * length, level=1)
@@ -51,17 +50,14 @@ def character(*, margin: float = 0.3, scale: float = 2.0) -> Scene:
     actions: list[Action] = [Place(0.0, (pedestal, prop)), Place(1.0, (plank,)), Place(2.0, (figure,))]
     actions += [Remove(prop_goes, 1), Remove(leaves, 3)]
     actions += _movements(3, CHARACTER * mass * SPEED, 3.0, leaves)
-    return Scene(
-        scenario="character",
-        variant=variant_of(character, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=tuple(sorted(actions, key=lambda action: action.time)),
         expectation=by_margin(
             margin, "the pedestal's edge, in half lengths of the plank", falls_at=3, not_before_s=leaves
         ),
         look_for="what stood with the character's help must be looked at again when it leaves",
-        pair=variant_of(character, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=True,
     )
 

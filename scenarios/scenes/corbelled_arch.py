@@ -13,16 +13,20 @@ lowest planks' edges, as soon as the capstone lies on them.
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Brick, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Brick, World
+from scenarios.parameters import Margin, Scale, Whole
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 SHARED = 0.15
 """o: how much of the capstone lies on each side, in lengths of a plank."""
 
 
-def corbelled_arch(*, courses: int = 5, margin: float = 0.1, scale: float = 2.0) -> Scene:
+@scenario
+def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin = 0.1, scale: Scale = 2.0) -> Plan:
     """Two sides of planks that step inward, and a capstone across the gap.
 
     Args:
@@ -31,9 +35,6 @@ def corbelled_arch(*, courses: int = 5, margin: float = 0.1, scale: float = 2.0)
             that with friction. Some -1 / ``courses`` would let the sides fall before the capstone comes.
         scale: size of everything over that of the standard plank.
     """
-    courses = whole("courses", courses, least=2, most=30)
-    margin = signed_margin(margin)
-    scale = real("scale", scale, least=0.1, most=100)
     length, width, thickness, _ = plank_of(scale)
     help_of_friction = 0.0 if margin > 0 else MU * thickness / length
     limit = (1 + SHARED / (courses - 1) + help_of_friction) / (courses + 1)
@@ -41,7 +42,6 @@ def corbelled_arch(*, courses: int = 5, margin: float = 0.1, scale: float = 2.0)
     if courses * step >= 1:
         least = 1 - 1 / (courses * limit)
         raise ValueError(f"margin must be above {least:.3f} with {courses} courses, or the sides fall by themselves")
-    parameters: dict[str, Value] = {"courses": courses, "margin": margin, "scale": scale}
     top_inner_end = (length - 2 * SHARED * length) / 2
     foot = top_inner_end + length / 2 + (courses - 1) * step * length
     groups: list[list[Brick]] = []
@@ -49,14 +49,11 @@ def corbelled_arch(*, courses: int = 5, margin: float = 0.1, scale: float = 2.0)
         x, bottom = foot - course * step * length, course * thickness
         groups.append([box((length, width, thickness), s * x, level=course + 1, bottom=bottom) for s in (-1, 1)])
     groups.append([box((length, width, thickness), 0.0, level=courses + 1, bottom=courses * thickness)])
-    return Scene(
-        scenario="corbelled_arch",
-        variant=variant_of(corbelled_arch, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second(groups),
         expectation=by_margin(margin, f"steps of {limit:.3f} L, by moments with the capstone", falls_at=courses + 1),
         look_for="beyond the limit both sides turn inward as soon as the capstone lies on them",
-        pair=variant_of(corbelled_arch, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=True,
     )

@@ -14,27 +14,24 @@ What to look for: a merge at every plank (its load can go two ways). Sinking com
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.model import Brick, Expectation, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.model import Brick, Expectation, World
+from scenarios.parameters import Gap, Whole
 from scenarios.planks import LENGTH, MU, WIDTH, lay, one_a_second
+from scenarios.scenario import Plan, scenario
 
 
-def four_stack(*, levels: int = 30, gap: float = 2.0) -> Scene:
+@scenario
+def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) -> Plan:
     """Four planks a level in a pinwheel that turns the other way at each level.
 
     Args:
         levels: number of levels, of four planks each.
         gap: between a plank's end and the next one's side [mm]; with 0 they touch.
     """
-    levels = whole("levels", levels, least=1, most=200)
-    gap = real("gap", gap, least=0, most=20)
-    parameters: dict[str, Value] = {"levels": levels, "gap": gap}
     planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level, gap * 1e-3)]
-    return Scene(
-        scenario="four_stack",
-        variant=variant_of(four_stack, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "each side alone carries its weight: in equilibrium at any height"),

@@ -37,24 +37,24 @@ from functools import lru_cache
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
 from scenarios.model import (
     CLEARANCE,
-    UPRIGHT,
     Action,
     Brick,
     Expectation,
     Place,
-    Quaternion,
     Remove,
     Scene,
     World,
     pace_of,
 )
-from scenarios.parameters import Value, defaults, real, variant_of
+from scenarios.parameters import Real, Value
 from scenarios.planks import MU
+from scenarios.scenario import dynamic_scenario
+from scenarios.scenes.shared.brick_tables import LARGEST, read_brick, read_fixed_box, read_number, read_tables
 from scenarios.scenes.shared.transforms import transformed
 from scenarios.statics.contact_patch import GROUND, contact_patches
 from scenarios.statics.truth import UndecidedError, first_fall
@@ -65,21 +65,20 @@ MOST_FIXED = 200
 """Boxes that never move."""
 MOST = 200
 """Bricks for which the truth is worked out whenever the scene is built: of the largest in about a minute."""
-FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
-FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
-_LARGEST = 1e3
-"""Metres and seconds beyond which a number is a slip of the keyboard."""
-_HEAVIEST = 1e6
-"""Kilograms, likewise."""
 WATCH_S = 5.0
 """How long [s] a scene of its own size is watched."""
 SNAP = 0.2e-3
 """Gap or overlap [m] that is a rounding of whoever wrote the file."""
-_UNIT = 1e-6
-"""How far the length of a quaternion may be from 1."""
 
 
-def own_scene(*, file: str = "lintel.toml", size: float = 1.0, mass: float = 1.0, yaw: float = 0.0) -> Scene:
+@dynamic_scenario
+def own_scene(
+    *,
+    file: str = "lintel.toml",
+    size: Annotated[float, Real(0.01, 100)] = 1.0,
+    mass: Annotated[float, Real(1e-3, 1e3)] = 1.0,
+    yaw: Annotated[float, Real(-360, 360)] = 0.0,
+) -> Scene:
     """Your own bricks, from a TOML file.
 
     Args:
@@ -88,9 +87,6 @@ def own_scene(*, file: str = "lintel.toml", size: float = 1.0, mass: float = 1.0
         mass: factor of all masses.
         yaw: turn of the whole about the z axis [deg].
     """
-    size = real("size", size, least=0.01, most=100)
-    mass = real("mass", mass, least=1e-3, most=1e3)
-    yaw = real("yaw", yaw, least=-360, most=360)
     if not isinstance(file, str) or not file.endswith(".toml"):
         raise ValueError(f"file must be a TOML file's name, got {file!r}")
     path = Path(file) if Path(file).exists() else EXAMPLES / file
@@ -114,16 +110,17 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
         raise ValueError(f"not valid TOML: {error}") from error
     for field in content:
         look_up("field", field, dict.fromkeys(("friction", "brick", "fixed")))
-    told = _tables(content, "brick", least=1, most=MOST)
+    told = read_tables(content, "brick", least=1, most=MOST)
     fixed = tuple(
-        _fixed(f"fixed[{n}]", one) for n, one in enumerate(_tables(content, "fixed", least=0, most=MOST_FIXED))
+        read_fixed_box(f"fixed[{n}]", one)
+        for n, one in enumerate(read_tables(content, "fixed", least=0, most=MOST_FIXED))
     )
-    friction = real("friction", content.get("friction", MU), least=0, most=10)
+    friction = Real(0, 10).check("friction", content.get("friction", MU))
     laid = sorted(
-        ((_number(f"brick[{n}].time", one.get("time"), 0, _LARGEST), n, one) for n, one in enumerate(told)),
+        ((read_number(f"brick[{n}].time", one.get("time"), 0, LARGEST), n, one) for n, one in enumerate(told)),
         key=lambda entry: entry[:2],
     )
-    bricks = [_brick(f"brick[{n}]", one) for _, n, one in laid]
+    bricks = [read_brick(f"brick[{n}]", one) for _, n, one in laid]
     times, numbers = [time for time, _, _ in laid], [n for _, n, _ in laid]
     bricks = _levelled(_settled(bricks, times, fixed), times, numbers, fixed)
     bricks = [transformed(brick, size, mass, yaw) for brick in bricks]
@@ -146,62 +143,12 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
 
 def _variant(text: str, parameters: Mapping[str, Value]) -> str:
     """Return the id: the file's name and content unless it is the default one, then what changes the whole."""
-    default = defaults(own_scene)["file"]
+    default = own_scene.defaults["file"]
     file = str(parameters["file"])
     name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
     told = "" if file == default else f"-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}"
-    changes = variant_of(own_scene, {**parameters, "file": default}).removeprefix("own_scene")
+    changes = own_scene.variant({**parameters, "file": default}).removeprefix("own_scene")
     return f"own_scene{told}{changes}"
-
-
-def _tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
-    tables = content.get(name, [])
-    is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
-    if not is_list or not least <= len(tables) <= most:
-        raise ValueError(f"there must be {least} to {most} tables [[{name}]]")
-    return list(tables)
-
-
-def _number(name: str, value: object, least: float, most: float) -> float:
-    if value is None:
-        raise ValueError(f"{name} is missing")
-    return real(name, value, least=least, most=most)
-
-
-def _numbers(name: str, value: object, count: int, least: float) -> tuple[float, ...]:
-    if not isinstance(value, list) or len(value) != count:
-        raise ValueError(f"{name} must be a list of {count} numbers, got {value!r}")
-    return tuple(_number(f"{name}[{k}]", part, least, _LARGEST) for k, part in enumerate(value))
-
-
-def _brick(name: str, told: Mapping[str, Any]) -> Brick:
-    box = _box(name, told, FIELDS)
-    return replace(box, mass=_number(f"{name}.mass", told.get("mass"), 1e-6, _HEAVIEST))
-
-
-def _fixed(name: str, told: Mapping[str, Any]) -> Brick:
-    return _box(name, told, FIXED_FIELDS)
-
-
-def _box(name: str, told: Mapping[str, Any], fields: Sequence[str]) -> Brick:
-    """Return the box of a table, of 1 kg."""
-    for field in told:
-        look_up(f"field of {name}", field, dict.fromkeys(fields))
-    length, width, height = _numbers(f"{name}.size", told.get("size"), 3, 1e-4)
-    x, y, z = _numbers(f"{name}.position", told.get("position"), 3, -_LARGEST)
-    return Brick((length, width, height), 1.0, (x, y, z), _turn(name, told))
-
-
-def _turn(name: str, told: Mapping[str, Any]) -> Quaternion:
-    if "yaw" in told and "quaternion" in told:
-        raise ValueError(f"{name} has both yaw and quaternion: leave one out")
-    if "quaternion" in told:
-        w, i, j, k = _numbers(f"{name}.quaternion", told["quaternion"], 4, -1.0)
-        if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
-            raise ValueError(f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}")
-        return w, i, j, k
-    half = math.radians(_number(f"{name}.yaw", told.get("yaw", 0.0), -360, 360)) / 2
-    return (math.cos(half), 0.0, 0.0, math.sin(half)) if half else UPRIGHT
 
 
 def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) -> list[Brick]:
@@ -270,7 +217,7 @@ def _actions(
     ]
     for index, (time, n, told) in enumerate(laid):
         if "removed" in told:
-            removed = _number(f"brick[{n}].removed", told["removed"], 0, _LARGEST)
+            removed = read_number(f"brick[{n}].removed", told["removed"], 0, LARGEST)
             if removed <= time:
                 raise ValueError(f"brick[{n}].removed must be after its time {time:g}, got {removed:g}")
             actions.append(Remove(removed * pace, index))

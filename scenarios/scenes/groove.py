@@ -20,14 +20,16 @@ one, with a normal between them, sees a bar on a level floor, and lets it slide,
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
 
 from scenarios.geometry import FloatArray, rotation
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Brick, Quaternion, Scene, Vector, World
-from scenarios.parameters import Value, real, variant_of
+from scenarios.margins import by_margin
+from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.parameters import Margin, Real
 from scenarios.planks import DENSITY, one_a_second
+from scenarios.scenario import Plan, scenario
 
 RISE = math.radians(45)
 """Angle [rad] by which a side of the groove rises from the level, across it."""
@@ -43,31 +45,26 @@ LIES_AT = 0.40
 """Where the bar's middle lies, from the groove's lower end [m]."""
 
 
-def groove(*, tilt: float = 20.0, margin: float = 0.35) -> Scene:
+@scenario
+def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35) -> Plan:
     """A bar of square section in a tilted V-groove.
 
     Args:
         tilt: angle [deg] of the groove's length to the ground.
         margin: share by which the friction exceeds its limit; with a negative one it falls short of a wedged bar's.
     """
-    tilt = real("tilt", tilt, least=5, most=40)
-    margin = signed_margin(margin)
-    parameters: dict[str, Value] = {"tilt": tilt, "margin": margin}
     angle = math.radians(tilt)
     limit = math.tan(angle) * math.cos(RISE)
     if margin < 0:
         limit /= math.hypot(1.0, limit * math.tan(RISE))
     sides = tuple(_along_groove(angle, SIDE, SIDE[0] / 2, hand, _beside(hand)) for hand in (-1, 1))
     bar = _along_groove(angle, BAR, LIES_AT, 1, np.array([0.0, 0.0, BAR[1] * math.sqrt(0.5)]))
-    return Scene(
-        scenario="groove",
-        variant=variant_of(groove, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=(1 + margin) * limit, fixed=sides),
         actions=one_a_second([[bar]]),
         expectation=by_margin(margin, f"mu = {limit:.3f}, by the forces on both sides", falls_at=1),
         look_for="a bar that slides where the groove's wedge must hold it, or sticks where it must slide",
-        pair=variant_of(groove, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
     )
 
 

@@ -11,16 +11,20 @@ What to look for: all joints give at once, so it tips as one or not at all; the 
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import World
+from scenarios.parameters import Margin, Scale, Whole
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 TABLE = 6.0
 """Height of the table in thicknesses of a plank: room to tip."""
 
 
-def harmonic_overhang(*, bricks: int = 5, margin: float = 0.15, scale: float = 1.0) -> Scene:
+@scenario
+def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margin = 0.15, scale: Scale = 1.0) -> Plan:
     """Planks at a table's edge, each reaching beyond the one below by a harmonic offset.
 
     Args:
@@ -28,10 +32,6 @@ def harmonic_overhang(*, bricks: int = 5, margin: float = 0.15, scale: float = 1
         margin: share by which the offsets are smaller than the limit; negative ones are larger.
         scale: size of everything over that of the standard plank.
     """
-    bricks = whole("bricks", bricks, least=2, most=50)
-    margin = signed_margin(margin)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"bricks": bricks, "margin": margin, "scale": scale}
     length, width, thickness, _ = plank_of(scale)
     tower = [box((length, width, TABLE * thickness), 0.0, level=1)]
     x = 0.0
@@ -39,14 +39,11 @@ def harmonic_overhang(*, bricks: int = 5, margin: float = 0.15, scale: float = 1
         from_top = bricks + 2 - level
         x += (1 - margin) * length / (2 * from_top)
         tower.append(box((length, width, thickness), x, level=level, bottom=(TABLE + level - 2) * thickness))
-    return Scene(
-        scenario="harmonic_overhang",
-        variant=variant_of(harmonic_overhang, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([brick] for brick in tower),
         expectation=by_margin(margin, "offsets of L / (2 k), k planks from the top", falls_at=bricks + 1),
         look_for="every joint gives at once, so it tips as one; a tower that settles unevenly leans outward first",
-        pair=variant_of(harmonic_overhang, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=True,
     )

@@ -12,11 +12,13 @@ below it was frozen where it landed.
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Brick, Scene, World
-from scenarios.parameters import Value, choice, real, variant_of
+from scenarios.margins import by_margin
+from scenarios.model import Brick, World
+from scenarios.parameters import Choice, Margin, Real
 from scenarios.planks import LENGTH, MASS, THICKNESS, WIDTH, one_a_second
+from scenarios.scenario import Plan, scenario
 
 RAMP = (0.30, 0.10, 0.02)
 """Edges of the slab [m]."""
@@ -32,7 +34,13 @@ LIES_AT = {"upper": 0.20, "lower": 0.06}
 """Where the tile's middle lies on either half of the slab, along it from its foot [m]."""
 
 
-def incline(*, theta: float = 20.0, margin: float = 0.15, half: str = "upper") -> Scene:
+@scenario
+def incline(
+    *,
+    theta: Annotated[float, Real(5, 30)] = 20.0,
+    margin: Margin = 0.15,
+    half: Annotated[str, Choice(*LIES_AT)] = "upper",
+) -> Plan:
     """A tile on a ramp.
 
     Args:
@@ -40,10 +48,6 @@ def incline(*, theta: float = 20.0, margin: float = 0.15, half: str = "upper") -
         margin: share by which the friction exceeds its limit; with a negative one it falls short.
         half: of the ramp, on which the tile lies: "upper" or "lower".
     """
-    theta = real("theta", theta, least=5, most=30)
-    margin = signed_margin(margin)
-    half = choice("half", half, tuple(LIES_AT))
-    parameters: dict[str, Value] = {"theta": theta, "margin": margin, "half": half}
     angle = math.radians(theta)
     limit = math.tan(angle)
     tilt = (math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0)
@@ -59,14 +63,11 @@ def incline(*, theta: float = 20.0, margin: float = 0.15, half: str = "upper") -
     block = Brick((*BLOCK, height), HEAVY, (LEANS_AT * math.cos(angle) + BLOCK[0] / 2, 0.0, height / 2), level=1)
     slab = on_slab(RAMP, RAMP[0] / 2, 0.0, 1, HEAVY)
     tile = on_slab(TILE, LIES_AT[half], RAMP[2], 2, MASS * 0.3)
-    return Scene(
-        scenario="incline",
-        variant=variant_of(incline, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=(1 + margin) * limit),
         actions=one_a_second([[block, slab], [tile]]),
         expectation=by_margin(margin, f"mu = tan(theta) = {limit:.3f}", falls_at=2),
         look_for="a tile that creeps where it must hold, or sticks where it must slide",
-        pair=variant_of(incline, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=True,
     )

@@ -16,10 +16,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterator
+from typing import Annotated
 
-from scenarios.model import Action, Brick, Expectation, Pull, Remove, Scene, World
-from scenarios.parameters import Value, choice, real, variant_of, whole
+from scenarios.model import Action, Brick, Expectation, Pull, Remove, World
+from scenarios.parameters import Choice, Gap, Real, Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
+from scenarios.scenario import Plan, scenario
 
 LOWEST = 2
 """The lowest level from which planks are taken."""
@@ -31,7 +33,15 @@ WAY = 1.2 * LENGTH
 """How far a plank is pulled [m]: all the way out."""
 
 
-def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: float = 0.0, gap: float = 2.0) -> Scene:
+@scenario
+def jenga(
+    *,
+    levels: Annotated[int, Whole(LOWEST + 1, 100)] = 6,
+    left: Annotated[str, Choice("middle", "side")] = "middle",
+    robbed: Annotated[int, Whole(1, 49)] = 1,
+    speed: Annotated[float, Real(0, 1)] = 0.0,
+    gap: Gap = 2.0,
+) -> Plan:
     """Three planks a level in turn along and across; then two of the second level are taken, and so on upward.
 
     Args:
@@ -41,12 +51,7 @@ def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: floa
         speed: with which planks are pulled out [m/s]; if 0 they vanish.
         gap: between the planks of a level [mm]; with 0 their sides touch.
     """
-    levels = whole("levels", levels, least=LOWEST + 1, most=100)
-    left = choice("left", left, ("middle", "side"))
-    robbed = whole("robbed", robbed, least=1, most=(levels - LOWEST + 1) // 2)
-    speed = real("speed", speed, least=0, most=1)
-    gap = real("gap", gap, least=0, most=20)
-    parameters: dict[str, Value] = {"levels": levels, "left": left, "robbed": robbed, "speed": speed, "gap": gap}
+    robbed = Whole(1, (levels - LOWEST + 1) // 2).check("robbed", robbed)
     robbed_levels = range(LOWEST, LOWEST + 2 * robbed, 2)
     actions: tuple[Action, ...] = one_a_second(_layers(levels, robbed_levels, gap * 1e-3))
     for level in robbed_levels:
@@ -64,15 +69,12 @@ def jenga(*, levels: int = 6, left: str = "middle", robbed: int = 1, speed: floa
             levels,
             actions[-1].time,
         )
-    return Scene(
-        scenario="jenga",
-        variant=variant_of(jenga, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=expectation,
         look_for="does it turn over about the plank that is left, in one piece?",
-        pair=variant_of(jenga, parameters | {"left": "middle"}),
+        partner={"left": "middle"},
     )
 
 

@@ -12,16 +12,21 @@ that stands at ten levels is glued; one that falls early slides or sinks.
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.model import Expectation, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.model import Expectation, World
+from scenarios.parameters import Real, Scale, Whole
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 CERTAIN = 0.05
 """Least distance from the limit, as a share of half a plank's length, at which theory's answer survives a real hand."""
 
 
-def leaning_tower(*, ratio: float = 8.5, levels: int = 13, scale: float = 1.0) -> Scene:
+@scenario
+def leaning_tower(
+    *, ratio: Annotated[float, Real(1.1, 1000)] = 8.5, levels: Annotated[int, Whole(1, 500)] = 13, scale: Scale = 1.0
+) -> Plan:
     """Flat planks, each shifted along x by the same offset, until they topple.
 
     Args:
@@ -29,24 +34,17 @@ def leaning_tower(*, ratio: float = 8.5, levels: int = 13, scale: float = 1.0) -
         levels: number of planks.
         scale: size of the planks over that of the standard plank.
     """
-    ratio = real("ratio", ratio, least=1.1, most=1000)
-    levels = whole("levels", levels, least=1, most=500)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"ratio": ratio, "levels": levels, "scale": scale}
     length, width, thickness, mass = plank_of(scale)
     planks = [
         box((length, width, thickness), above * length / ratio, level=above + 1, bottom=above * thickness, mass=mass)
         for above in range(levels)
     ]
-    return Scene(
-        scenario="leaning_tower",
-        variant=variant_of(leaning_tower, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=expected(ratio, levels),
         look_for="turns about its lowest plank's edge, whole; standing any longer is glue",
-        pair=variant_of(leaning_tower, parameters | {"levels": 13}),
+        partner={"levels": 13},
         planar=True,
     )
 

@@ -10,10 +10,12 @@ What to look for: a stack that is frozen must come along with the platform, and 
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.model import Action, Brick, Drive, Place, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.model import Action, Brick, Drive, Place, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, lay
+from scenarios.scenario import Plan, dynamic_scenario
 from scenarios.scenes.shared.slopes import TILT_S, on_slope
 
 BOTTOM, PLATE = 0.1, 0.02
@@ -24,16 +26,14 @@ RISE, RISE_S = 0.1, 2.0
 """How far [m] the platform rises, and in how long [s]."""
 
 
-def lifted_tower(*, angle: float = 28.0, levels: int = 3) -> Scene:
+@dynamic_scenario
+def lifted_tower(*, angle: Annotated[float, Real(0.0, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 3) -> Plan:
     """A tower of planks on a platform that lifts it and then tilts it.
 
     Args:
         angle: of the platform in the end [deg].
         levels: number of planks.
     """
-    angle = real("angle", angle, least=0.0, most=45.0)
-    levels = whole("levels", levels, least=1, most=6)
-    parameters: dict[str, Value] = {"angle": angle, "levels": levels}
     platform = Brick((3 * LENGTH, 3 * WIDTH, PLATE), 1.0, (0.0, 0.0, BOTTOM + PLATE / 2), moved=True)
     top = BOTTOM + PLATE
     actions: list[Action] = [Place(0.0, (platform,), height=BOTTOM)]
@@ -51,14 +51,11 @@ def lifted_tower(*, angle: float = 28.0, levels: int = 3) -> Scene:
         Drive(tilt, 0, still, (0.0, spin, 0.0), carries=True),
         Drive(tilt + TILT_S, 0, still, carries=True),
     ]
-    return Scene(
-        scenario="lifted_tower",
-        variant=variant_of(lifted_tower, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=tuple(actions),
         expectation=on_slope(angle, levels + 1, tilt),
         look_for="the tower rises and tilts with the platform; above the friction angle it slides off",
-        pair=variant_of(lifted_tower, parameters | {"angle": 28.0}),
+        partner={"angle": 28.0},
         planar=True,
     )

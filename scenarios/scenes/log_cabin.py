@@ -9,32 +9,30 @@ What to look for: four thin columns of squares that must stay plumb; the whole r
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.model import Expectation, Scene, World
-from scenarios.parameters import Value, variant_of, whole
+from scenarios.model import Expectation, World
+from scenarios.parameters import Whole
 from scenarios.planks import LENGTH, MU, WIDTH, lay, one_a_second
+from scenarios.scenario import Plan, scenario
 
 APART = (LENGTH - WIDTH) / 2
 """From the cabin's middle to the middle of a plank [m]: ends and sides are flush."""
 
 
-def log_cabin(*, levels: int = 8) -> Scene:
+@scenario
+def log_cabin(*, levels: Annotated[int, Whole(1, 200)] = 8) -> Plan:
     """Two parallel planks a level, each level across the one below.
 
     Args:
         levels: number of levels, of two planks each.
     """
-    levels = whole("levels", levels, least=1, most=200)
-    parameters: dict[str, Value] = {"levels": levels}
     planks = [
         lay(0.0, side * APART, level=level) if level % 2 else lay(side * APART, level=level, yaw=math.pi / 2)
         for level in range(1, levels + 1)
         for side in (-1, 1)
     ]
-    return Scene(
-        scenario="log_cabin",
-        variant=variant_of(log_cabin, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation(

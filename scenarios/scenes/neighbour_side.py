@@ -15,10 +15,13 @@ What to look for: a brick that stays in the air when its counterweight has gone 
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Action, Place, Remove, Scene, World
-from scenarios.parameters import Value, real, variant_of
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Action, Place, Remove, World
+from scenarios.parameters import Gap, Real, Scale
 from scenarios.planks import MU, box, plank_of
+from scenarios.scenario import Plan, scenario
 
 PEDESTAL = 6.0
 """Height of the pedestal in thicknesses of a plank: room to tip."""
@@ -30,7 +33,8 @@ PAUSE_S = 2.0
 """From the last brick to the removal [s]: time to settle."""
 
 
-def neighbour_side(*, margin: float = 0.15, gap: float = 0.0, scale: float = 2.0) -> Scene:
+@scenario
+def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: Gap = 0.0, scale: Scale = 2.0) -> Plan:
     """A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken.
 
     Args:
@@ -38,10 +42,6 @@ def neighbour_side(*, margin: float = 0.15, gap: float = 0.0, scale: float = 2.0
         gap: between the brick and its neighbour [mm]; with 0 they touch.
         scale: size of everything over that of the standard plank.
     """
-    margin = real("margin", signed_margin(margin), least=-0.25, most=0.25)
-    gap = real("gap", gap, least=0, most=20)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"margin": margin, "gap": gap, "scale": scale}
     length, width, thickness, mass = plank_of(scale)
     top, x = PEDESTAL * thickness, -margin * length / 2
     pedestal = box((2.2 * length, width, top), -1.1 * length, level=1)
@@ -62,14 +62,11 @@ def neighbour_side(*, margin: float = 0.15, gap: float = 0.0, scale: float = 2.0
         Remove(time, 3),
     )
     limit = "the pedestal's edge, in half lengths of the brick; the neighbour does not help"
-    return Scene(
-        scenario="neighbour_side",
-        variant=variant_of(neighbour_side, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=by_margin(margin, limit, falls_at=3, not_before_s=time),
         look_for="a brick that stays in the air is held by friction at a side that nothing presses on",
-        pair=variant_of(neighbour_side, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=True,
     )

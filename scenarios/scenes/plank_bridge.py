@@ -11,10 +11,11 @@ What to look for: both tip at once, and the middle plank drops between them. Eac
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Brick, Scene, World
-from scenarios.parameters import Value, real, variant_of
+from scenarios.margins import by_margin
+from scenarios.model import Brick, World
+from scenarios.parameters import Margin, Scale
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 PIER = 6.0
 """Height of the piers in thicknesses of a plank: room to tip."""
@@ -26,7 +27,8 @@ ARM = TIP - SHARED
 """Where half the middle plank acts at best, before the edge."""
 
 
-def plank_bridge(*, margin: float = 0.3, scale: float = 2.5) -> Scene:
+@scenario
+def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
     """Two planks that reach out from piers, and a third that lies on their tips.
 
     Args:
@@ -34,9 +36,6 @@ def plank_bridge(*, margin: float = 0.3, scale: float = 2.5) -> Scene:
             than that with friction.
         scale: size of everything over that of the standard plank.
     """
-    margin = signed_margin(margin)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"margin": margin, "scale": scale}
     length, width, thickness, mass = plank_of(scale)
     limit = 2 * BEHIND / (ARM if margin > 0 else ARM - MU * thickness / length)
     top, edge = PIER * thickness, (TIP + GAP / 2) * length
@@ -49,14 +48,11 @@ def plank_bridge(*, margin: float = 0.3, scale: float = 2.5) -> Scene:
         bottom=top + thickness,
         mass=(1 - margin) * limit * mass,
     )
-    return Scene(
-        scenario="plank_bridge",
-        variant=variant_of(plank_bridge, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([piers, outer, [middle]]),
         expectation=by_margin(margin, f"a middle of {limit:.2f} times an outer plank, by moments", falls_at=3),
         look_for="both outer planks tip at once, and the middle one drops between them",
-        pair=variant_of(plank_bridge, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=True,
     )

@@ -9,24 +9,23 @@ a solver that does not converge over 26 contacts feeds until the tower topples.
 
 from __future__ import annotations
 
-from scenarios.model import Expectation, Scene, World
-from scenarios.parameters import Value, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Expectation, World
+from scenarios.parameters import Whole
 from scenarios.planks import MU, lay, one_a_second
+from scenarios.scenario import Plan, scenario
 
 
-def plank_tower(*, levels: int = 26) -> Scene:
+@scenario
+def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
     """Flat planks straight above each other, one a level.
 
     Args:
         levels: number of planks. 26 by default: what is timed at level 25 still has a successor.
     """
-    levels = whole("levels", levels, least=1, most=500)
-    parameters: dict[str, Value] = {"levels": levels}
     planks = [lay(0.0, level=level) for level in range(1, levels + 1)]
-    return Scene(
-        scenario="plank_tower",
-        variant=variant_of(plank_tower, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "every upper part's centre of mass lies over the middle of its support"),

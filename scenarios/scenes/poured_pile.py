@@ -15,11 +15,13 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
+from typing import Annotated
 
 from scenarios.geometry import Boxes, resting_shift
-from scenarios.model import CLEARANCE, Brick, Expectation, Place, Quaternion, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.model import CLEARANCE, Brick, Expectation, Place, Quaternion, World
+from scenarios.parameters import Friction, Real, Whole
 from scenarios.planks import DENSITY, LENGTH, MU, THICKNESS, WIDTH
+from scenarios.scenario import Plan, dynamic_scenario
 
 SIZE = (LENGTH / 3, WIDTH, 2 * THICKNESS)
 """Edges of a brick [m], 5 : 3 : 2: a third of a plank, twice as thick."""
@@ -31,7 +33,14 @@ WATCH_S = 10.0
 """How long the heap is watched after the last brick [s]."""
 
 
-def poured_pile(*, bricks: int = 80, height: float = 30.0, friction: float = MU, draw: int = 1) -> Scene:
+@dynamic_scenario
+def poured_pile(
+    *,
+    bricks: Annotated[int, Whole(2, 1000)] = 80,
+    height: Annotated[float, Real(0.5, 1000)] = 30.0,
+    friction: Friction = MU,
+    draw: Annotated[int, Whole(0, 10**9)] = 1,
+) -> Plan:
     """Bricks that are poured into a heap, one by one, each turned at random.
 
     Args:
@@ -40,16 +49,8 @@ def poured_pile(*, bricks: int = 80, height: float = 30.0, friction: float = MU,
         friction: Coulomb coefficient of every pair.
         draw: which pile: all poses follow from this number alone.
     """
-    bricks = whole("bricks", bricks, least=2, most=1000)
-    height = real("height", height, least=0.5, most=1000)
-    friction = real("friction", friction, least=0, most=2)
-    draw = whole("draw", draw, least=0, most=10**9)
-    parameters: dict[str, Value] = {"bricks": bricks, "height": height, "friction": friction, "draw": draw}
     poured = _poured(bricks, random.Random(draw))
-    return Scene(
-        scenario="poured_pile",
-        variant=variant_of(poured_pile, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=friction),
         actions=tuple(
             Place(PACE_S * number, (brick,), CLEARANCE + height * 1e-3) for number, brick in enumerate(poured)

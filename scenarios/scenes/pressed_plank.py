@@ -8,9 +8,12 @@ What to look for: nothing but the pressed plank may move, and it must move as so
 
 from __future__ import annotations
 
-from scenarios.model import Action, Expectation, Press, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Action, Expectation, Press, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import GRAVITY, MASS, MU, lay, one_a_second
+from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
 """From the last plank to the press [s]."""
@@ -20,28 +23,23 @@ SURE = 1.2
 """Factor on either side of the limit from which the answer is known: friction of some engines creeps near it."""
 
 
-def pressed_plank(*, force: float = 1.5, levels: int = 4) -> Scene:
+@dynamic_scenario
+def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Annotated[int, Whole(2, 100)] = 4) -> Plan:
     """A tower whose topmost plank is pressed steadily along its length.
 
     Args:
         force: in units of the friction that holds the plank, mu m g.
         levels: number of planks.
     """
-    force = real("force", force, least=0.01, most=10)
-    levels = whole("levels", levels, least=2, most=100)
-    parameters: dict[str, Value] = {"force": force, "levels": levels}
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
     time = actions[-1].time + PAUSE_S
     actions += (Press(time, levels - 1, (force * MU * MASS * GRAVITY, 0.0, 0.0), PRESS_S),)
-    return Scene(
-        scenario="pressed_plank",
-        variant=variant_of(pressed_plank, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=_expected(force, levels, time),
         look_for="nothing but the pressed plank may move, and only if the force exceeds its friction",
-        pair=variant_of(pressed_plank, parameters | {"force": 1.5}),
+        partner={"force": 1.5},
         planar=True,
     )
 

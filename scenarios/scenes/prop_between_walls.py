@@ -11,9 +11,12 @@ What to look for: a block that hangs between the walls is wedged in theory only.
 
 from __future__ import annotations
 
-from scenarios.model import Action, Expectation, Place, Remove, Scene, Vector, World
-from scenarios.parameters import Value, choice, real, variant_of
+from typing import Annotated
+
+from scenarios.model import Action, Expectation, Place, Remove, Vector, World
+from scenarios.parameters import Choice, Friction, Gap
 from scenarios.planks import box
+from scenarios.scenario import Plan, scenario
 
 BLOCK: Vector = (0.12, 0.05, 0.04)
 """Edges of the block [m]."""
@@ -27,7 +30,10 @@ PAUSE_S = 2.0
 """From the block to the removal [s]: time to settle."""
 
 
-def prop_between_walls(*, carried: str = "ledges", friction: float = 0.2, gap: float = 0.0) -> Scene:
+@scenario
+def prop_between_walls(
+    *, carried: Annotated[str, Choice("ledges", "nothing")] = "ledges", friction: Friction = 0.2, gap: Gap = 0.0
+) -> Plan:
     """A block on a prop between two fixed walls that it touches; then the prop is taken away.
 
     Args:
@@ -35,10 +41,6 @@ def prop_between_walls(*, carried: str = "ledges", friction: float = 0.2, gap: f
         friction: Coulomb coefficient of every pair.
         gap: between the block and either wall [mm]; with 0 they touch.
     """
-    carried = choice("carried", carried, ("ledges", "nothing"))
-    friction = real("friction", friction, least=0, most=2)
-    gap = real("gap", gap, least=0, most=20)
-    parameters: dict[str, Value] = {"carried": carried, "friction": friction, "gap": gap}
     inner = BLOCK[0] / 2 + gap * 1e-3
     fixed = [box(WALL, side * (inner + WALL[0] / 2), level=1) for side in (-1, 1)]
     if carried == "ledges":
@@ -53,14 +55,11 @@ def prop_between_walls(*, carried: str = "ledges", friction: float = 0.2, gap: f
         expectation = Expectation("stand", "both ends of the block lie on a ledge")
     else:
         expectation = Expectation("fall", "walls that nothing presses on the block hold nothing", 2, time)
-    return Scene(
-        scenario="prop_between_walls",
-        variant=variant_of(prop_between_walls, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=friction, fixed=tuple(fixed)),
         actions=actions,
         expectation=expectation,
         look_for="a block that hangs between the walls is wedged in theory only",
-        pair=variant_of(prop_between_walls, parameters | {"carried": "ledges"}),
+        partner={"carried": "ledges"},
         planar=True,
     )

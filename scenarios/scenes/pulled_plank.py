@@ -10,9 +10,12 @@ What to look for: slowly pulled, the upper part travels with the plank; at some 
 
 from __future__ import annotations
 
-from scenarios.model import Action, Expectation, Pull, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Action, Expectation, Pull, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import LENGTH, MU, lay, one_a_second
+from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
 """From the last plank to the pull [s]."""
@@ -20,22 +23,17 @@ WAY = 1.2 * LENGTH
 """How far it is pulled [m]: all the way out."""
 
 
-def pulled_plank(*, speed: float = 0.1, levels: int = 4) -> Scene:
+@dynamic_scenario
+def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annotated[int, Whole(3, 100)] = 4) -> Plan:
     """A tower whose last plank but one is pulled out along its length.
 
     Args:
         speed: of the pull [m/s].
         levels: number of planks.
     """
-    speed = real("speed", speed, least=0.01, most=20)
-    levels = whole("levels", levels, least=3, most=100)
-    parameters: dict[str, Value] = {"speed": speed, "levels": levels}
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
     actions += (Pull(actions[-1].time + PAUSE_S, levels - 2, (speed, 0.0), WAY / speed),)
-    return Scene(
-        scenario="pulled_plank",
-        variant=variant_of(pulled_plank, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=Expectation("study", "how far the plank above comes along, and how it lands, dynamics decide"),

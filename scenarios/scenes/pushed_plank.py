@@ -12,10 +12,12 @@ brick tells the extension so.
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.model import Action, Expectation, Push, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.model import Action, Expectation, Push, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import GRAVITY, LENGTH, MASS, MU, THICKNESS, lay, one_a_second
+from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
 """From the last plank to the blow [s]."""
@@ -24,29 +26,24 @@ SURE = 1.5
 steps, and a real plank yaws a little."""
 
 
-def pushed_plank(*, slide: float = 4.0, levels: int = 4) -> Scene:
+@dynamic_scenario
+def pushed_plank(*, slide: Annotated[float, Real(0.1, 1000)] = 4.0, levels: Annotated[int, Whole(2, 100)] = 4) -> Plan:
     """A tower whose topmost plank is struck along its length.
 
     Args:
         slide: how far [mm] the blow lets it slide.
         levels: number of planks.
     """
-    slide = real("slide", slide, least=0.1, most=1000)
-    levels = whole("levels", levels, least=2, most=100)
-    parameters: dict[str, Value] = {"slide": slide, "levels": levels}
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
     time = actions[-1].time + PAUSE_S
     impulse = MASS * math.sqrt(2 * MU * GRAVITY * slide * 1e-3)
     actions += (Push(time, levels - 1, (impulse, 0.0, 0.0)),)
-    return Scene(
-        scenario="pushed_plank",
-        variant=variant_of(pushed_plank, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=_expected(slide * 1e-3, levels, time),
         look_for="nothing but the struck plank may move; what is frozen must feel the blow",
-        pair=variant_of(pushed_plank, parameters | {"slide": 4.0}),
+        partner={"slide": 4.0},
         planar=True,
     )
 

@@ -10,31 +10,29 @@ unevenly lets the lowest row creep apart.
 
 from __future__ import annotations
 
-from scenarios.model import Expectation, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Expectation, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import LENGTH, MU, lay, one_a_second
+from scenarios.scenario import Plan, scenario
 
 
-def pyramid(*, rows: int = 4, gap: float = 58.5) -> Scene:
+@scenario
+def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Real(0, 90)] = 58.5) -> Plan:
     """Rows of planks, each row one plank shorter and across the gaps of the one below.
 
     Args:
         rows: number of rows, as many planks in the lowest.
         gap: between neighbours of a row [mm], by default half a plank; with 0 they touch.
     """
-    rows = whole("rows", rows, least=1, most=30)
-    gap = real("gap", gap, least=0, most=90)
-    parameters: dict[str, Value] = {"rows": rows, "gap": gap}
     pitch = LENGTH + gap * 1e-3
     planks = [
         lay((index - (rows - level) / 2) * pitch, level=level)
         for level in range(1, rows + 1)
         for index in range(rows - level + 1)
     ]
-    return Scene(
-        scenario="pyramid",
-        variant=variant_of(pyramid, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "every plank shares its load in equal halves between two supports"),

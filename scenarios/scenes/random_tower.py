@@ -17,10 +17,12 @@ import math
 import random
 from collections.abc import Sequence
 from itertools import accumulate
+from typing import Annotated
 
-from scenarios.model import CLEARANCE, Expectation, Scene, World
-from scenarios.parameters import Value, variant_of, whole
+from scenarios.model import CLEARANCE, Expectation, World
+from scenarios.parameters import Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, lay, one_a_second
+from scenarios.scenario import Plan, scenario
 
 SURE = math.sqrt(10 * THICKNESS * CLEARANCE)
 """Least distance [m] from an edge at which a centre of mass gives a known answer."""
@@ -28,27 +30,22 @@ MOST = 60
 """Longest tower: not one in a million grows so high."""
 
 
-def random_tower(*, draw: int = 1, levels: int = 12) -> Scene:
+@scenario
+def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated[int, Whole(2, MOST)] = 12) -> Plan:
     """Planks laid at random along x, each with its middle somewhere over the one below.
 
     Args:
         draw: which tower: its offsets follow from this number alone.
         levels: number of planks.
     """
-    draw = whole("draw", draw, least=0, most=10**9)
-    levels = whole("levels", levels, least=2, most=MOST)
-    parameters: dict[str, Value] = {"draw": draw, "levels": levels}
     middles = middles_of(draw)[:levels]
     planks = [lay(x, level=level) for level, x in enumerate(middles, start=1)]
-    return Scene(
-        scenario="random_tower",
-        variant=variant_of(random_tower, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=expected(middles),
         look_for="which joint gives: it need not be the topmost, and not a plank early or late",
-        pair=variant_of(random_tower, parameters | {"levels": 12}),
+        partner={"levels": 12},
         planar=True,
     )
 

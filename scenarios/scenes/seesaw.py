@@ -11,10 +11,12 @@ two bodies for the one that is carried finds that the block carries the plank.
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.model import Brick, Expectation, Place, Scene, Vector, World
-from scenarios.parameters import Value, choice, variant_of
+from scenarios.model import Brick, Expectation, Place, Vector, World
+from scenarios.parameters import Choice
 from scenarios.planks import DENSITY, MU, box
+from scenarios.scenario import Plan, scenario
 
 TILT = math.radians(15)
 """Slope [rad] of the plank, which rises toward +x."""
@@ -34,14 +36,13 @@ SUPPORT: tuple[float, float] = (0.02, 0.08)
 """Edges of a support in x and y [m]."""
 
 
-def seesaw(*, block: str = "between") -> Scene:
+@scenario
+def seesaw(*, block: Annotated[str, Choice(*LIES_AT)] = "between") -> Plan:
     """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
     Args:
         block: where it lies, "between" the two edges or "beyond" the lower one.
     """
-    block = choice("block", block, tuple(LIES_AT))
-    parameters: dict[str, Value] = {"block": block}
     plank = _on_slope(PLANK, math.prod(PLANK) * DENSITY, PLANK[0] / 2, 0.0, level=1)
     load = _on_slope(BLOCK, MASS, LIES_AT[block], PLANK[2], level=2)
     if block == "between":
@@ -49,15 +50,12 @@ def seesaw(*, block: str = "between") -> Scene:
     else:
         ratio = MASS * -load.position[0] / (plank.mass * plank.position[0])
         expectation = Expectation("fall", f"the block's moment about the edge is {ratio:.1f} times the plank's", 2)
-    return Scene(
-        scenario="seesaw",
-        variant=variant_of(seesaw, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU, fixed=(_support(LOWER), _support(UPPER))),
         actions=(Place(0.0, (plank,)), Place(1.0, (load,))),
         expectation=expectation,
         look_for="the block lies lower than the plank's middle, and on it all the same",
-        pair=variant_of(seesaw, parameters | {"block": "between"}),
+        partner={"block": "between"},
         planar=True,
     )
 

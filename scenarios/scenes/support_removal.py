@@ -17,10 +17,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Annotated
 
 from scenarios.model import Action, Expectation, Place, Remove, Scene, World
-from scenarios.parameters import Value, choice, defaults, real, variant_of
+from scenarios.parameters import Choice, Gap, Real
 from scenarios.planks import GAP, MU, box, one_a_second
+from scenarios.scenario import Plan, scenario
 from scenarios.scenes.brick_wall import brick_wall
 from scenarios.scenes.card_house import card_house
 from scenarios.scenes.four_stack import four_stack
@@ -60,7 +62,14 @@ STACKS: Mapping[str, _Robbery] = {
 }
 
 
-def robbed_stack(*, stack: str = "four_stack", taken: str = "load", gap: float = 2.0, pause: float = PAUSE_S) -> Scene:
+@scenario
+def robbed_stack(
+    *,
+    stack: Annotated[str, Choice(*STACKS)] = "four_stack",
+    taken: Annotated[str, Choice("load", "support")] = "load",
+    gap: Gap = 2.0,
+    pause: Annotated[float, Real(1, 100)] = PAUSE_S,
+) -> Plan:
     """A stack that stands, from which the topmost load or a lowest support is taken.
 
     Args:
@@ -69,13 +78,8 @@ def robbed_stack(*, stack: str = "four_stack", taken: str = "load", gap: float =
         gap: between neighbours of a level [mm], of the stacks that have any; with 0 they touch.
         pause: from the last brick to the removal [s]: after some seconds at rest an engine lets bricks sleep.
     """
-    stack = choice("stack", stack, tuple(STACKS))
-    taken = choice("taken", taken, ("load", "support"))
-    gap = real("gap", gap, least=0, most=20)
-    pause = real("pause", pause, least=1, most=100)
-    parameters: dict[str, Value] = {"stack": stack, "taken": taken, "gap": gap, "pause": pause}
     robbery = STACKS[stack]
-    if gap != defaults(robbed_stack)["gap"] and not robbery.has_gap:
+    if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
         with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
         raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours side by side")
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
@@ -88,15 +92,13 @@ def robbed_stack(*, stack: str = "four_stack", taken: str = "load", gap: float =
         expectation = Expectation("stand", "what is left stood before, under more load")
     else:
         expectation = Expectation("fall", "exact statics finds no equilibrium without it", built.levels, time)
-    return replace(
-        built,
-        scenario="robbed_stack",
-        variant=variant_of(robbed_stack, parameters),
-        parameters=parameters,
+    return Plan(
+        world=built.world,
         actions=built.actions + removals,
         expectation=expectation,
         look_for="what rested on it must fall, and what did not must stay",
-        pair=variant_of(robbed_stack, parameters | {"taken": "load"}),
+        partner={"taken": "load"},
+        planar=built.planar,
     )
 
 

@@ -10,10 +10,13 @@ say) put the load where no leg is lifted and nothing falls.
 
 from __future__ import annotations
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Brick, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Brick, World
+from scenarios.parameters import Margin, Scale, Whole
 from scenarios.planks import MU, box, one_a_second, plank_of
+from scenarios.scenario import Plan, scenario
 
 HEIGHT = 3.0
 """Height of the legs in thicknesses of a plank: room to tip, but too little for a leg to be knocked over."""
@@ -34,7 +37,8 @@ LEGS = {
 """Middles of the legs in x and y, in lengths of the plate."""
 
 
-def table(*, legs: int = 4, margin: float = 0.3, scale: float = 2.5) -> Scene:
+@scenario
+def table(*, legs: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
     """A plate on legs, and a load that lies beyond them.
 
     Args:
@@ -42,10 +46,6 @@ def table(*, legs: int = 4, margin: float = 0.3, scale: float = 2.5) -> Scene:
         margin: share by which the load is lighter than the limit; a negative one is heavier.
         scale: size of everything over that of the standard plank.
     """
-    legs = whole("legs", legs, least=2, most=4)
-    margin = signed_margin(margin)
-    scale = real("scale", scale, least=0.1, most=100)
-    parameters: dict[str, Value] = {"legs": legs, "margin": margin, "scale": scale}
     length, width, thickness, _ = plank_of(scale)
     height, foot, depth = HEIGHT * thickness, FOOT * length, width if legs == 2 else length
     standing = [
@@ -59,14 +59,11 @@ def table(*, legs: int = 4, margin: float = 0.3, scale: float = 2.5) -> Scene:
         bottom=height + thickness,
         mass=(1 - margin) * LIMIT * plate.mass,
     )
-    return Scene(
-        scenario="table",
-        variant=variant_of(table, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=one_a_second([*([leg] for leg in standing), [plate], [load]]),
         expectation=by_margin(margin, f"a load of {LIMIT:.1f} times the plate beyond its legs", falls_at=3),
         look_for="the legs behind are freed of all load before it tips about those in front",
-        pair=variant_of(table, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=legs == 2,
     )

@@ -8,36 +8,34 @@ What to look for: a frozen tower must feel that the ground tilts, though nothing
 
 from __future__ import annotations
 
-from scenarios.model import Action, Scene, Tilt, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Action, Tilt, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import MU, lay, one_a_second
+from scenarios.scenario import Plan, dynamic_scenario
 from scenarios.scenes.shared.slopes import TILT_S, on_slope
 
 PAUSE_S = 2.0
 """From the last plank to the tilt [s]."""
 
 
-def tilted_ground(*, angle: float = 28.0, levels: int = 4) -> Scene:
+@dynamic_scenario
+def tilted_ground(*, angle: Annotated[float, Real(0.1, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 4) -> Plan:
     """A tower of planks on ground that tilts: gravity turns.
 
     Args:
         angle: of the ground in the end [deg].
         levels: number of planks.
     """
-    angle = real("angle", angle, least=0.1, most=45.0)
-    levels = whole("levels", levels, least=1, most=6)
-    parameters: dict[str, Value] = {"angle": angle, "levels": levels}
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
     time = actions[-1].time + PAUSE_S
     actions += (Tilt(time, (0.0, 1.0), angle / TILT_S, TILT_S),)
-    return Scene(
-        scenario="tilted_ground",
-        variant=variant_of(tilted_ground, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU),
         actions=actions,
         expectation=on_slope(angle, levels, time),
         look_for="above the friction angle the tower slides off, though nothing has touched it",
-        pair=variant_of(tilted_ground, parameters | {"angle": 28.0}),
+        partner={"angle": 28.0},
         planar=True,
     )

@@ -8,9 +8,12 @@ What to look for: a stack that is frozen on a door must feel that it opens; one 
 
 from __future__ import annotations
 
-from scenarios.model import Action, Brick, Drive, Expectation, Place, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from typing import Annotated
+
+from scenarios.model import Action, Brick, Drive, Expectation, Place, World
+from scenarios.parameters import Real, Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, lay
+from scenarios.scenario import Plan, dynamic_scenario
 
 TOP = 0.15
 """Height [m] of the table and of the closed door."""
@@ -27,16 +30,14 @@ SURE = 4.0
 tenths of a millimetre, and so may an edge that yields."""
 
 
-def trapdoor(*, beyond: float = 10.0, levels: int = 3) -> Scene:
+@dynamic_scenario
+def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Annotated[int, Whole(1, 10)] = 3) -> Plan:
     """Planks that lie across a table and a trapdoor, which drops away below them.
 
     Args:
         beyond: how far [mm] the planks' centres lie beyond the table's edge; negative is above the table.
         levels: number of planks.
     """
-    beyond = real("beyond", beyond, least=-40.0, most=40.0)
-    levels = whole("levels", levels, least=1, most=10)
-    parameters: dict[str, Value] = {"beyond": beyond, "levels": levels}
     table = Brick((2 * LENGTH, 3 * WIDTH, TOP), 1.0, (-LENGTH, 0.0, TOP / 2))
     length, _, thickness = DOOR
     door = Brick(DOOR, 1.0, (SLIT + length / 2, 0.0, TOP - thickness / 2), moved=True)
@@ -46,15 +47,12 @@ def trapdoor(*, beyond: float = 10.0, levels: int = 3) -> Scene:
         actions.append(Place(1.0 + index, (plank,)))
     time = actions[-1].time + PAUSE_S
     actions += [Drive(time, 0, (0.0, 0.0, -DROP_M_S)), Drive(time + DROP_S, 0, (0.0, 0.0, 0.0))]
-    return Scene(
-        scenario="trapdoor",
-        variant=variant_of(trapdoor, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=MU, fixed=(table,)),
         actions=tuple(actions),
         expectation=_expected(beyond, levels, time),
         look_for="as the door drops, planks whose centre is beyond the table tip after it; others stay",
-        pair=variant_of(trapdoor, parameters | {"beyond": abs(beyond)}),
+        partner={"beyond": abs(beyond)},
         planar=True,
     )
 

@@ -14,11 +14,13 @@ What to look for: the foot slips, and the plank slides down the wall; a plank th
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from scenarios.margins import by_margin, signed_margin
-from scenarios.model import Brick, Scene, World
-from scenarios.parameters import Value, real, variant_of, whole
+from scenarios.margins import by_margin
+from scenarios.model import Brick, World
+from scenarios.parameters import Gap, Margin, Real, Whole
 from scenarios.planks import LENGTH, MASS, THICKNESS, box, lean, one_a_second
+from scenarios.scenario import Plan, scenario
 
 WALL = (0.08, 0.08, 0.16)
 """Edges of the wall [m]; each half has half its depth, less half the gap between them."""
@@ -28,7 +30,14 @@ HEAVY = 100 * MASS
 """Mass [kg] of the wall, and of the tiles, so that they stay where they are."""
 
 
-def wall_plank(*, held_by: int = 2, theta: float = 65.0, margin: float = 0.15, gap: float = 2.0) -> Scene:
+@scenario
+def wall_plank(
+    *,
+    held_by: Annotated[int, Whole(2, 4)] = 2,
+    theta: Annotated[float, Real(50, 80)] = 65.0,
+    margin: Margin = 0.15,
+    gap: Gap = 2.0,
+) -> Plan:
     """A plank that leans against a wall.
 
     Args:
@@ -37,21 +46,13 @@ def wall_plank(*, held_by: int = 2, theta: float = 65.0, margin: float = 0.15, g
         margin: share by which the friction exceeds its limit; with a negative one it falls short.
         gap: between the halves of the wall, and of the ground [mm]; with 0 they touch.
     """
-    held_by = whole("held_by", held_by, least=2, most=4)
-    theta = real("theta", theta, least=50, most=80)
-    margin = signed_margin(margin)
-    gap = real("gap", gap, least=0, most=20)
-    parameters: dict[str, Value] = {"held_by": held_by, "theta": theta, "margin": margin, "gap": gap}
     limit = least_friction(math.radians(theta))
-    return Scene(
-        scenario="wall_plank",
-        variant=variant_of(wall_plank, parameters),
-        parameters=parameters,
+    return Plan(
         world=World(friction=(1 + margin) * limit),
         actions=one_a_second([_group(held_by, math.radians(theta), gap * 1e-3)]),
         expectation=by_margin(margin, f"mu = {limit:.3f}, at which foot and top slip together", falls_at=1),
         look_for="the foot slips and the plank slides down the wall; staying below the limit is glue",
-        pair=variant_of(wall_plank, parameters | {"margin": abs(margin)}),
+        partner={"margin": abs(margin)},
         planar=held_by == 2,
     )
 

@@ -25,21 +25,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import Literal
 
 import numpy as np
 
 from scenarios.geometry import Boxes
 from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene
 from scenarios.planks import GAP
+from scenarios.scenario import AT_ONCE, AT_ONCE_BELOW
 from scenarios.scenes.shared.pedestals import lifted, pedestals
 from scenarios.statics.contact_patch import GROUND, Patch, contact_patches
 from scenarios.statics.falling import fall_time
 from scenarios.statics.truth import equilibrium
 
-Built = Literal["one_by_one", "at_once", "at_once_below"]
-BUILT: tuple[Built, ...] = ("one_by_one", "at_once", "at_once_below")
-"""How a scene of statics may be built."""
 STANDS_S = 3.0
 """Time [s] for which a prebuilt stack must stand: several times what any engine needs to let it fall."""
 WITHIN = 3.0
@@ -62,7 +59,7 @@ def at_once(scene: Scene) -> Scene:
     level = _level_of_fall(scene)
     if level is not None:
         return _falling(scene, [brick for brick in scene.bricks if brick.level <= level])
-    merged = _merged(scene, "at_once")
+    merged = _merged(scene, AT_ONCE)
     return replace(merged, pair="") if scene.expectation.outcome == "fall" else _robbed(merged)
 
 
@@ -78,7 +75,7 @@ def at_once_below(scene: Scene) -> Scene:
     if level is None or level == 1:
         raise ValueError(f"{scene.variant} has no levels below the one at which it falls; use built = 'at_once'")
     bricks = tuple(brick for brick in scene.bricks if brick.level < level)
-    return _robbed(replace(_merged(scene, "at_once_below"), actions=(Place(0.0, bricks, 0.0),)))
+    return _robbed(replace(_merged(scene, AT_ONCE_BELOW), actions=(Place(0.0, bricks, 0.0),)))
 
 
 def is_static(scene: Scene) -> bool:
@@ -120,7 +117,7 @@ def _level_of_fall(scene: Scene) -> int | None:
     return scene.expectation.level if scene.expectation.not_before_s == 0.0 else None
 
 
-def _merged(scene: Scene, built: Built) -> Scene:
+def _merged(scene: Scene, built: str) -> Scene:
     """Return the scene with all bricks set down at time 0."""
     last = max(action.time for action in scene.actions if isinstance(action, Place))
     removals = [Remove(a.time - last, a.brick) for a in scene.actions if isinstance(a, Remove)]
@@ -140,7 +137,7 @@ def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
     seconds = fall_time(bricks, scene.world)
     within = round(WITHIN * seconds, 3)
     theory = f"{scene.expectation.theory}; within {within:.2f} s, as its mechanism takes {seconds:.2f} s from rest"
-    merged = _merged(scene, "at_once")
+    merged = _merged(scene, AT_ONCE)
     return replace(
         merged,
         actions=(Place(0.0, tuple(bricks), 0.0),),

@@ -14,11 +14,9 @@ from dataclasses import replace
 
 from scenarios.geometry import turned
 from scenarios.model import Action, Brick, Place, Remove, Scene, pace_of
-from scenarios.parameters import real, short
+from scenarios.parameters import short
+from scenarios.scenario import SIZE
 from scenarios.scenes.shared.prebuilt import is_static
-
-SMALLEST, LARGEST = 0.01, 1000.0
-"""Range of the factor on lengths: planks from 1 mm to 117 m long."""
 
 
 def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
@@ -42,7 +40,7 @@ def resized(scene: Scene, size: object) -> Scene:
     Raises:
         ValueError: if the scene is dynamic, or ``size`` is out of range.
     """
-    factor = real("size", size, least=SMALLEST, most=LARGEST)
+    factor = SIZE.check("size", size)
     if factor == 1.0:
         return replace(scene, parameters={**scene.parameters, "size": factor})
     if not is_static(scene):

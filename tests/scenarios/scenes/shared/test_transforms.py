@@ -54,7 +54,7 @@ def test_the_study_plays_every_family_that_has_a_size():
 def test_size_1_changes_nothing(name):
     plain, asked = build(name), build(name, size=1)
     assert asked == plain
-    made = SCENARIOS[name].builder()
+    made = SCENARIOS[name]()
     assert replace(plain, parameters=made.parameters) == made
 
 

@@ -1,0 +1,128 @@
+"""Scenarios: the decorator ``scenario`` makes one of a builder, which declares every parameter once, with its range.
+
+    @scenario
+    def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan: ...
+
+The builder's name is the scenario's id, its signature the parameters with defaults and ranges, the first line of its
+docstring the description. The scenario checks the values, calls the builder and adds ids and parameters to its plan.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, ParamSpec, get_type_hints
+
+from scenarios.model import Action, Expectation, Scene, World
+from scenarios.parameters import Choice, Range, Real, Value, variant_of
+
+ONE_BY_ONE, AT_ONCE, AT_ONCE_BELOW = BUILT = ("one_by_one", "at_once", "at_once_below")
+"""How a scene of statics may be built: see ``scenarios.scenes.shared.prebuilt``."""
+SIZE = Real(0.01, 1000.0)
+"""Factor on all lengths of a scene of statics: planks from 1 mm to 117 m long."""
+OF_STATICS: Mapping[str, tuple[Value, Range]] = {"built": (ONE_BY_ONE, Choice(*BUILT)), "size": (1.0, SIZE)}
+"""Defaults and ranges of the parameters that all scenes of statics share."""
+
+P = ParamSpec("P")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What a builder returns: a scene, but for its ids and parameters. The fields are those of ``Scene``."""
+
+    world: World
+    actions: tuple[Action, ...]
+    expectation: Expectation
+    look_for: str
+    partner: Mapping[str, Value] | None = None
+    """The parameters, as far as they differ, of the scene that must stand and shares the id ``Scene.pair`` with this
+    one; None if the scene has no partner."""
+    planar: bool = False
+    poured: bool = False
+    watch_s: float = 5.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario(Generic[P]):
+    """A family of scenes: one for every choice of its parameters. Call it with some, by name."""
+
+    builder: Callable[P, Plan | Scene]
+    """Makes ids of its own if it returns a ``Scene``."""
+    defaults: Mapping[str, Value]
+    """Of the builder's own parameters, in the order in which it declares them."""
+    declared: Mapping[str, Range]
+    """The ranges that the builder declares. A parameter without one is checked by the builder."""
+    is_static: bool = True
+    """Whether its scenes can be prebuilt and resized (parameters ``built`` and ``size``): bricks are laid and taken,
+    not poured, pushed or dropped."""
+
+    @property
+    def name(self) -> str:
+        """The id of the scenario."""
+        return self.builder.__name__
+
+    @property
+    def description(self) -> str:
+        """One line: what is built."""
+        return (inspect.getdoc(self.builder) or "").partition("\n")[0]
+
+    @property
+    def parameters(self) -> Mapping[str, Value]:
+        """The parameters' names and defaults."""
+        return {**self.defaults, **{name: default for name, (default, _) in self._shared().items()}}
+
+    @property
+    def ranges(self) -> Mapping[str, Range]:
+        """The parameters' names and ranges."""
+        return {**self.declared, **{name: allowed for name, (_, allowed) in self._shared().items()}}
+
+    def variant(self, parameters: Mapping[str, Value]) -> str:
+        """Return the id of the variant that the builder's own parameters make."""
+        return variant_of(self.name, self.defaults, parameters)
+
+    def __call__(self, *args: P.args, **parameters: P.kwargs) -> Scene:
+        """Build the scene of ``parameters``; defaults stand in for those left out.
+
+        Raises:
+            ValueError: if a value makes no scene; the message names what is allowed.
+        """
+        checked: dict[str, Any] = {**self.defaults, **parameters}
+        for name, allowed in self.declared.items():
+            checked[name] = allowed.check(name, checked[name])
+        planned = self.builder(*args, **checked)
+        if isinstance(planned, Scene):
+            return planned
+        return Scene(
+            scenario=self.name,
+            variant=self.variant(checked),
+            parameters=checked,
+            world=planned.world,
+            actions=planned.actions,
+            expectation=planned.expectation,
+            look_for=planned.look_for,
+            pair="" if planned.partner is None else self.variant({**checked, **planned.partner}),
+            planar=planned.planar,
+            poured=planned.poured,
+            watch_s=planned.watch_s,
+        )
+
+    def _shared(self) -> Mapping[str, tuple[Value, Range]]:
+        return OF_STATICS if self.is_static else {}
+
+
+def scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
+    """Make a scenario of statics: bricks are only laid and taken."""
+    return _scenario(builder, is_static=True)
+
+
+def dynamic_scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
+    """Make a scenario in which dynamics counts: bricks are poured, dropped, pushed, pulled or moved."""
+    return _scenario(builder, is_static=False)
+
+
+def _scenario(builder: Callable[P, Plan | Scene], *, is_static: bool) -> Scenario[P]:
+    defaults = {name: parameter.default for name, parameter in inspect.signature(builder).parameters.items()}
+    hints = get_type_hints(builder, include_extras=True)
+    declared = {name: hints[name].__metadata__[0] for name in defaults if hasattr(hints[name], "__metadata__")}
+    return Scenario(builder, defaults, declared, is_static)
