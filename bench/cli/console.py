@@ -18,10 +18,11 @@ from bench.compare.baseline import BaselineError
 from bench.compare.checkouts import CheckoutError
 from bench.compare.comparison import NothingInCommonError
 from bench.execution.errors import ClusterError
-from bench.execution.results import TRIALS, ResultsError
+from bench.execution.results import ResultsError
 from bench.studies.schema import StudyError
+from reports.records.folder import ResultsFolder
 from reports.records.recording import RecordingError
-from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
+from reports.records.trial import RecordError, RecordWarning, TrialRecord
 from stability_core.lookup import UnknownNameError
 
 RESULTS = Path("results")
@@ -70,10 +71,16 @@ def relative(folder: Path) -> str:
 
 
 def read_folder(folder: Path) -> list[TrialRecord]:
-    """Return the records of a results folder; warn of a torn last line."""
+    """Return the records of a results folder; print a warning for a torn last line."""
+    with printed_warnings():
+        return ResultsFolder(folder).records
+
+
+@contextmanager
+def printed_warnings() -> Iterator[None]:
+    """Print the warnings of records that are read."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
-        records = read_records(folder / TRIALS)
+        yield
     for warning in caught:
         tell(f"warning: {warning.message}")
-    return records

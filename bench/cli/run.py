@@ -14,13 +14,14 @@ from bench.cli.report import make_report
 from bench.execution.errors import ClusterError
 from bench.execution.estimate import estimate
 from bench.execution.execute import outcomes_here, outcomes_on_cluster
-from bench.execution.results import TRIALS, Results, check_folder
+from bench.execution.results import Results, check_folder
 from bench.execution.signals import Interruption
 from bench.machine.environment import describe
 from bench.studies.plan import Trial, plan_trials
 from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
 from bench.trial.run_trial import Outcome
+from reports.records.folder import TRIALS
 from reports.tables.table import render
 
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]

@@ -11,19 +11,11 @@ from typing import Annotated, Any, Literal
 import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-<<<<<<< HEAD
-from bench.compare.careful_json import JsonError, parse, read_file
-from bench.compare.times import PARTS, Part, shares
-from bench.compare.tolerance import Tolerance
-from bench.environment import digest
-from bench.results import SESSIONS
-=======
 from bench.compare.strict_json import JsonError, parse, read_file
 from bench.compare.timing import PARTS, Part, shares
-from bench.execution.results import ENVIRONMENT, SESSIONS, STUDY, TRIALS
+from bench.execution.results import SESSIONS
 from bench.machine.environment import digest
 from bench.studies.tolerance import Tolerance
->>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds)
 from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, STUDY, TRIALS
 from reports.records.frames import read_frames

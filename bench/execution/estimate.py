@@ -10,13 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-<<<<<<< HEAD:bench/estimate.py
-from bench.plan import Trial
-from reports.records.folder import TRIALS
-=======
-from bench.execution.results import TRIALS
 from bench.studies.plan import Trial
->>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds):bench/execution/estimate.py
+from reports.records.folder import TRIALS
 
 START_S = 0.1
 """Share of each trial [s] for its process and its files."""

@@ -12,14 +12,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-<<<<<<< HEAD:bench/page_marks.py
-from bench.core_digest import core_of_commit, present_core
-from bench.policies import BENCH_POLICIES
-=======
-from bench.execution.results import ENVIRONMENT
 from bench.machine.core_digest import core_of_commit, present_core
 from bench.studies.policies import BENCH_POLICIES
->>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds):bench/publishing/page_marks.py
 from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT
 

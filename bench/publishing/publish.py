@@ -18,24 +18,13 @@ from typing import Annotated, Any
 
 import typer
 
-<<<<<<< HEAD:bench/publish.py
-from bench import generated
-from bench.environment import describe
-from bench.page_marks import mark, mark_all
-from bench.publications import PUBLICATIONS, PUBLISHED, Gallery, Publication
-from bench.results import missing_trials
-from bench.sources import ROOT
-from bench.studies import load_study
-=======
-from bench.execution.results import ENVIRONMENT, STUDY, TRIALS, missing_trials
+from bench.execution.results import missing_trials
 from bench.machine.environment import describe
 from bench.machine.source_digest import ROOT
 from bench.publishing import doc_blocks
 from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED, Gallery, Publication
 from bench.publishing.page_marks import mark, mark_all
-from bench.publishing.replays import first_stacks, read_stack
 from bench.studies.schema import load_study
->>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds):bench/publishing/publish.py
 from reports.records.atomic import atomic_file
 from reports.records.folder import ENVIRONMENT, STUDY, TRIALS
 from reports.records.trial import TrialRecord, read_records

@@ -5,10 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-<<<<<<< HEAD:bench/replaying.py
-=======
-from bench.execution.results import RECORDINGS, TRIALS
->>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds):bench/publishing/replays.py
 from reports.records.atomic import write_atomic
 from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord

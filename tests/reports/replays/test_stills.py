@@ -11,10 +11,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-<<<<<<< HEAD
-=======
-from bench.publishing.replays import MOST_STILLS, draw_stills
->>>>>>> f37f502 (Give the harness seven rooms whose layers import-linter holds)
 from reports.page.gallery import shelves
 from reports.records.folder import still_of
 from reports.records.recording import Recorder, Recording, write_recording
