@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from reports.records.trial import TrialRecord
 
-_PREFIX = "expectation_"
+EXPECTATION_PREFIX = "expectation_"
 EXPECTATION_FIELDS = ("outcome", "level", "not_before_s", "within_s", "theory")
 _WHOLE = ("format",)
 _MISSING = (None, "")
@@ -20,7 +20,7 @@ def flat_columns() -> list[str]:
     """Return the columns of a flat row: the fields of a record, with the expectation's own in its place."""
     columns: list[str] = []
     for name in TrialRecord.model_fields:
-        columns += [_PREFIX + field for field in EXPECTATION_FIELDS] if name == "expectation" else [name]
+        columns += [EXPECTATION_PREFIX + field for field in EXPECTATION_FIELDS] if name == "expectation" else [name]
     return columns
 
 
@@ -29,7 +29,7 @@ def to_flat(record: TrialRecord) -> dict[str, Any]:
     row = record.model_dump(mode="json")
     row["parameters"] = json.dumps(row["parameters"])
     expectation = row.pop("expectation")
-    row |= {_PREFIX + field: expectation[field] for field in EXPECTATION_FIELDS}
+    row |= {EXPECTATION_PREFIX + field: expectation[field] for field in EXPECTATION_FIELDS}
     return {column: row[column] for column in flat_columns()}
 
 
@@ -45,8 +45,8 @@ def from_flat(row: Mapping[str, Any]) -> TrialRecord:
     if "expectation" in fields:  # earlier CSV files hold it as JSON
         fields["expectation"] = json.loads(fields["expectation"])
     else:
-        found = {field: fields.pop(_PREFIX + field) for field in EXPECTATION_FIELDS if _PREFIX + field in fields}
-        fields["expectation"] = found
+        columns = {field: EXPECTATION_PREFIX + field for field in EXPECTATION_FIELDS}
+        fields["expectation"] = {field: fields.pop(name) for field, name in columns.items() if name in fields}
     if isinstance(fields.get("parameters"), str):
         fields["parameters"] = json.loads(fields["parameters"])
     for name in _WHOLE:

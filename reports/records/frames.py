@@ -52,7 +52,7 @@ class FrameRow(NamedTuple):
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
-_SCHEMA = pa.schema(
+SCHEMA = pa.schema(
     [
         pa.field("frame", _COUNT, nullable=False),
         pa.field("time_s", _REAL, nullable=False),
@@ -75,9 +75,9 @@ _SCHEMA = pa.schema(
 def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
     """Write a trial's frames, all or none; the folder must exist."""
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(FrameRow._fields)
-    arrays = [pa.array(values, field.type) for values, field in zip(columns, _SCHEMA, strict=True)]
+    arrays = [pa.array(values, field.type) for values, field in zip(columns, SCHEMA, strict=True)]
     with atomic_file(path) as draft:
-        pq.write_table(pa.Table.from_arrays(arrays, schema=_SCHEMA), draft)
+        pq.write_table(pa.Table.from_arrays(arrays, schema=SCHEMA), draft)
 
 
 def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.float64]]:
@@ -94,5 +94,5 @@ def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.f
 
 def read_frames(path: Path) -> list[FrameRow]:
     """A trial's frames, in order."""
-    columns = pq.read_table(path, schema=_SCHEMA).to_pydict()
+    columns = pq.read_table(path, schema=SCHEMA).to_pydict()
     return [FrameRow(*values) for values in zip(*(columns[name] for name in FrameRow._fields), strict=True)]

@@ -17,6 +17,20 @@ from reports.records.folder import ResultsFolder
 from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES
 from reports.records.trial import TrialRecord
 
+POSE_COLUMNS: Mapping[str, tuple[str, str]] = {
+    "body": ("whole number", "Id of the body, unique within the trial."),
+    "frame": ("whole number", "Number of the frame from which on the row holds, until the body's next row."),
+    "time_s": ("number", "Simulated time at the end of that frame."),
+    "x_m": ("number", "Centre of the body in the world, to 0.01 mm."),
+    "y_m": ("number", "Centre of the body in the world, to 0.01 mm."),
+    "z_m": ("number", "Centre of the body in the world, upwards, to 0.01 mm."),
+    "qw": ("number", "Orientation as a unit quaternion (w, x, y, z), to 1e-4: its real part."),
+    "qx": ("number", "Orientation: first imaginary part."),
+    "qy": ("number", "Orientation: second imaginary part."),
+    "qz": ("number", "Orientation: third imaginary part."),
+    "state": ("category", "State of the body: `live`, `frozen` (held by the core or the engine), or `removed`."),
+}
+"""Type and meaning of each column of the poses."""
 _EXPECTATION_TYPES = {
     "expectation_outcome": "str",
     "expectation_level": "Int64",
@@ -55,24 +69,17 @@ class Results:
     def poses(self, trial: str) -> pd.DataFrame:
         """Return the recorded poses of a trial: a row where a body's pose or state changed, which holds until the next.
 
-        Columns: body, frame, time_s (at the end of the frame), x_m, y_m, z_m (of the body's centre), qw, qx, qy, qz,
-        and state (live, frozen, removed).
+        ``docs/columns.md`` lists the columns.
 
         Raises:
             RecordingError: if it was not recorded, or its recording is torn.
         """
         recording = self._folder.recording(trial)
         position, quaternion = recording.position * LENGTH_STEP, recording.quaternion * QUATERNION_STEP
-        return pd.DataFrame(
-            {
-                "body": recording.body,
-                "frame": recording.frame,
-                "time_s": (recording.frame + 1) * recording.frame_s,
-                **dict(zip(("x_m", "y_m", "z_m"), position.T, strict=True)),
-                **dict(zip(("qw", "qx", "qy", "qz"), quaternion.T, strict=True)),
-                "state": pd.Categorical.from_codes(recording.state, list(STATES)),
-            }
-        )
+        time = (recording.frame + 1) * recording.frame_s
+        state = pd.Categorical.from_codes(recording.state, list(STATES))
+        values = [recording.body, recording.frame, time, *position.T, *quaternion.T, state]
+        return pd.DataFrame(dict(zip(POSE_COLUMNS, values, strict=True)))
 
     @property
     def environment(self) -> Mapping[str, Any]:

@@ -42,7 +42,10 @@ class RecordWarning(UserWarning):
 
 
 class TrialRecord(BaseModel):
-    """What one trial leaves behind. Null means that there is no such value, never zero."""
+    """What one trial leaves behind. Null means that there is no such value, never zero.
+
+    The docstrings of the fields are the meanings in ``docs/columns.md``.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -51,18 +54,27 @@ class TrialRecord(BaseModel):
     trial: str
     """Id of the trial, unique within a study."""
     engine: str
+    """Name of the physics engine."""
     engine_version: str
+    """Version of the engine's package."""
     profile: str
+    """How the engine is set up; ``NAME@knob=value`` varies a knob of a profile."""
     unit_scale: float | None = None
     """The engine's length units a metre; null if the engine was never opened."""
     scenario: str
+    """Name of the scenario."""
     scene: str
-    """Id of the scene's variant."""
+    """Id of the scene: the scenario with its parameters."""
     parameters: Mapping[str, int | float | str]
+    """Parameters with which the scenario was built; JSON in files."""
     policy: str
+    """What decides which bodies freeze; ``none`` is the engine alone."""
     seed: int
+    """Seed of the placement noise; 0 is the exact build."""
     repeat: int
+    """Number of the repeat with the same seed, from 0."""
     status: Status
+    """How the trial ended."""
     message: str = ""
     """Why the trial ended as it did, if it did not simply complete."""
     levels_placed: int = 0
@@ -70,20 +82,24 @@ class TrialRecord(BaseModel):
     height_levels: int = 0
     """Highest level that ever stood intact, with all below it, once its bricks had had time to land."""
     height_m: float | None = None
-    """Top [m] of that level when it was last seen intact before the next one was begun; so the next two."""
+    """Top [m] of the highest intact level when it was last seen intact before the next one was begun."""
     collapse_level: int | None = None
     """Levels placed when the collapse was first seen; null if it never was (censored)."""
     sink_m: float | None = None
-    """How far [m] that level's bricks lay, on average, below their ideal height."""
+    """How far [m] the bricks of the highest intact level then lay, on average, below their ideal height."""
     drift_m: float | None = None
-    """Farthest [m] that a brick then lay sideways of where it was let go."""
+    """Farthest distance [m] of a brick, when the highest level was last seen intact, sideways from where it was let
+    go."""
     creep_m_s: float | None = None
     """Fastest mean motion [m/s] of a brick over the time of watching; null if the stack did not stand through it."""
     frame_ms_p50: float | None = None
     """Median time [ms] of a frame: engine, read-back, core and port calls. The first five frames are left out."""
     frame_ms_p95: float | None = None
+    """95th percentile of the time [ms] of a frame."""
     frame_ms_p99: float | None = None
+    """99th percentile of the time [ms] of a frame."""
     frame_ms_max: float | None = None
+    """Longest time [ms] of a frame."""
     engine_ms: float | None = None
     """Mean time [ms] a frame of the engine's step."""
     readback_ms: float | None = None
@@ -105,6 +121,7 @@ class TrialRecord(BaseModel):
     pose_hash: str | None = None
     """BLAKE2b over every frame's float64 poses, in hexadecimal."""
     expectation: Expectation
+    """What must happen by theory."""
     verdict: Verdict
     """Whether the outcome is what theory demands: ``undecided`` if the time limit stopped the trial, ``none`` where
     theory does not say or the engine cannot play the scene, ``failed`` if it sank, diverged or crashed."""
@@ -134,14 +151,14 @@ class TrialRecord(BaseModel):
     pair: str = ""
     """Id that a scene which must stand shares with its partner that must fall; empty if it has none."""
     rest_s: float | None = None
-    """How long [s] after the last action a brick of a poured heap was last seen moving; null if one still moved at the
-    end, and for all that is no heap; so the next."""
+    """How long [s] after the last action a brick of a poured pile was last seen moving; null if one still moved at the
+    end, and for scenes without a pile."""
     repose_deg: float | None = None
-    """Angle of repose [deg]: that of the cone of the same median height and radius."""
+    """Angle of repose [deg] of a poured pile: that of the cone of the same median height and radius."""
     live_mean: float | None = None
-    """Mean number of live bricks in a frame; null without an extension, where nobody can tell; so the next."""
+    """Mean number of live bricks in a frame; null without an extension, where nobody can tell."""
     live_last: int | None = None
-    """Number of live bricks in the last frame."""
+    """Number of live bricks in the last frame; null without an extension."""
     adopted: int | None = None
     """Number of bodies of prebuilt stacks that the core froze before the first step after they were set down; null
     without an extension, and for a scene without a prebuilt stack."""

@@ -1,0 +1,108 @@
+"""The dictionary of columns: name, unit, type and meaning of all that ``reports.load`` returns.
+
+``uv run python -m reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from reports.records.flat import EXPECTATION_PREFIX, flat_columns
+from reports.records.frames import SCHEMA, FrameRow
+from reports.records.results import POSE_COLUMNS, column_types
+from reports.records.trial import TrialRecord
+from scenarios.model import Expectation
+
+PAGE = Path(__file__).parents[2] / "docs" / "columns.md"
+_UNITS = {"_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
+"""Units by the end of a name, longer ends first; ``frame_ms_p50`` has its unit inside."""
+_TYPES = {"str": "text", "int64": "whole number", "Int64": "whole number", "float64": "number"}
+_HEAD = """# Columns of the results
+
+`reports.load(DIR)` returns `.trials`, `.frames(trial)` and `.poses(trial)` as pandas data frames, of a results folder
+or of a folder in `docs/results`; `trials.csv` and `trials.parquet` have the columns of `.trials`. All units are SI, but
+for times of frames, which are in ms. What does not exist is missing (nan, NA or empty), never zero. This page is
+written by `uv run python -m reports.records.columns`.
+"""
+_CHOICES_OF_OUTCOME = {"outcome": "What must happen: stand, fall, or study where theory does not say."}
+
+
+class Column(NamedTuple):
+    """A column of a data frame."""
+
+    name: str
+    unit: str
+    type: str
+    meaning: str
+
+
+def trial_columns() -> list[Column]:
+    """Return the columns of ``.trials``."""
+    meanings = field_meanings(TrialRecord)
+    expected = {**_CHOICES_OF_OUTCOME, **field_meanings(Expectation)}
+    meanings |= {EXPECTATION_PREFIX + name: meaning for name, meaning in expected.items()}
+    types = {**column_types(), "parameters": "mapping"}
+    return [
+        Column(name, unit_of(name), _TYPES.get(types[name], types[name]), meanings[name]) for name in flat_columns()
+    ]
+
+
+def frame_columns() -> list[Column]:
+    """Return the columns of ``.frames(trial)``."""
+    meanings, types = field_meanings(FrameRow), {"int32": "whole number", "double": "number", "string": "text"}
+    return [
+        Column(
+            field.name,
+            unit_of(field.name),
+            types[str(field.type)],
+            meanings[field.name],
+        )
+        for field in SCHEMA
+    ]
+
+
+def pose_columns() -> list[Column]:
+    """Return the columns of ``.poses(trial)``."""
+    return [Column(name, unit_of(name), kind, meaning) for name, (kind, meaning) in POSE_COLUMNS.items()]
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the name of a column ends with; empty if it has none."""
+    if "_ms_" in name:
+        return "ms"
+    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
+
+
+def field_meanings(model: type) -> dict[str, str]:
+    """Return the docstring of each field of a class, on one line."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
+    assert isinstance(body, ast.ClassDef)
+    meanings = {}
+    for field, after in zip(body.body, body.body[1:], strict=False):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(after, ast.Expr):
+            text = ast.literal_eval(after.value)
+            meanings[field.target.id] = " ".join(text.split()).replace("``", "`")
+    return meanings
+
+
+def page() -> str:
+    """Return the text of ``docs/columns.md``."""
+    tables: Mapping[str, list[Column]] = {
+        "`.trials`: one row a trial": trial_columns(),
+        "`.frames(trial)`: one row a frame": frame_columns(),
+        "`.poses(trial)`: a row where a body's pose or state changed": pose_columns(),
+    }
+    parts = [_HEAD]
+    for title, columns in tables.items():
+        rows = [f"| `{one.name}` | {one.unit or '-'} | {one.type} | {one.meaning} |" for one in columns]
+        parts.append("\n".join([f"## {title}\n", "| Column | Unit | Type | Meaning |", "|---|---|---|---|", *rows, ""]))
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
