@@ -1,0 +1,92 @@
+"""A recount of the published raw data gives the numbers of the README, by nothing of the suite but ``reports.load``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import reports
+
+ROOT = Path(__file__).parent.parent
+PUBLISHED = ROOT / "docs" / "results"
+DECIDED = ("right", "false_collapse", "false_stand", "failed")
+
+
+def rows_of(block: str) -> list[dict[str, str]]:
+    """Rows of the table in a generated block of the README."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.search(rf"<!-- begin {block}\b.*?<!-- end {block} -->", readme, re.DOTALL)
+    assert found is not None
+    lines = [line.strip("|").split("|") for line in found[0].splitlines() if line.startswith("|")]
+    header, _, *rows = [[cell.strip() for cell in line] for line in lines]
+    assert len(rows) > 4
+    return [dict(zip(header, row, strict=True)) for row in rows]
+
+
+def counted(right: pd.Series) -> str:
+    """Such as ``38/40``; a dash if there is nothing to count."""
+    return f"{right.sum()}/{len(right)}" if len(right) else "-"
+
+
+def test_the_headline() -> None:
+    """How each trial of the paper's study ended, and whether that was right."""
+    trials = reports.load(PUBLISHED / "paper").trials.set_index(["scene", "engine", "policy"])
+    rows = rows_of("headline")
+    assert len(trials) == sum(len(row) - 3 for row in rows)
+    for row in rows:
+        for policy in (name for name in row if name not in ("scene", "theory", "engine")):
+            assert row[policy] == ending(trials.loc[(row["scene"], row["engine"], policy)]), row
+
+
+def ending(trial: Mapping[str, object]) -> str:
+    if trial["status"] == "unsupported":
+        return "n/a"
+    text = f"{trial['height_levels']}/{trial['levels_planned']}"
+    if trial["status"] == "timeout":
+        text = f"≥{text}"
+    elif trial["status"] == "collapsed":
+        text = f"{'sinks' if trial['collapse_kind'] == 'sink' else 'falls'} at {trial['collapse_level']}"
+    return text + (" ✓" if trial["verdict"] == "right" else " ✗" if trial["verdict"] in DECIDED else "")
+
+
+def test_many_seeds() -> None:
+    """How many trials were right, of those that must stand and of those that must fall."""
+    trials = reports.load(PUBLISHED / "publish").trials
+    decided = trials[trials["verdict"].isin(DECIDED)]
+    right = (decided["verdict"] == "right").groupby(
+        [decided["engine"], decided["policy"], decided["expectation_outcome"]]
+    )
+    found = right.apply(counted).to_dict()
+    for row in rows_of("hands"):
+        engine = row.pop("engine")
+        assert row == {column: found.get((engine, *column.split(": ")), "-") for column in row}
+
+
+def test_pairs() -> None:
+    """In how many pairs of scenes both sides were right, of those of which both sides were decided."""
+    trials = reports.load(PUBLISHED / "truth").trials
+    sides = trials[(trials["pair"] != "") & (trials["repeat"] == 0)]
+    sides = sides.assign(decided=sides["verdict"].isin(DECIDED), right=sides["verdict"] == "right")
+    builds = sides.groupby(["engine", "policy", "pair", "seed"]).agg(
+        sides=("right", "size"), decided=("decided", "all"), right=("right", "all")
+    )
+    judged = builds[(builds["sides"] == 2) & builds["decided"]]
+    found = judged.groupby(["engine", "policy"])["right"].apply(counted).to_dict()
+    for row in rows_of("pairs"):
+        engine = row.pop("engine")
+        assert row == {policy: found.get((engine, policy), "-") for policy in row}
+
+
+@pytest.mark.parametrize("name", sorted(path.parent.name for path in PUBLISHED.glob("*/study.toml")))
+def test_every_published_study_can_be_loaded(name: str) -> None:
+    results = reports.load(PUBLISHED / name)
+    assert len(results.trials)
+    assert results.study["name"]
+    assert results.environment["commit"]
+    assert set(results.trials["verdict"]) <= {*DECIDED, "undecided", "none"}
+    timed_out = results.trials["status"] == "timeout"
+    assert not results.trials["verdict"][timed_out].isin(DECIDED).any()
