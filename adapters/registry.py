@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from adapters.base import Capabilities, Profile, Simulation, Sleeping
 from adapters.scaled import scaled
 from adapters.variations import profile_of
+from scenarios.lookup import look_up
 from scenarios.model import Brick, World
-from stability_core.lookup import look_up
 
 
 class EngineNotInstalledError(ImportError):

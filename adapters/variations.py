@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from adapters.base import Knob, Profile, Simulation
-from stability_core.lookup import look_up
+from scenarios.lookup import look_up
 
 _MARK = "@"
 

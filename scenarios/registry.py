@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 
+from scenarios.lookup import look_up
 from scenarios.model import Scene
 from scenarios.parameters import Value
 from scenarios.scenario import AT_ONCE, ONE_BY_ONE, Scenario
@@ -45,7 +46,6 @@ from scenarios.scenes.table import table
 from scenarios.scenes.tilted_ground import tilted_ground
 from scenarios.scenes.trapdoor import trapdoor
 from scenarios.scenes.wall_plank import wall_plank
-from stability_core.lookup import look_up
 
 SCENARIOS: Mapping[str, Scenario[...]] = {
     scenario.name: scenario

@@ -23,7 +23,7 @@ from bench.studies.schema import StudyError
 from reports.records.folder import ResultsFolder
 from reports.records.recording import RecordingError
 from reports.records.trial import RecordError, RecordWarning, TrialRecord
-from stability_core.lookup import UnknownNameError
+from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
 """Where a run leaves its results unless told otherwise; estimates are made from the results there."""

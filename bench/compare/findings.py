@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
-from stability_core.lookup import look_up
+from scenarios.lookup import look_up
 
 Gate: TypeAlias = Literal["outcome", "hash", "time"]
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]

@@ -32,7 +32,7 @@ from reports.replays.gallery_figure import gallery_figure
 from reports.replays.stacks import first_stacks, read_stack
 from reports.replays.stills import write_stills
 from reports.statistics.groups import groups_of
-from stability_core.lookup import UnknownNameError, look_up
+from scenarios.lookup import UnknownNameError, look_up
 
 PICTURE = "stills.png"
 _TABLES = ("tables.md", "trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg")

@@ -11,7 +11,7 @@ from reports.records.trial import TrialRecord
 from reports.replays.gltf import to_glb
 from reports.replays.replay import Replayed
 from reports.replays.stacks import read_stack, stack_of, write_stack_replay
-from stability_core.lookup import look_up
+from scenarios.lookup import look_up
 
 
 def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Path:

@@ -29,8 +29,8 @@ from adapters.variations import varied_name
 from bench.studies.errors import field_name, plain_words
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.tolerance import Tolerance
+from scenarios.lookup import UnknownNameError, look_up, unknown_name
 from scenarios.registry import SCENARIOS, build
-from stability_core.lookup import UnknownNameError, look_up, unknown_name
 
 FOLDER = Path(__file__).parent
 

@@ -9,8 +9,8 @@ from typing import Any
 from adapters import ENGINES
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Study, check_study
+from scenarios.lookup import look_up
 from scenarios.registry import SCENARIOS
-from stability_core.lookup import look_up
 
 OWN = ".toml"
 """How the name of a scene of one's own ends: a file of bricks."""

@@ -40,6 +40,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
+from scenarios.lookup import look_up
 from scenarios.model import (
     CLEARANCE,
     Action,
@@ -58,7 +59,6 @@ from scenarios.scenes.shared.brick_tables import LARGEST, read_brick, read_fixed
 from scenarios.scenes.shared.transforms import transformed
 from scenarios.statics.contact_patch import GROUND, contact_patches
 from scenarios.statics.truth import UndecidedError, first_fall
-from stability_core.lookup import look_up
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MOST_FIXED = 200

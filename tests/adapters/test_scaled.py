@@ -7,9 +7,9 @@ import pytest
 
 from adapters import ENGINES, ProfileError, capabilities, open_engine, profile_named
 from adapters.conformance.rig import LENGTH, MASS, advance, frozen_column, place_on, plank, velocity
+from scenarios.lookup import UnknownNameError
 from scenarios.model import World
 from scenarios.registry import build
-from stability_core.lookup import UnknownNameError
 
 WEIGHTLESS = World(gravity=(0.0, 0.0, 0.0))
 

@@ -4,8 +4,8 @@ from itertools import product
 
 import pytest
 
+from scenarios.lookup import UnknownNameError
 from scenarios.registry import SCENARIOS, build
-from stability_core.lookup import UnknownNameError
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from scenarios.lookup import look_up
 from scenarios.model import UPRIGHT, Brick, Quaternion
 from scenarios.parameters import Real
-from stability_core.lookup import look_up
 
 FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
 FIXED_FIELDS = ("size", "position", "yaw", "quaternion")

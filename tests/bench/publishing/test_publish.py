@@ -16,7 +16,7 @@ from bench.studies.plan import plan_trials
 from bench.studies.schema import load_study
 from bench.studies.selection import Selection
 from reports.records.trial import RecordWriter
-from stability_core.lookup import UnknownNameError
+from scenarios.lookup import UnknownNameError
 from tests.reports.studies import record
 
 STUDY = """

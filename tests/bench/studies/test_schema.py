@@ -7,8 +7,8 @@ from bench.studies.plan import plan_trials
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import StudyError, check_study, load_study, study_names
 from bench.studies.selection import Selection, selected
+from scenarios.lookup import UnknownNameError
 from scenarios.model import Scene
-from stability_core.lookup import UnknownNameError
 
 VALID = {
     "name": "test",

@@ -1,0 +1,32 @@
+"""Look a name up in a table; the error for an unknown name gives the nearest match and every allowed name."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import TypeVar
+
+Item = TypeVar("Item")
+
+
+class UnknownNameError(LookupError):
+    """A name that is in no table; the message names the fix."""
+
+
+def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:
+    """Return the error for ``name``, which is no ``kind``: nearest match first, then all allowed names."""
+    names = list(allowed)
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    hint = f"; did you mean '{near[0]}'?" if near else "."
+    return UnknownNameError(f"unknown {kind} '{name}'{hint} Available: {', '.join(names)}.")
+
+
+def look_up(kind: str, name: str, table: Mapping[str, Item]) -> Item:
+    """Return the entry ``name`` of ``table``.
+
+    Raises:
+        UnknownNameError: if there is no such entry.
+    """
+    if name not in table:
+        raise unknown_name(kind, name, table)
+    return table[name]
