@@ -6,11 +6,12 @@ import json
 import re
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from bench.machine.core_digest import core_of_commit, present_core
 from bench.publishing.page_marks import NOT_USED, UNKNOWN, core_of, is_of_core, marked, pages, warning
-from reports.records.trial import TrialRecord
+from reports.records.flat import flat_columns
 
 ROOT = Path(__file__).parent.parent
 PAPER = ROOT / "docs" / "results" / "paper"
@@ -48,8 +49,16 @@ def test_published_results_come_from_a_clean_commit():
 
 
 def test_published_columns_are_those_of_the_records():
-    header = (PAPER / "trials.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
-    assert set(header) <= set(TrialRecord.model_fields)
+    assert pq.read_schema(PAPER / "trials.parquet").names == flat_columns()
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_published_study_keeps_what_its_numbers_can_be_made_from_again(name: str):
+    files = {path.name for path in PAGES[name].parent.iterdir()}
+    assert {"tables.md", "trials.parquet", "study.toml", "environment.json"} <= files
+    assert len(files & {"figure.svg", "stills.png"}) == 1
+    others = files - {"tables.md", "trials.parquet", "study.toml", "environment.json", "figure.svg", "stills.png"}
+    assert all(other.endswith(".md") for other in others), "of commands of their own"
 
 
 def test_every_kind_of_page_is_held_to_its_core():

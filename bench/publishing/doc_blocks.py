@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -16,8 +15,11 @@ from bench.machine.environment import describe_engine
 from bench.machine.source_digest import ROOT
 from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED
 from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
-from reports.statistics.pairs import ALL
+from reports.records.folder import ResultsFolder
+from reports.statistics.groups import groups_of
+from reports.statistics.pairs import ALL, pair_rows
 from reports.tables.capabilities import capability_table
+from reports.tables.pairs import right_of_judged
 from reports.tables.table import NOTHING, Table, to_markdown
 from scenarios.registry import SCENARIOS, build
 from scenarios.scenario import Scenario
@@ -50,22 +52,16 @@ def hands_block() -> str:
 
 def pairs_block() -> str:
     """Of how many pairs each policy got both sides right on each engine."""
-    with (PUBLISHED / "truth" / "pairs.csv").open(encoding="utf-8", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["family"] == ALL]
-    counted = {(row["engine"], row["policy"]): _right_of(row) for row in rows}
-    engines, policies = (tuple(dict.fromkeys(row[key] for row in rows)) for key in ("engine", "policy"))
+    rows = [row for row in pair_rows(groups_of(ResultsFolder(PUBLISHED / "truth").records)) if row.family == ALL]
+    counted = {(row.set_up.engine, row.set_up.policy): right_of_judged(row.success_rates) for row in rows}
+    engines, policies = (tuple(dict.fromkeys(getattr(row.set_up, key) for row in rows)) for key in ("engine", "policy"))
     cells = ((engine, *(counted[engine, policy] for policy in policies)) for engine in engines)
     return _untitled(Table("", ("engine", *policies), tuple(cells))) + _caveat("truth")
 
 
-def _right_of(row: Mapping[str, str]) -> str:
-    judged = int(row["judged"])
-    return f"{float(row['right']) * judged:.0f}/{judged}" if judged else NOTHING
-
-
 def results_block() -> str:
     """Every study that is published so far, and the command that makes its numbers."""
-    there = {name: one for name, one in PUBLICATIONS.items() if (PUBLISHED / name / "trials.csv").exists()}
+    there = {name: one for name, one in PUBLICATIONS.items() if ResultsFolder(PUBLISHED / name).trials_file.exists()}
     rows = tuple((f"`{name}/`", one.shows, f"`{one.command}`") for name, one in there.items())
     return _untitled(Table("", ("Folder", "Study", "Command"), rows))
 

@@ -6,7 +6,6 @@ after. The banner follows from it, and ``uv run python -m bench.publishing --mar
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from collections.abc import Iterator
@@ -15,7 +14,7 @@ from pathlib import Path
 from bench.machine.core_digest import core_of_commit, present_core
 from bench.studies.policies import BENCH_POLICIES
 from reports.records.atomic import write_atomic
-from reports.records.folder import ENVIRONMENT
+from reports.records.folder import ENVIRONMENT, ResultsFolder, published_rows
 
 UNKNOWN = "unknown"
 """In place of a digest, on a page that was made before digests were recorded and whose commit is not known."""
@@ -23,7 +22,7 @@ NOT_USED = "not used"
 """In place of a digest, on a page of engines alone: it says nothing of the core."""
 _FOOTER = re.compile(rf"\n*^core: ([0-9a-f]{{12}}|{UNKNOWN}|{NOT_USED})\n*\Z", re.MULTILINE)
 _BANNER = re.compile(r"\A> \*\*Made with an earlier core[^\n]*\n\n?")
-_TABLES, _TRIALS = "tables.md", "trials.csv"
+_TABLES = "tables.md"
 
 
 class MarkError(ValueError):
@@ -102,6 +101,5 @@ def _recorded_core(page: Path) -> str:
 
 def is_of_core(folder: Path) -> bool:
     """Whether any trial of a published study was played with a policy of the core."""
-    with (folder / _TRIALS).open(encoding="utf-8", newline="") as file:
-        policies = {row["policy"] for row in csv.DictReader(file)}
+    policies = {row["policy"] for row in published_rows(ResultsFolder(folder).trials_file)}
     return any(BENCH_POLICIES[policy].core is not None for policy in policies)

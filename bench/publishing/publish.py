@@ -26,7 +26,8 @@ from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED, Gallery, Publica
 from bench.publishing.page_marks import mark, mark_all
 from bench.studies.schema import load_study
 from reports.records.atomic import atomic_file
-from reports.records.folder import ENVIRONMENT, STUDY, TRIALS
+from reports.records.folder import ENVIRONMENT, PARQUET, STUDY, TRIALS
+from reports.records.results import write_trials_parquet
 from reports.records.trial import TrialRecord, read_records
 from reports.replays.gallery_figure import gallery_figure
 from reports.replays.stacks import first_stacks, read_stack
@@ -35,8 +36,11 @@ from reports.statistics.groups import groups_of
 from scenarios.lookup import UnknownNameError, look_up
 
 PICTURE = "stills.png"
-_TABLES = ("tables.md", "trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg")
-"""Of a report; the last three only of some studies."""
+FIGURE = "figure.svg"
+_FIGURES = ("cost.svg", "figures/pairs.svg", "figures/speed.svg")
+"""The figure of a report that is published is the first of these that is there, unless there is a picture."""
+_EARLIER = ("trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg", "figures")
+"""What was published before trials were kept as Parquet; "bench report" makes it of the published folder."""
 _STILL_PIXELS, _PICTURE_DPI = 480, 120
 
 
@@ -57,15 +61,18 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     _check(publication, folder, records)
     target = to / name
     target.mkdir(parents=True, exist_ok=True)
+    _remove_earlier(target)
+    write_trials_parquet(target / PARQUET, records)
     report = folder / "report"
-    for part in (*(report / table for table in _TABLES), folder / STUDY, folder / ENVIRONMENT):
+    for part in (report / "tables.md", folder / STUDY, folder / ENVIRONMENT):
         if part.exists():
             shutil.copyfile(part, target / part.name)
     if (target / "tables.md").exists():
         mark(target / "tables.md")
-    _copy_figures(report / "figures", target / "figures")
     if publication.gallery is not None:
         _draw(publication.gallery, folder, records, target / PICTURE)
+    else:
+        _copy_figure(report, target / FIGURE)
     return target
 
 
@@ -83,14 +90,20 @@ def _check_sources(environment: Mapping[str, Any], where: str) -> None:
         raise PublishError(f"{where}: sources that no commit holds; commit them, and run it again")
 
 
-def _copy_figures(source: Path, target: Path) -> None:
-    """Those for browsers; papers find the PDF in a report of their own."""
-    shutil.rmtree(target, ignore_errors=True)
-    figures = sorted(source.glob("*.svg"))
-    if figures:
-        target.mkdir()
-    for figure in figures:
-        shutil.copyfile(figure, target / figure.name)
+def _remove_earlier(target: Path) -> None:
+    """Remove what an earlier version published beside the files of today, and the figure."""
+    for name in (*_EARLIER, FIGURE, PICTURE):
+        if (target / name).is_dir():
+            shutil.rmtree(target / name)
+        else:
+            (target / name).unlink(missing_ok=True)
+
+
+def _copy_figure(report: Path, target: Path) -> None:
+    """Copy the figure that sums up a study; "bench report" makes the others again."""
+    figure = next((report / name for name in _FIGURES if (report / name).exists()), None)
+    if figure is not None:
+        shutil.copyfile(figure, target)
 
 
 def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], picture: Path) -> None:

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 
 from reports.records.flat import from_flat
@@ -17,7 +18,8 @@ from reports.records.recording import Recording, read_recording
 from reports.records.trial import RecordError, TrialRecord, read_records
 
 TRIALS = "trials.jsonl"
-PUBLISHED_TRIALS = ("trials.parquet", "trials.csv")
+PARQUET = "trials.parquet"
+PUBLISHED_TRIALS = (PARQUET, "trials.csv")
 """What a published folder keeps in place of ``TRIALS``: the present form, and that of earlier versions."""
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
@@ -40,8 +42,9 @@ class ResultsFolder:
 
     @property
     def trials_file(self) -> Path:
-        """The records of a run, one line a trial."""
-        return self.path / TRIALS
+        """The file of trials that is there: of a run, or published; the former if there is none."""
+        names = (TRIALS, *PUBLISHED_TRIALS)
+        return next((self.path / name for name in names if (self.path / name).exists()), self.path / TRIALS)
 
     @property
     def study_file(self) -> Path:
@@ -66,13 +69,12 @@ class ResultsFolder:
         Warns:
             RecordWarning: if the last line was torn by a cut; it is left out.
         """
-        published = [self.path / name for name in PUBLISHED_TRIALS]
-        if self.trials_file.exists() or not any(map(Path.exists, published)):
-            return read_records(self.trials_file)
-        file = next(filter(Path.exists, published))
+        file = self.trials_file
+        if file.name == TRIALS:
+            return read_records(file)
         try:
-            return [from_flat(row) for row in _rows(file)]
-        except ValueError as error:
+            return [from_flat(row) for row in published_rows(file)]
+        except (ValueError, pa.ArrowException) as error:
             raise RecordError(f"{file}: not a table of trials ({error})") from error
 
     def recording(self, trial: str) -> Recording:
@@ -103,8 +105,8 @@ class ResultsFolder:
             return {}
 
 
-def _rows(file: Path) -> Iterator[Mapping[str, Any]]:
-    """Rows of a published table of trials."""
+def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
+    """Yield the rows of a published table of trials as they are kept, in Parquet or CSV."""
     if file.suffix == ".parquet":
         with pq.ParquetFile(file) as table:
             yield from table.read().to_pylist()

@@ -122,6 +122,8 @@ def write_trials_csv(path: Path, records: Sequence[TrialRecord]) -> None:
 
 
 def write_trials_parquet(path: Path, records: Sequence[TrialRecord]) -> None:
-    """Write the flat records as compressed Parquet, all or none; ``pandas.read_parquet`` reads them."""
+    """Write the flat records as compressed Parquet, all or none; ``reports.load`` restores the types of columns."""
     with atomic_file(path) as draft:
-        trials_frame(records).to_parquet(draft, engine="pyarrow", compression="zstd", index=False)
+        trials_frame(records).to_parquet(
+            draft, index=False, compression="zstd", compression_level=19, write_statistics=False, store_schema=False
+        )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from reports.records.folder import TRIALS, ResultsFolder, replay_name, still_of
+from reports.records.folder import ResultsFolder, replay_name, still_of
 from reports.records.recording import RecordingError
 from reports.records.trial import TrialRecord
 from reports.replays.replay import Replayed, write_replay
@@ -64,7 +64,7 @@ def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, howeve
         stacks: whose trials are drawn.
         however_many: False to draw none if they are more than ``MOST_STILLS``.
     """
-    stills, changed = folder / "report" / "stills", (folder / TRIALS).stat().st_mtime
+    stills, changed = folder / "report" / "stills", ResultsFolder(folder).trials_file.stat().st_mtime
     waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]
     count = sum(map(len, waiting))
     if count > MOST_STILLS and not however_many:

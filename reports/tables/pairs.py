@@ -44,7 +44,7 @@ def _headline(rows: Sequence[PairRow]) -> Table:
     told = [
         (
             *row.set_up,
-            _counted(row.success_rates),
+            right_of_judged(row.success_rates),
             *(_percent(row.success_rates, name) for name in ("right", *MISSES)),
             _some(row),
         )
@@ -86,10 +86,11 @@ def _family_cell(row: PairRow | None) -> str:
         return NOTHING
     interval = percent(row.success_rates.right).partition(" [")[2]
     missed = [f"{number}{_LETTERS[miss]}" for miss in MISSES if (number := count(getattr(row.success_rates, miss)))]
-    return " ".join([_counted(row.success_rates), *([f"[{interval} %"] if interval else []), *missed])
+    return " ".join([right_of_judged(row.success_rates), *([f"[{interval} %"] if interval else []), *missed])
 
 
-def _counted(told: SuccessRates | None) -> str:
+def right_of_judged(told: SuccessRates | None) -> str:
+    """Such as ``38/46``; a dash if nothing was judged."""
     return f"{told.right_count}/{told.n}" if told is not None else NOTHING
 
 

@@ -15,6 +15,7 @@ from bench.publishing.publish import PublishError, main, publish
 from bench.studies.plan import plan_trials
 from bench.studies.schema import load_study
 from bench.studies.selection import Selection
+from reports.records.folder import ResultsFolder
 from reports.records.trial import RecordWriter
 from scenarios.lookup import UnknownNameError
 from tests.reports.studies import record
@@ -44,9 +45,9 @@ def run(tmp_path, monkeypatch) -> Path:
     for trial in plan_trials(study):
         writer.append(record(scene=trial.scene, policy=trial.policy, trial=trial.id))
     writer.close()
-    for name in ("tables.md", "trials.csv", "tables.tex", "index.html", "figures/speed.svg", "figures/speed.pdf"):
+    figures = ("figures/speed.svg", "figures/speed.pdf", "figures/pairs.svg")
+    for name in ("tables.md", "trials.csv", "tables.tex", "index.html", *figures):
         (folder / "report" / name).write_text(name)
-    (folder / "report" / "trials.csv").write_text("trial,policy\na,none\nb,paper\n")
     write_environment(folder, modified=False)
     return folder
 
@@ -60,8 +61,10 @@ def test_tables_trials_figures_and_where_they_come_from_are_copied(run, tmp_path
     target = publish("made-up", run, tmp_path / "docs")
     found = {str(path.relative_to(target)) for path in target.rglob("*") if path.is_file()}
     assert found == {
-        "tables.md", "trials.csv", "tables.tex", "figures/speed.svg", "study.toml", "environment.json"
+        "tables.md", "trials.parquet", "figure.svg", "study.toml", "environment.json"
     }  # fmt: skip
+    assert ResultsFolder(target).records == ResultsFolder(run).records
+    assert (target / "figure.svg").read_text() == "figures/pairs.svg", "it shows more than the speed"
     assert (target / "tables.md").read_text() == f"tables.md\n\ncore: {present_core()}\n"
 
 
@@ -86,9 +89,11 @@ def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_pat
     target = tmp_path / "docs" / "made-up"
     (target / "figures").mkdir(parents=True)
     (target / "figures" / "old.svg").touch()
+    (target / "trials.csv").touch()
     (target / "decisions.md").touch()
     publish("made-up", run, tmp_path / "docs")
-    assert [path.name for path in (target / "figures").iterdir()] == ["speed.svg"]
+    assert not (target / "figures").exists()
+    assert not (target / "trials.csv").exists()
     assert (target / "decisions.md").exists()
 
 
