@@ -10,7 +10,6 @@ import typer
 from bench.cli.console import OUT, input_errors, printed_warnings, relative, tell
 from bench.execution.results import missing_trials
 from reports.records.folder import ResultsFolder
-from reports.report import build_report
 from reports.tables.table import Table, render
 
 
@@ -27,6 +26,8 @@ def report(
 
 def make_report(folder: Path, *, all_stills: bool = False) -> tuple[Table, ...]:
     """Write a folder's report; return the tables that are printed."""
+    from reports.report import build_report  # seconds of imports that nothing else needs
+
     results = ResultsFolder(folder)
     with printed_warnings():
         missing = missing_trials(folder, results.records)

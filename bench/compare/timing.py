@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
-from scipy.stats import t as student_t
+from scipy.special import stdtrit
 
 from bench.compare.findings import Judgement
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
@@ -73,7 +73,7 @@ def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
     logs = [math.log(head / base) for base, head in pairs]
     middle = statistics.fmean(logs)
     error = statistics.stdev(logs) / math.sqrt(len(logs))
-    reach = float(student_t.ppf((1 + CONFIDENCE) / 2, len(logs) - 1)) * error
+    reach = float(stdtrit(len(logs) - 1, (1 + CONFIDENCE) / 2)) * error
     return Interval(math.exp(middle), math.exp(middle - reach), math.exp(middle + reach))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy  # scipy.stats is loaded on first use: it takes seconds
 
 from reports.statistics.survival import CONFIDENCE
 
@@ -39,7 +39,7 @@ def median(values: Sequence[float]) -> Estimate | None:
     middle = float(np.median(values))
     if len(values) == 1:
         return Estimate(1, middle)
-    interval = stats.bootstrap(
+    interval = scipy.stats.bootstrap(
         (np.asarray(values),),
         np.median,
         method="percentile",
@@ -52,7 +52,7 @@ def median(values: Sequence[float]) -> Estimate | None:
 
 def deviation(values: Sequence[float]) -> float | None:
     """Median absolute deviation from the median, unscaled; None for fewer than two values."""
-    return float(stats.median_abs_deviation(values)) if len(values) > 1 else None
+    return float(scipy.stats.median_abs_deviation(values)) if len(values) > 1 else None
 
 
 def share(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:

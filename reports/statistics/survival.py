@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+import scipy  # scipy.stats is loaded on first use: it takes seconds
 
 from reports.records.trial import TrialRecord
 
@@ -99,7 +99,7 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
     """
     if not lifetimes:
         raise ValueError("no lifetimes: a survival curve needs at least one")
-    curve = stats.ecdf(_censored(lifetimes)).sf
+    curve = scipy.stats.ecdf(_censored(lifetimes)).sf
     level, standing = curve.quantiles, curve.probabilities
     if len(lifetimes) == 1:
         return Survival(level, standing, None, None)
@@ -167,7 +167,7 @@ def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
 
     The sum over all lifetimes is zero; without censoring the scores are the centred midranks, scaled.
     """
-    curve = stats.ecdf(_censored(lifetimes)).sf
+    curve = scipy.stats.ecdf(_censored(lifetimes)).sf
     at = np.searchsorted(curve.quantiles, [one.level for one in lifetimes])
     after = curve.probabilities[at]
     before = np.concatenate([[1.0], curve.probabilities])[at]
@@ -180,7 +180,7 @@ def _sign_flip_p_value(difference: FloatArray) -> float:
     """Two-sided p-value of the sum of ``difference``, shape (n,), when each sign is as likely as the other."""
     if not difference.any():
         return 1.0
-    test = stats.permutation_test(
+    test = scipy.stats.permutation_test(
         (difference, np.zeros_like(difference)),
         lambda one, other, axis: (one - other).sum(axis=axis),
         permutation_type="samples",
@@ -191,8 +191,8 @@ def _sign_flip_p_value(difference: FloatArray) -> float:
     return float(test.pvalue)
 
 
-def _censored(lifetimes: Sequence[Lifetime]) -> stats.CensoredData:
-    return stats.CensoredData(
+def _censored(lifetimes: Sequence[Lifetime]) -> scipy.stats.CensoredData:
+    return scipy.stats.CensoredData(
         uncensored=[one.level for one in lifetimes if one.fell],
         right=[one.level for one in lifetimes if not one.fell],
     )
