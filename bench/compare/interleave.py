@@ -10,9 +10,9 @@ from rich.console import Console
 from bench.compare.baseline import Baseline, Machine, read_baseline
 from bench.compare.checkouts import Checkout
 from bench.compare.timing import Part
-from bench.execution.results import to_toml
 from bench.studies.schema import Study
 from bench.studies.tolerance import Tolerance
+from bench.studies.toml_text import to_toml
 from reports.records.atomic import write_atomic
 from reports.records.trial import TrialRecord
 

@@ -22,8 +22,9 @@ from typing import Any, NamedTuple
 from distributed import CancelledError, Client, Future, KilledWorker, as_completed
 
 from bench.execution.errors import ClusterError
+from bench.execution.forkserver import await_server, start_server
 from bench.execution.local import Observer
-from bench.execution.worker import IsolatedTrial, await_server, start_server
+from bench.execution.worker import IsolatedTrial
 from bench.machine.environment import describe, digest
 from bench.studies.plan import Trial
 from bench.studies.schema import Limits

@@ -7,10 +7,10 @@ from typing import Any
 
 from rich.console import Console
 
+from bench.execution.forkserver import await_server, start_server, stop_everything
 from bench.execution.local import run_trials
 from bench.execution.progress import show_progress
 from bench.execution.signals import Interruption
-from bench.execution.worker import await_server, start_server, stop_everything
 from bench.machine.environment import digest
 from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES

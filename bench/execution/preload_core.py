@@ -2,7 +2,7 @@
 
 import os
 
-from bench.execution.worker import WANTED_POLICIES
+from bench.execution.forkserver import WANTED_POLICIES
 from stability_core import warm_up
 
 for _policy in os.environ[WANTED_POLICIES].split(","):

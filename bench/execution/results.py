@@ -19,7 +19,7 @@ from adapters import EngineNotInstalledError
 from bench.machine.environment import digest, session
 from bench.studies.plan import plan_trials
 from bench.studies.schema import Study, StudyError, load_study
-from bench.studies.tolerance import Tolerance
+from bench.studies.toml_text import to_toml
 from bench.trial.run_trial import Outcome
 from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, FRAMES, RECORDINGS, REPORT, STUDY, TRIALS
@@ -194,31 +194,3 @@ def _refusal(folder: Path, different: Sequence[str]) -> str:
         f"{folder} holds trials of another run; changed since: {', '.join(different)}. Choose another folder with "
         "--out, replace the trials with --fresh, or go on nevertheless with --accept-changes"
     )
-
-
-def to_toml(study: Study) -> str:
-    """The resolved study. TOML writes strings, numbers and flat lists as JSON does."""
-    content = study.model_dump()
-    scenarios, limits = content.pop("scenario"), content.pop("limits")
-    rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}
-    lines = [*_assignments(content), "", "[limits]", *_assignments(limits)]
-    for kind, those in rules.items():
-        for rule in those:
-            lines += ["", f"[[{kind}]]", *_assignments({field: names for field, names in rule.items() if names})]
-    for scenario in scenarios:
-        lines += ["", "[[scenario]]", f"name = {json.dumps(scenario['name'])}"]
-        if scenario["parameters"]:
-            lines += ["", "[scenario.parameters]", *_assignments(scenario["parameters"])]
-        if allowed := _set_tolerances(scenario["tolerance"]):
-            lines += ["", "[scenario.tolerance]", *_assignments(allowed)]
-    return "\n".join(lines) + "\n"
-
-
-def _set_tolerances(tolerance: Mapping[str, Any]) -> dict[str, Any]:
-    """Those that differ from their defaults."""
-    usual = Tolerance().model_dump()
-    return {name: value for name, value in tolerance.items() if value != usual[name]}
-
-
-def _assignments(fields: Mapping[str, Any]) -> list[str]:
-    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items()]

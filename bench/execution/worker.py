@@ -1,7 +1,7 @@
 """One trial in a fresh process: what an engine does to its process is this trial's outcome, and nobody else's.
 
-The processes are forked from a server that has loaded the harness and the engines, but never opened one: a trial
-starts in tens of milliseconds, sees no other trial's leftovers, and runs the code as it was when the server started.
+The processes are forked from the server of ``forkserver``: a trial starts in tens of milliseconds, sees no other
+trial's leftovers, and runs the code as it was when the server started.
 """
 
 from __future__ import annotations
@@ -15,20 +15,17 @@ import signal
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
-from multiprocessing import connection, forkserver, resource_tracker
+from multiprocessing import connection
 from multiprocessing.connection import Connection
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
 import psutil
 from pebble import ProcessExpired, ProcessFuture
-from pebble.concurrent import process
 
-from adapters import ENGINES
-from bench.execution.forkserver import CONTEXT
+from bench.execution.forkserver import CONTEXT, in_process
 from bench.studies.plan import Trial
 from bench.studies.schema import Limits
 from bench.trial.playback import Progress
@@ -38,8 +35,6 @@ from reports.records.trial import Status
 
 GRACE_S = 60.0
 """A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""
-WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
-"""Environment variable that tells the server for which policies to compile: it is started with no other word."""
 _ATTEND_S = 0.1
 """How often the memory of a silent process is looked at [s]."""
 _TELL_S = 0.25
@@ -50,39 +45,6 @@ _TAIL = 2**16
 """How much of its output is looked through for its last words [bytes]."""
 _MEBI = 2**20
 _HUNG = "the engine hung and was stopped; how far it got is not known"
-
-
-def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
-    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them.
-
-    Args:
-        engines: whose modules it loads.
-        core_policies: for which it compiles the core; a policy that no trial uses costs nothing.
-    """
-    modules = [ENGINES[engine].module for engine in engines]
-    core = ["bench.execution.preload_core"] if core_policies else []
-    os.environ[WANTED_POLICIES] = ",".join(core_policies)
-    forkserver.set_forkserver_preload([__name__, *modules, *core, "bench.execution.preload"])
-    resource_tracker.ensure_running()  # its start would let the signal through again
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # works in a cluster worker's threads too
-    try:
-        forkserver.ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def await_server() -> None:
-    """Return when the server has loaded everything, and compiled the core if need be."""
-    in_process(os.getpid, None)().result()
-
-
-def stop_everything() -> None:
-    """End the server and every trial that still runs."""
-    for child in psutil.Process().children(recursive=True):
-        try:
-            child.kill()
-        except psutil.NoSuchProcess:
-            continue
 
 
 class IsolatedTrial:
@@ -190,12 +152,6 @@ class IsolatedTrial:
 
     def _excess(self) -> str:
         return f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB"
-
-
-def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """``function`` in a fresh process that is ended after ``timeout_s`` [s]."""
-    # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
-    return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]
 
 
 def _run_in_child(

@@ -22,7 +22,7 @@ from bench.machine.core_digest import present_core
 from bench.publishing.catalogue import PUBLISHED
 from bench.publishing.page_marks import write_page
 from bench.trial.measure import BoolArray
-from bench.trial.playback import Play
+from bench.trial.playback import Playback
 from scenarios.geometry import Boxes, FloatArray, rotation
 from scenarios.planks import LENGTH, THICKNESS
 from scenarios.registry import build
@@ -79,7 +79,7 @@ def watch_fall(engine: str, policy: str) -> Fall:
         _, position, quaternion = simulation.poses()
         poses.append((position.copy(), quaternion.copy()))
 
-    play = Play(scene, simulation, policy, np.inf, keep)
+    play = Playback(scene, simulation, policy, np.inf, keep)
     play.run()
     release = next(row.frame for row in play.rows if row.woken)
     size = np.array([brick.size for brick in play.builder.bricks])

@@ -1,4 +1,4 @@
-"""What the same standing stack costs without the extension.
+"""Time the same standing stack without the extension: the baseline, all awake.
 
 Comparing two runs would compare two stacks: the one without the extension has often fallen by then. So the stack that
 the extension built is put, at its actual poses, into a fresh world in which every brick is awake.
@@ -35,14 +35,14 @@ HIGHEST_LEVEL = 25
 
 
 @dataclass(frozen=True, slots=True)
-class AwakeTime:
+class BaselineTime:
     """Frame time of an all-awake stack, or why there is none."""
 
     frame_ms: float | None
     message: str = ""
 
 
-def time_awake(engine: str, profile: str, world: World, stack: Snapshot) -> AwakeTime:
+def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> BaselineTime:
     """Mean frame time [ms] of the stack while it stands in fresh worlds of the engine alone."""
     times_ms: list[float] = []
     deadline = perf_counter() + MOST_WALL_S
@@ -52,8 +52,8 @@ def time_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Awak
             break
     if len(times_ms) < LEAST_FRAMES:
         why = "is too slow" if perf_counter() > deadline else "fell at once, each time that it was put up"
-        return AwakeTime(None, f"the awake stack {why}: too few frames to time")
-    return AwakeTime(statistics.fmean(times_ms))
+        return BaselineTime(None, f"the awake stack {why}: too few frames to time")
+    return BaselineTime(statistics.fmean(times_ms))
 
 
 def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:

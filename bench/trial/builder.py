@@ -1,4 +1,4 @@
-"""The hand that builds a scene in an engine: lets bricks go, takes them away, pushes, presses and pulls them."""
+"""Build a scene in an engine: place bricks, remove them, push, press and pull them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from adapters.base import Simulation
 from bench.trial.drives import Drives
 from bench.trial.gravity import TurningGravity
-from bench.trial.manipulator import Grip, Listener
+from bench.trial.manipulator import Listener, Manipulator
 from bench.trial.measure import FloatArray, Plan
 from bench.trial.support import drop_heights
 from scenarios.geometry import Boxes, resting_shift, side_by_side
@@ -27,11 +27,11 @@ class Builder:
     """Carries out a scene's actions on a simulation, each in the frame in which it is due."""
 
     def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
-        """Build ``scene`` in an empty ``simulation``; ``listener`` is told what the hand holds."""
+        """Build ``scene`` in an empty ``simulation``; ``listener`` hears which bodies a user holds."""
         self._simulation = simulation
         self._fixed = Boxes.of(scene.world.fixed)
         self._is_poured = scene.poured
-        self._grip = Grip(simulation, listener)
+        self._manipulator = Manipulator(simulation, listener)
         self._gravity = TurningGravity(simulation, listener.turn_gravity if listener else lambda _: None)
         self._drives = Drives(simulation)
         self._is_driving = False
@@ -56,7 +56,13 @@ class Builder:
     @property
     def is_done(self) -> bool:
         """True when every action has been carried out."""
-        return not (self._pending or self._grip.pulls or self._grip.presses or self._gravity.tilts or self._is_driving)
+        return not (
+            self._pending
+            or self._manipulator.pulls
+            or self._manipulator.presses
+            or self._gravity.tilts
+            or self._is_driving
+        )
 
     def take_set_down(self) -> list[int]:
         """Return the bodies set down without a gap since the last call: a prebuilt stack, to be judged at once."""
@@ -65,10 +71,10 @@ class Builder:
 
     def act(self, time: float) -> None:
         """Carry out all actions that are due at ``time`` [s], and go on with those that take longer."""
-        for body in self._grip.pull_on(time):
+        for body in self._manipulator.pull_on(time):
             self._forget(body)
             self._plan_anew()
-        self._grip.press_on(time + _EARLY_S)
+        self._manipulator.press_on(time + _EARLY_S)
         while action := self._due(time):
             self._pending.pop()
             self._carry_out(action, time)
@@ -84,9 +90,9 @@ class Builder:
                 and action.time <= time + HOLD_S
                 and action.brick < len(self._bodies)
             ):
-                self._grip.hold(self._bodies[action.brick])
-        if self._grip.pulls:
-            self._follow_the_hand()
+                self._manipulator.hold(self._bodies[action.brick])
+        if self._manipulator.pulls:
+            self._follow_pulls()
 
     def _carry_out(self, action: Action, time: float) -> None:
         """Do what is due, or begin what takes longer."""
@@ -98,21 +104,21 @@ class Builder:
                 self._simulation.remove(body)
                 self._forget(body)
             case Push():
-                self._grip.push(self._bodies[action.brick], action.impulse)
+                self._manipulator.push(self._bodies[action.brick], action.impulse)
             case Press():
-                self._grip.press(self._bodies[action.brick], action)
+                self._manipulator.press(self._bodies[action.brick], action)
             case Pull():
-                self._grip.pull(self._bodies[action.brick], action)
+                self._manipulator.pull(self._bodies[action.brick], action)
             case Drive():
                 self._drives.begin(self._bodies[action.brick], action)
             case Tilt():
                 self._gravity.begin(action)
 
-    def _follow_the_hand(self) -> None:
-        """What the hand pulls is in its place wherever it is."""
+    def _follow_pulls(self) -> None:
+        """Plan every pulled brick at its actual pose: it is in place wherever it is."""
         bodies, position, quaternion = self._simulation.poses()
         for row, body in enumerate(bodies.tolist()):
-            if body in self._grip.pulls:
+            if body in self._manipulator.pulls:
                 before = self._planned[body]
                 self._planned[body] = at_pose(before, position[row], quaternion[row])
                 self._note_lost_support(before, body)
@@ -136,7 +142,7 @@ class Builder:
     def _plan_anew(self) -> None:
         self.plan = Plan.of(self.bricks)
         if self._drop_below:
-            held = dict.fromkeys(self._grip.pulls, -math.inf)
+            held = dict.fromkeys(self._manipulator.pulls, -math.inf)
             heights = self._drop_below | held
             rows = [heights.get(body, -math.inf) for body in self._planned]
             self.plan = replace(self.plan, drop_below=np.array(rows))

@@ -1,4 +1,4 @@
-"""What a user does to a brick that lies: holds, strikes, presses, pulls it; the extension hears what is held."""
+"""Act on bricks as a user does: hold, strike, press and pull them; the extension hears which are held."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ class _Pulling:
     until: float
     """When it ends [s]."""
     velocity: FloatArray
-    """What the hand wants [m/s], shape (2,)."""
+    """Velocity that the user wants [m/s], shape (2,)."""
     speed: FloatArray
     """What it gives the brick at the beginning of a frame [m/s], shape (2,): as much more as friction takes away."""
     position: FloatArray
     """Where the brick was a frame ago [m], shape (2,)."""
 
 
-class Grip:
-    """The user's hand on the bricks of one simulation."""
+class Manipulator:
+    """Acts on the bricks of one simulation."""
 
     def __init__(self, simulation: Simulation, listener: Listener | None) -> None:
         self._simulation = simulation

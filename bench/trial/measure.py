@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from reports.records.trial import CollapseKind, Status, Verdict
+from reports.records.trial import CollapseKind
 from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
-from scenarios.model import Brick, Expectation
+from scenarios.model import Brick
 from scenarios.statics import falling
 
 FloatArray = npt.NDArray[np.float64]
@@ -195,43 +195,3 @@ def sink(plan: Plan, position: FloatArray, level: int) -> float:
 def creep(before: FloatArray, after: FloatArray, seconds: float) -> float:
     """Fastest mean motion [m/s] of a brick between two sets of positions (n, 3)."""
     return float(np.linalg.norm(after - before, axis=1).max() / seconds)
-
-
-def verdict(
-    expectation: Expectation,
-    status: Status,
-    collapse_level: int | None,
-    kind: CollapseKind | None,
-    collapse_s: float | None = None,
-) -> Verdict:
-    """Was the outcome what theory demands?
-
-    Standing is right if the trial ran to its end; falling is right only at the level itself, not before it is due and
-    not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its end, and one that
-    sank where it had to fall, has failed; one that its time limit stopped is undecided.
-    """
-    if expectation.outcome == "study" or status == "unsupported":
-        return "none"
-    if status == "timeout":
-        return "undecided"
-    if status not in {"completed", "collapsed"}:
-        return "failed"
-    if expectation.outcome == "stand":
-        return "right" if status == "completed" else "false_collapse"
-    if expectation.level is None:
-        raise ValueError("a scene that must fall names the level at which it does")
-    if collapse_level is None or collapse_level > expectation.level:
-        return "false_stand"
-    is_early = collapse_s is not None and collapse_s < expectation.not_before_s
-    if collapse_level < expectation.level or is_early:
-        return "false_collapse"
-    if _is_late(expectation, collapse_s):
-        return "false_stand"
-    return "failed" if kind == "sink" else "right"
-
-
-def _is_late(expectation: Expectation, collapse_s: float | None) -> bool:
-    """Tell whether a fall came later than theory allows: until then something held the stack."""
-    if expectation.within_s is None or collapse_s is None:
-        return False
-    return collapse_s > expectation.not_before_s + expectation.within_s

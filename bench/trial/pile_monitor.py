@@ -1,6 +1,6 @@
-"""Watches a poured heap: when it came to rest, how high and how steep it is, how far it sinks and creeps.
+"""Monitor a poured pile: when it came to rest, how high and how steep it is, how far it sinks and creeps.
 
-Stands in for ``StackWatch`` where bricks find their own places, and nothing could be called a collapse.
+Stands in for ``StackMonitor`` where bricks find their own places, and nothing could be called a collapse.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ HALF_BELOW = 1 - 0.5 ** (1 / 3)
 
 
 def slope_deg(position: FloatArray) -> float | None:
-    """Angle of repose [deg] of a heap of equal bricks: that of the cone with the same median height and radius.
+    """Angle of repose [deg] of a pile of equal bricks: that of the cone with the same median height and radius.
 
     Medians, so that a brick which rolled away changes nothing. None if all lie at one spot.
 
@@ -34,13 +34,13 @@ def slope_deg(position: FloatArray) -> float | None:
     return math.degrees(math.atan2(middle[2] / HALF_BELOW, radius)) if radius > 0.0 else None
 
 
-class HeapWatch:
+class PileMonitor:
     """Takes in the poses after every frame. Everything here is simulated time."""
 
     collapse = None
     """No brick has a place that it could leave."""
     is_over = False
-    """A heap is always watched to the end."""
+    """A pile is always watched to the end."""
 
     def __init__(self, last_action_s: float, watch_from_s: float) -> None:
         """Watch from ``watch_from_s`` [s] on how it sinks and creeps: the last action, and time for it to land."""
@@ -55,7 +55,7 @@ class HeapWatch:
 
     @property
     def standing(self) -> Standing | None:
-        """The heap as it was last seen; None if nothing was poured.
+        """The pile as it was last seen; None if nothing was poured.
 
         Its level is the number of bricks that were poured, its sink that of their mean height while it is watched.
         """
@@ -73,7 +73,7 @@ class HeapWatch:
 
     @property
     def repose_deg(self) -> float | None:
-        """Angle of repose [deg]; None if there is no heap."""
+        """Angle of repose [deg]; None if there is no pile."""
         return slope_deg(self._latest[1]) if self._latest is not None and len(self._latest[1]) else None
 
     @property
@@ -94,7 +94,7 @@ class HeapWatch:
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
     ) -> None:
-        """Take in one frame, as ``StackWatch.see`` does; each brick is a level of its own."""
+        """Take in one frame, as ``StackMonitor.see`` does; each brick is a level of its own."""
         if self._latest is not None and len(self._latest[1]) == len(position):
             before, was = self._latest
             if measure.creep(was, position, time - before) > MOVING_M_S:

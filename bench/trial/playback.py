@@ -12,9 +12,9 @@ import numpy as np
 from adapters.base import Simulation
 from bench.trial.builder import Builder
 from bench.trial.measure import FloatArray
-from bench.trial.pile_monitor import HeapWatch
-from bench.trial.sleep_stats import Sleepers
-from bench.trial.stack_monitor import StackWatch
+from bench.trial.pile_monitor import PileMonitor
+from bench.trial.sleep_stats import SleepStats
+from bench.trial.stack_monitor import StackMonitor
 from bench.trial.stepping import FrameTimes, PlainFrames, SteeredFrames, Steering
 from reports.records.frames import FrameRow
 from reports.records.recording import Recorder
@@ -50,7 +50,7 @@ class Snapshot:
     """Actual orientations, shape (n, 4)."""
 
 
-class Play:
+class Playback:
     """One run. What it has seen is there to be read also if it ends by an exception."""
 
     def __init__(
@@ -80,10 +80,12 @@ class Play:
         self._seated_s = self._last_action_s + SEATING_S * scene.pace
         self._hash = blake2b(digest_size=16)
         self.builder = Builder(scene, simulation, self._frames)
-        self.watch = (
-            HeapWatch(self._last_action_s, self._seated_s) if scene.poured else StackWatch(self._seated_s, scene.pace)
+        self.monitor = (
+            PileMonitor(self._last_action_s, self._seated_s)
+            if scene.poured
+            else StackMonitor(self._seated_s, scene.pace)
         )
-        self.sleepers = Sleepers()
+        self.sleep_stats = SleepStats()
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
@@ -109,16 +111,16 @@ class Play:
         deadline = perf_counter() + self._wall_limit_s
         end = self._last_action_s + self._scene.watch_s - _ROUNDING_S
         while True:
-            if self.watch.collapse is None:
+            if self.monitor.collapse is None:
                 self.builder.act(self.simulated_s)
                 self._adopt(self.builder.take_set_down())
             if not self._play_frame():
                 return "diverged"
             is_late = perf_counter() > deadline
-            if is_late and self.watch.collapse is None:
+            if is_late and self.monitor.collapse is None:
                 return "timeout"
-            if is_late or self.watch.is_over or (self.builder.is_done and self.simulated_s >= end):
-                return "completed" if self.watch.collapse is None else "collapsed"
+            if is_late or self.monitor.is_over or (self.builder.is_done and self.simulated_s >= end):
+                return "completed" if self.monitor.collapse is None else "collapsed"
 
     def frames_of(self, level: int) -> list[FrameRow]:
         """The frames in which ``level`` was placed, each brick's second included."""
@@ -131,7 +133,7 @@ class Play:
             self.adopted = (self.adopted or 0) + len(self._frames.adopt(bodies))
 
     def _play_frame(self) -> bool:
-        """One frame, taken in by all who watch; False if the poses are no longer finite."""
+        """One frame, recorded and monitored; False if the poses are no longer finite."""
         begin = self.simulated_s
         times, steering = self._frames.play()
         self.rows.append(self._row(times, steering))
@@ -144,9 +146,9 @@ class Play:
         position, quaternion = position.copy(), quaternion.copy()  # an engine may hand out its own memory
         self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
         builder = self.builder
-        self.watch.see(now, builder.plan, position, quaternion, builder.placed)
+        self.monitor.see(now, builder.plan, position, quaternion, builder.placed)
         if steering is not None:
-            self.sleepers.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
+            self.sleep_stats.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
         if now <= self._seated_s + _ROUNDING_S:
             self.at_level[builder.level] = Snapshot(builder.bricks, position, quaternion)
         self._tell(Progress(builder.level, self._scene.levels, len(bodies), now))

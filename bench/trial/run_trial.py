@@ -19,10 +19,10 @@ from bench.machine.environment import allowed_cores, engine_version
 from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Limits
-from bench.trial import measure
-from bench.trial.awake_baseline import HIGHEST_LEVEL, time_awake
-from bench.trial.pile_monitor import HeapWatch
-from bench.trial.playback import Play, Progress
+from bench.trial.awake_baseline import HIGHEST_LEVEL, time_baseline
+from bench.trial.judging import verdict
+from bench.trial.pile_monitor import PileMonitor
+from bench.trial.playback import Playback, Progress
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 from reports.records.recording import Recording
 from reports.records.trial import Status, TrialRecord
@@ -59,7 +59,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         return Outcome(bare_record(trial, scene, environment, "unsupported", why), [])
     begin = perf_counter()
     policy = BENCH_POLICIES[trial.policy]
-    play = None
+    playback = None
     machine: dict[str, Any] = {}
     try:
         if policy.core is not None:
@@ -68,10 +68,10 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
             trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
         )
         info = simulation.info
-        play = Play(scene, simulation, policy.core, limits.trial_wall_s, tell)
+        playback = Playback(scene, simulation, policy.core, limits.trial_wall_s, tell)
         before = calibrate()
         with _undisturbed():
-            status, message = play.run(), ""
+            status, message = playback.run(), ""
         machine = {"host": platform.node(), "core": _only_core(), "calibration_ms": typical(before, calibrate())}
         simulation.close()
     except NotImplementedError as error:  # what this engine's interface cannot do
@@ -80,19 +80,21 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         status, message = "out_of_memory", "the process ran out of memory"
     except Exception as error:  # whatever an engine or the core raises is this trial's outcome
         status, message = "error", f"{type(error).__name__}: {error}"
-    if play is None:
+    if playback is None:
         return Outcome(bare_record(trial, scene, environment, status, message), [])
     fields = {
-        **_seen(play),
-        **_timings(_standing_rows(play), info.frame_s),
-        **(_ratio(trial, scene, play) if policy.core is not None and limits.ratio and status != "error" else {}),
+        **_seen(playback),
+        **_timings(_standing_rows(playback), info.frame_s),
+        **(_ratio(trial, scene, playback) if policy.core is not None and limits.ratio and status != "error" else {}),
         "engine_version": info.version,
         "unit_scale": info.unit_scale,
         "wall_s": perf_counter() - begin,
         **machine,
     }
-    message = message or _message(status, play, limits)
-    return Outcome(bare_record(trial, scene, environment, status, message, **fields), play.rows, play.recorder.finish())
+    message = message or _message(status, playback, limits)
+    return Outcome(
+        bare_record(trial, scene, environment, status, message, **fields), playback.rows, playback.recorder.finish()
+    )
 
 
 def bare_record(
@@ -116,7 +118,7 @@ def bare_record(
             "status": status,
             "message": message,
             "expectation": scene.expectation,
-            "verdict": measure.verdict(scene.expectation, status, *collapse),
+            "verdict": verdict(scene.expectation, status, *collapse),
             "environment": environment,
             "levels_planned": scene.levels,
             **fields,
@@ -141,13 +143,13 @@ def _only_core() -> int | None:
     return min(allowed) if len(allowed) == 1 else None
 
 
-def _seen(play: Play) -> dict[str, Any]:
-    standing, collapse = play.watch.standing, play.watch.collapse
+def _seen(playback: Playback) -> dict[str, Any]:
+    standing, collapse = playback.monitor.standing, playback.monitor.collapse
     fields: dict[str, Any] = {
-        "levels_placed": len(play.builder.placed),
-        "creep_m_s": play.watch.creep_m_s,
-        "pose_hash": play.pose_hash,
-        "simulated_s": play.simulated_s,
+        "levels_placed": len(playback.builder.placed),
+        "creep_m_s": playback.monitor.creep_m_s,
+        "pose_hash": playback.pose_hash,
+        "simulated_s": playback.simulated_s,
     }
     if standing is not None:
         fields |= {
@@ -158,27 +160,27 @@ def _seen(play: Play) -> dict[str, Any]:
         }
     if collapse is not None:
         fields |= {"collapse_level": collapse.level, "collapse_kind": collapse.kind, "collapse_s": collapse.time}
-    if isinstance(play.watch, HeapWatch):
-        fields |= {"rest_s": play.watch.rest_s, "repose_deg": play.watch.repose_deg}
-    if play.is_steered:
+    if isinstance(playback.monitor, PileMonitor):
+        fields |= {"rest_s": playback.monitor.rest_s, "repose_deg": playback.monitor.repose_deg}
+    if playback.is_steered:
         fields |= {
-            "adopted": play.adopted,
-            "wakes": play.sleepers.wakes,
-            "refreezes": play.sleepers.refreezes,
-            "longest_live_s": play.sleepers.longest_live_s(play.simulated_s),
+            "adopted": playback.adopted,
+            "wakes": playback.sleep_stats.wakes,
+            "refreezes": playback.sleep_stats.refreezes,
+            "longest_live_s": playback.sleep_stats.longest_live_s(playback.simulated_s),
         }
-        if play.rows:  # an engine may raise in its first step
+        if playback.rows:  # an engine may raise in its first step
             fields |= {
-                "live_mean": statistics.fmean(row.live for row in play.rows),
-                "live_last": play.rows[-1].live,
+                "live_mean": statistics.fmean(row.live for row in playback.rows),
+                "live_last": playback.rows[-1].live,
             }
     return fields
 
 
-def _standing_rows(play: Play) -> list[FrameRow]:
+def _standing_rows(playback: Playback) -> list[FrameRow]:
     """The frames up to the collapse: tumbling bricks cost much, and only what lets a stack fall would pay for them."""
-    collapse = play.watch.collapse
-    return play.rows if collapse is None else [row for row in play.rows if row.time_s <= collapse.time]
+    collapse = playback.monitor.collapse
+    return playback.rows if collapse is None else [row for row in playback.rows if row.time_s <= collapse.time]
 
 
 def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
@@ -203,23 +205,23 @@ def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
     return fields
 
 
-def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
-    standing = play.watch.standing
+def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
+    standing = playback.monitor.standing
     if standing is None:
         return {"frame_ratio_message": "no level stood"}
     level = min(HIGHEST_LEVEL, standing.level)
     falls_at = scene.expectation.level
     if falls_at is not None and level >= falls_at:
         return {"frame_ratio_level": level, "frame_ratio_message": "no engine can hold this stack awake"}
-    if level not in play.at_level:
+    if level not in playback.at_level:
         return {"frame_ratio_level": level, "frame_ratio_message": "the level came together with higher ones"}
-    steered_ms = [row.frame_ms for row in play.frames_of(level) if row.frame >= UNTIMED_FRAMES]
+    steered_ms = [row.frame_ms for row in playback.frames_of(level) if row.frame >= UNTIMED_FRAMES]
     if not steered_ms:
         message = f"the level was laid within the first {UNTIMED_FRAMES} frames, which are not timed"
         return {"frame_ratio_level": level, "frame_ratio_message": message}
     try:
         with _undisturbed():
-            awake = time_awake(trial.engine, trial.profile, scene.world, play.at_level[level])
+            awake = time_baseline(trial.engine, trial.profile, scene.world, playback.at_level[level])
     except Exception as error:  # a stack that the engine refuses has no ratio; the trial itself is done
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
@@ -227,12 +229,12 @@ def _ratio(trial: Trial, scene: Scene, play: Play) -> dict[str, Any]:
     return {"frame_ratio_level": level, "frame_ratio": statistics.fmean(steered_ms) / awake.frame_ms}
 
 
-def _message(status: Status, play: Play, limits: Limits) -> str:
-    collapse = play.watch.collapse
+def _message(status: Status, playback: Playback, limits: Limits) -> str:
+    collapse = playback.monitor.collapse
     if status == "collapsed" and collapse is not None:
         return f"{collapse.kind} at level {collapse.level}, {collapse.time:.2f} s"
     if status == "timeout":
-        return f"stopped after {limits.trial_wall_s:g} s of wall time at {play.simulated_s:.1f} simulated seconds"
+        return f"stopped after {limits.trial_wall_s:g} s of wall time at {playback.simulated_s:.1f} simulated seconds"
     if status == "diverged":
-        return f"poses were not finite after {play.simulated_s:.2f} s"
+        return f"poses were not finite after {playback.simulated_s:.2f} s"
     return ""

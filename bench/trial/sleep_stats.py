@@ -1,11 +1,11 @@
-"""Keeps account of which bodies the core froze and woke, how often, and for how long a body stayed live."""
+"""Count which bodies the core froze and woke, how often, and for how long a body stayed live."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 
-class Sleepers:
+class SleepStats:
     """Takes in what the core did, frame by frame."""
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Watches a stack through a trial: how high it stood, when and how it collapsed, how far it sank and crept."""
+"""Monitor a stack through a trial: how high it stood, when and how it collapsed, how far it sank and crept."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Collapse:
     """How long it must be watched [s]."""
 
 
-class StackWatch:
+class StackMonitor:
     """Takes in the poses after every frame. Everything here is simulated time."""
 
     def __init__(self, watch_from_s: float, pace: float = 1.0) -> None:

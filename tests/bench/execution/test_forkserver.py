@@ -5,7 +5,7 @@ import threading
 import time
 from multiprocessing import forkserver
 
-from bench.execution.forkserver import CONTEXT
+from bench.execution.forkserver import CONTEXT, in_process, start_server
 
 
 def test_two_threads_that_ask_at_once_hear_the_same_status(monkeypatch) -> None:
@@ -27,3 +27,9 @@ def test_two_threads_that_ask_at_once_hear_the_same_status(monkeypatch) -> None:
     for thread in threads:
         thread.join()
     assert told == [3, 3]
+
+
+def test_a_trial_is_no_fork_of_this_process() -> None:
+    """Forks would share the engines that this process has imported."""
+    start_server([], [])
+    assert in_process(os.getppid, 600)().result() != os.getpid()

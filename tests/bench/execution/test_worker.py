@@ -1,7 +1,5 @@
 """A process a trial: whatever an engine does to its process is that trial's outcome, and no other trial's."""
 
-import os
-
 import pytest
 
 from bench.execution import worker
@@ -62,12 +60,6 @@ def test_a_step_that_ends_after_the_limit_is_a_timeout(rogue_suite) -> None:
     (record,) = read_records(rogue_suite.out / "trials.jsonl")
     assert record.status == "timeout"
     assert record.message == "stopped after 3 s of wall time at 1.2 simulated seconds"
-
-
-def test_a_trial_is_no_fork_of_this_process() -> None:
-    """Forks would share the engines that this process has imported."""
-    worker.start_server([], [])
-    assert worker.in_process(os.getppid, 600)().result() != os.getpid()
 
 
 def test_garbled_last_words_are_made_fit_to_print(tmp_path) -> None:

@@ -8,13 +8,13 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from bench.execution.results import to_toml
 from bench.machine.core_digest import present_core
 from bench.publishing.catalogue import PUBLICATIONS, Publication
 from bench.publishing.publish import PublishError, main, publish
 from bench.studies.plan import plan_trials
 from bench.studies.schema import load_study
 from bench.studies.selection import Selection
+from bench.studies.toml_text import to_toml
 from reports.records.folder import ResultsFolder
 from reports.records.trial import RecordWriter
 from scenarios.lookup import UnknownNameError

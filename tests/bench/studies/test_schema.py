@@ -2,11 +2,11 @@
 
 import pytest
 
-from bench.execution.results import to_toml
 from bench.studies.plan import plan_trials
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import StudyError, check_study, load_study, study_names
 from bench.studies.selection import Selection, selected
+from bench.studies.toml_text import to_toml
 from scenarios.lookup import UnknownNameError
 from scenarios.model import Scene
 

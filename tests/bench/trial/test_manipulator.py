@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.trial.builder import HOLD_S, Builder
-from bench.trial.playback import Play
+from bench.trial.playback import Playback
 from scenarios.model import CLEARANCE, Drive, Expectation, Place, Press, Pull, Push, Scene, Tilt, World
 from scenarios.planks import THICKNESS, lay
 from scenarios.registry import build
@@ -99,7 +99,7 @@ def test_a_struck_plank_slides_as_far_as_friction_lets_it(slide, end) -> None:
 
     scene = build("pushed_plank", slide=slide, levels=2)
     simulation = open_engine("mujoco", "game", world=scene.world, sleeping="off", expected=scene.bricks)
-    play = Play(scene, simulation, None, math.inf, lambda _: None)
+    play = Playback(scene, simulation, None, math.inf, lambda _: None)
     assert play.run() == end
     _, position, _ = simulation.poses()
     assert position[1, 0] == pytest.approx(slide * 1e-3, rel=0.25)

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from adapters import open_engine
-from bench.trial.measure import verdict
-from bench.trial.playback import Play
+from bench.trial.judging import verdict
+from bench.trial.playback import Playback
 from scenarios.registry import build
 
 PAIRS = (
@@ -26,8 +26,8 @@ def test_a_moved_scene_ends_as_theory_says(engine: str, name: str, parameter: st
     scene = build(name, **{parameter: value})
     simulation = open_engine(engine, "game", world=scene.world, expected=scene.bricks)
     try:
-        play = Play(scene, simulation, None, math.inf, lambda _: None)
-        status, collapse = play.run(), play.watch.collapse
+        play = Playback(scene, simulation, None, math.inf, lambda _: None)
+        status, collapse = play.run(), play.monitor.collapse
     finally:
         simulation.close()
     seen = (None, None, None) if collapse is None else (collapse.level, collapse.kind, collapse.time)

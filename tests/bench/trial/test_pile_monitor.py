@@ -1,4 +1,4 @@
-"""The watch over a poured heap, fed with poses that are known."""
+"""The watch over a poured pile, fed with poses that are known."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.trial.measure import Plan
-from bench.trial.pile_monitor import MOVING_M_S, HeapWatch, slope_deg
+from bench.trial.pile_monitor import MOVING_M_S, PileMonitor, slope_deg
 from scenarios.planks import lay
 
 FRAME_S = 1 / 60
@@ -27,44 +27,44 @@ def test_the_slope_of_a_cone(degrees):
 
 
 def test_a_brick_that_rolled_away_makes_a_heap_no_flatter():
-    heap = cone(0.5)[:501]
-    strayed = heap.copy()
+    pile = cone(0.5)[:501]
+    strayed = pile.copy()
     strayed[0] = (30.0, 0.0, 0.0)
-    assert slope_deg(strayed) == pytest.approx(slope_deg(heap), abs=0.5)
+    assert slope_deg(strayed) == pytest.approx(slope_deg(pile), abs=0.5)
 
 
-def watch_heap(speeds) -> HeapWatch:
-    """A heap of which one brick moves along x, frame by frame, at these speeds [m/s]; the last action is at 0."""
-    watch = HeapWatch(last_action_s=0.0, watch_from_s=1.0)
+def monitor_pile(speeds) -> PileMonitor:
+    """A pile of which one brick moves along x, frame by frame, at these speeds [m/s]; the last action is at 0."""
+    monitor = PileMonitor(last_action_s=0.0, watch_from_s=1.0)
     position = PLAN.position.copy()
     for frame, speed in enumerate(speeds, start=1):
         position = position + [[speed * FRAME_S, 0.0, -0.1 * speed * FRAME_S]] * (len(PLAN.level) == 5)
-        watch.see(frame * FRAME_S, PLAN, position, PLAN.quaternion, dict.fromkeys(range(1, 6), 0.0))
-    return watch
+        monitor.see(frame * FRAME_S, PLAN, position, PLAN.quaternion, dict.fromkeys(range(1, 6), 0.0))
+    return monitor
 
 
 def test_it_is_at_rest_when_nothing_was_last_seen_moving():
-    watch = watch_heap([10 * MOVING_M_S] * 30 + [0.1 * MOVING_M_S] * 90)
-    assert watch.rest_s == pytest.approx(0.5)
-    assert watch_heap([0.0] * 60 + [10 * MOVING_M_S] * 30).rest_s is None
+    monitor = monitor_pile([10 * MOVING_M_S] * 30 + [0.1 * MOVING_M_S] * 90)
+    assert monitor.rest_s == pytest.approx(0.5)
+    assert monitor_pile([0.0] * 60 + [10 * MOVING_M_S] * 30).rest_s is None
 
 
 def test_creep_and_sink_are_of_the_time_of_watching():
-    watch = watch_heap([0.1] * 60 + [0.001] * 60)
-    assert watch.creep_m_s == pytest.approx(0.001 * math.hypot(1, 0.1))
-    assert watch.standing is not None
-    assert watch.standing.sink_m == pytest.approx(0.1 * 0.001)
-    assert watch.collapse is None
-    assert not watch.is_over
+    monitor = monitor_pile([0.1] * 60 + [0.001] * 60)
+    assert monitor.creep_m_s == pytest.approx(0.001 * math.hypot(1, 0.1))
+    assert monitor.standing is not None
+    assert monitor.standing.sink_m == pytest.approx(0.1 * 0.001)
+    assert monitor.collapse is None
+    assert not monitor.is_over
 
 
 def test_a_heap_is_as_high_as_its_highest_corner():
-    watch = watch_heap([0.0] * 3)
-    assert watch.standing is not None
-    assert watch.standing.height_m == pytest.approx(5 * 7.8e-3)
-    assert watch.standing.level == 5
+    monitor = monitor_pile([0.0] * 3)
+    assert monitor.standing is not None
+    assert monitor.standing.height_m == pytest.approx(5 * 7.8e-3)
+    assert monitor.standing.level == 5
 
 
 def test_nothing_poured_is_no_heap():
-    watch = HeapWatch(0.0, 1.0)
-    assert (watch.standing, watch.repose_deg, watch.rest_s, watch.creep_m_s) == (None, None, None, None)
+    monitor = PileMonitor(0.0, 1.0)
+    assert (monitor.standing, monitor.repose_deg, monitor.rest_s, monitor.creep_m_s) == (None, None, None, None)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bench.trial.builder import Builder
-from bench.trial.playback import Play
-from bench.trial.sleep_stats import Sleepers
+from bench.trial.playback import Playback
+from bench.trial.sleep_stats import SleepStats
 from bench.trial.timed_port import TimedPort
 from scenarios.model import CLEARANCE, Action, Brick, Expectation, Place, Pull, Push, Remove, Scene, World
 from scenarios.planks import LENGTH, THICKNESS, box, lay
@@ -19,8 +19,8 @@ def scene_of(*actions: Action, fixed: tuple[Brick, ...] = ()) -> Scene:
     return Scene("test", "test", {}, world, actions, Expectation("stand", ""), "", watch_s=2.0)
 
 
-def play(scene: Scene, simulation, wall_limit_s: float = math.inf) -> Play:
-    return Play(scene, simulation, None, wall_limit_s, lambda _: None)
+def play(scene: Scene, simulation, wall_limit_s: float = math.inf) -> Playback:
+    return Playback(scene, simulation, None, wall_limit_s, lambda _: None)
 
 
 def test_a_brick_is_let_go_a_clearance_above_its_actual_support(fake_engine) -> None:
@@ -91,9 +91,9 @@ def test_a_stack_that_stays_is_completed_and_still(fake_engine) -> None:
     run = play(scene, fake_engine())
     assert run.run() == "completed"
     assert run.simulated_s == pytest.approx(2.0 + scene.watch_s)
-    assert run.watch.standing is not None
-    assert run.watch.standing.level == 3
-    assert run.watch.creep_m_s == 0.0
+    assert run.monitor.standing is not None
+    assert run.monitor.standing.level == 3
+    assert run.monitor.creep_m_s == 0.0
     assert sorted(run.at_level) == [1, 2, 3]
     assert [len(run.frames_of(level)) for level in (1, 2, 3)] == [60, 60, 60]  # each brick's second, no more
 
@@ -106,8 +106,8 @@ def test_a_trial_ends_a_second_after_its_collapse_and_places_no_more(fake_engine
     simulation = fake_engine(topple)
     run = play(build("plank_tower", levels=5), simulation)
     assert run.run() == "collapsed"
-    assert run.watch.collapse is not None
-    assert (run.watch.collapse.level, run.watch.collapse.kind) == (2, "topple")
+    assert run.monitor.collapse is not None
+    assert (run.monitor.collapse.level, run.monitor.collapse.kind) == (2, "topple")
     assert simulation.steps == 90 + 60
     assert len(simulation.bricks) == 2
 
@@ -174,12 +174,12 @@ def test_the_timed_port_splits_reading_from_steering(fake_engine) -> None:
 
 
 def test_sleepers_count_wakes_refreezes_and_the_longest_live_time() -> None:
-    sleepers = Sleepers()
-    sleepers.see(0.0, 1.0, [0, 1], frozen=[0], woken=[])
-    sleepers.see(1.0, 2.0, [0, 1], frozen=[1], woken=[0])
-    sleepers.see(2.0, 3.5, [0, 1], frozen=[0], woken=[])
-    assert (sleepers.wakes, sleepers.refreezes) == (1, 1)
-    assert sleepers.longest_live_s(9.0) == 2.0  # body 1, from 0 to 2 s; body 0 later for 1.5 s
+    stats = SleepStats()
+    stats.see(0.0, 1.0, [0, 1], frozen=[0], woken=[])
+    stats.see(1.0, 2.0, [0, 1], frozen=[1], woken=[0])
+    stats.see(2.0, 3.5, [0, 1], frozen=[0], woken=[])
+    assert (stats.wakes, stats.refreezes) == (1, 1)
+    assert stats.longest_live_s(9.0) == 2.0  # body 1, from 0 to 2 s; body 0 later for 1.5 s
 
 
 def test_watching_begins_when_a_pull_is_over(fake_engine) -> None:
@@ -188,11 +188,11 @@ def test_watching_begins_when_a_pull_is_over(fake_engine) -> None:
     run = play(scene_of(Place(0.0, bricks), Pull(0.5, 0, (0.05, 0.0), 3.0)), fake_engine())
     assert run.run() == "completed"
     assert run.simulated_s == pytest.approx(0.5 + 3.0 + 2.0)
-    assert run.watch.creep_m_s == 0.0
+    assert run.monitor.creep_m_s == 0.0
 
 
 def test_a_poured_brick_has_no_place_to_leave(fake_engine) -> None:
-    """Bricks that roll ten centimetres away are no collapse; the heap is watched to the end."""
+    """Bricks that roll ten centimetres away are no collapse; the pile is watched to the end."""
 
     def roll(simulation, step: int) -> None:
         if step == 120:
@@ -201,6 +201,6 @@ def test_a_poured_brick_has_no_place_to_leave(fake_engine) -> None:
 
     run = play(build("poured_pile", bricks=3), fake_engine(roll))
     assert run.run() == "completed"
-    assert run.watch.standing is not None
-    assert run.watch.standing.level == 3
+    assert run.monitor.standing is not None
+    assert run.monitor.standing.level == 3
     assert run.simulated_s == pytest.approx(0.5 + 10.0)

@@ -10,7 +10,7 @@ from bench.studies.schema import Limits
 from bench.trial import run_trial as trials
 from bench.trial import stepping
 from bench.trial.builder import Builder
-from bench.trial.playback import Play
+from bench.trial.playback import Playback
 from scenarios.model import CLEARANCE, Expectation, Place, Scene, World
 from scenarios.planks import THICKNESS, lay
 
@@ -63,8 +63,8 @@ def extension(monkeypatch):
     return made
 
 
-def play(scene: Scene, simulation, policy: str | None) -> Play:
-    run = Play(scene, simulation, policy, 60.0, lambda _: None)
+def play(scene: Scene, simulation, policy: str | None) -> Playback:
+    run = Playback(scene, simulation, policy, 60.0, lambda _: None)
     assert run.run() == "completed"
     return run
 

@@ -1,0 +1,38 @@
+"""Write a resolved study as TOML, as a results folder keeps it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from bench.studies.schema import Study
+from bench.studies.tolerance import Tolerance
+
+
+def to_toml(study: Study) -> str:
+    """The resolved study. TOML writes strings, numbers and flat lists as JSON does."""
+    content = study.model_dump()
+    scenarios, limits = content.pop("scenario"), content.pop("limits")
+    rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}
+    lines = [*_assignments(content), "", "[limits]", *_assignments(limits)]
+    for kind, those in rules.items():
+        for rule in those:
+            lines += ["", f"[[{kind}]]", *_assignments({field: names for field, names in rule.items() if names})]
+    for scenario in scenarios:
+        lines += ["", "[[scenario]]", f"name = {json.dumps(scenario['name'])}"]
+        if scenario["parameters"]:
+            lines += ["", "[scenario.parameters]", *_assignments(scenario["parameters"])]
+        if allowed := _set_tolerances(scenario["tolerance"]):
+            lines += ["", "[scenario.tolerance]", *_assignments(allowed)]
+    return "\n".join(lines) + "\n"
+
+
+def _set_tolerances(tolerance: Mapping[str, Any]) -> dict[str, Any]:
+    """Those that differ from their defaults."""
+    usual = Tolerance().model_dump()
+    return {name: value for name, value in tolerance.items() if value != usual[name]}
+
+
+def _assignments(fields: Mapping[str, Any]) -> list[str]:
+    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items()]
