@@ -29,7 +29,7 @@ def list_(
     if not pictures:
         print_catalogue(OUT)
         return
-    from bench.publishing.contact_sheet import draw_contact_sheet  # a second of imports that nothing else needs
+    from bench.cli.contact_sheet import draw_contact_sheet  # a second of imports that nothing else needs
 
     draw_contact_sheet(out, [build(name) for name in SCENARIOS])
     tell(f"{len(SCENARIOS)} scenes drawn in {out}")

@@ -1,1 +1,1 @@
-"""Make what readers get: replays and stills, the pages in docs/results, and generated blocks of the documents."""
+"""Publish: the studies and pages in docs/results, and the generated blocks of the documents."""

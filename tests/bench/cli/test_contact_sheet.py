@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.publishing.contact_sheet import draw_contact_sheet, faces, from_back_to_front
+from bench.cli.contact_sheet import draw_contact_sheet, faces, from_back_to_front
 from scenarios.geometry import Boxes
 from scenarios.planks import THICKNESS, lay
 from scenarios.registry import build
