@@ -167,8 +167,12 @@ class BulletSimulation(Simulation):
     def _spawn_moved(self, body: int, brick: Brick) -> None:
         self._spawn(body, replace(brick, mass=_HEAVY))
         for handle, other in self._bodies.items():
-            if other <= GROUND or other in self._moved:
-                pybullet.setCollisionFilterPair(self._handles[body], handle, -1, -1, 0, self._client)
+            if other <= GROUND or other in self._moved or other in self.frozen:
+                self._let_collide(self._handles[body], handle, False)
+
+    def _let_collide(self, handle: int, other: int, do: bool) -> None:
+        """Say whether two of Bullet's bodies collide; what it remembers of their contact is dropped."""
+        pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self._client)
 
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
         handle = self._handles[body]
@@ -225,12 +229,16 @@ class BulletSimulation(Simulation):
         pybullet.changeDynamics(
             handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self._client
         )
+        for other in self._moved:  # which is heavy, not kinematic: it would be stopped, and kick what is thawed
+            self._let_collide(self._handles[other], handle, False)
 
     def _thaw(self, body: int) -> None:
         handle = self._handles[body]
         mass = self.bricks[body].mass
         pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._awake, physicsClientId=self._client)
         self._stop(handle)
+        for other in self._moved:
+            self._let_collide(self._handles[other], handle, True)
         if body in self._thaws_to_old_gravity:  # Bullet changes the gravity of active bodies only
             self._thaws_to_old_gravity.remove(body)
             pybullet.setGravity(*self.world.gravity, physicsClientId=self._client)

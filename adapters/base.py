@@ -15,7 +15,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from adapters.approaching import HORIZON
-from adapters.box_table import BoxTable, prepare
+from adapters.box_table import BoxTable, joined, prepare
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
@@ -30,6 +30,8 @@ REACH_OF_SMALL = 0.5
 """Lengths for small bricks over those in proportion. PhysX, which looks for contacts from twice 1 mm on, held planks of
 0.78 mm that nothing carried between neighbours 0.2 mm apart; with half of the reach they fall. Found by trial, not
 derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
+DEEPEST_REST = 1e-3
+"""Overlap [m] with a moved body in which a brick may have come to rest: engines leave up to 0.4 mm."""
 GROUND_ROOM = 2.0
 """How many times as far as the farthest brick that is expected the ground reaches: room to fall."""
 
@@ -369,14 +371,42 @@ class Simulation(ABC):
     # -- driven by the core, through the port ------------------------------------------------------
 
     def _whole_contacts(self) -> Contacts:
-        if not self._live:
+        driven = self._driven()
+        if not self._live and not driven:
             return NO_CONTACTS
         if self._found is not None:
             return self._without_fixed_ids(self._of_live(self._found))
-        contacts = self._contacts()
-        if not self.capabilities.near_contacts:
+        contacts = self._contacts() if self._live else NO_CONTACTS
+        if self._live and not self.capabilities.near_contacts:
             contacts = self._completed(contacts, self._note_boxes(self._live))
+        if driven:
+            contacts = self._with_driven(contacts, driven)
         return self._without_fixed_ids(self._with_approaching(contacts))
+
+    def _driven(self) -> list[int]:
+        """Return the bodies that the host moves now, rising."""
+        return sorted(body for body, (linear, angular) in self._moved.items() if any(linear) or any(angular))
+
+    def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
+        """Add the contacts of ``driven`` bodies with frozen ones, which no engine lists: nothing moves either of them.
+
+        Points, normals and separations are those of the boxes where they are now, as far apart as they come within a
+        frame.
+        """
+        rows = self._note_boxes(driven)
+        linear, angular = self._velocities_now(rows)
+        reach = np.array([math.hypot(*self.bricks[body].size) / 2 for body in driven])
+        speed = np.linalg.norm(linear, axis=1) + reach * np.linalg.norm(angular, axis=1)
+        way = float(speed.max()) * self.info.frame_s
+        deep = way + DEEPEST_REST
+        found = self._boxes.with_near_pairs(NO_CONTACTS, rows, self.world.friction, self._velocities_at, deep)
+        is_with_frozen = [
+            (a in self.frozen or b in self.frozen) and separation <= way
+            for a, b, separation in zip(
+                found.body_a.tolist(), found.body_b.tolist(), found.separation.tolist(), strict=True
+            )
+        ]
+        return joined(contacts, found.chosen(np.array(is_with_frozen, np.bool_)))
 
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
         """Replace contacts of pairs that nearly touch by those of their geometry."""

@@ -98,7 +98,7 @@ class BoxTable:
         )
 
     def with_near_pairs(
-        self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt
+        self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt, way: float = 0.0
     ) -> Contacts:
         """The contacts, and behind them the corners of pairs that nearly touch and of which the engine lists no point.
 
@@ -107,9 +107,10 @@ class BoxTable:
             live: ids of the live bodies, rising, shape (m,).
             friction: of every pair.
             velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
+            way: how far [m] a pair that touched may have moved since.
         """
         listed = np.sort(self._pairs(contacts))
-        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed, 0.0)
+        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed, 0.0, way)
         if not len(a):
             return contacts
         a, b = a - self._first, b - self._first
@@ -128,7 +129,7 @@ class BoxTable:
             friction: of every pair.
         """
         none_listed = np.empty(0, np.int64)
-        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, none_listed, SLACK)
+        a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, none_listed, SLACK, 0.0)
         a, b = a - self._first, b - self._first
         unknown = np.full_like(corner, np.nan)
         near = Contacts(a, b, corner, normal, gap, unknown, np.full(len(a), friction))

@@ -210,7 +210,7 @@ def missing_corners(
 
 
 @numba.njit(cache=True)
-def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tuple[int, int]]:
+def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float) -> list[tuple[int, int]]:
     """Pairs of rows, the lower first, of which one is ``live``, that are not ``listed``, and whose extents nearly meet.
 
     O(boxes) a live one.
@@ -219,12 +219,13 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tup
         boxes: all of them, shape (n, 13).
         live: rows, rising, shape (m,).
         listed: n a + b for each pair (a, b) that the engine lists, rising.
+        way: added to the gap that counts as near [m].
     """
     found = [(0, 0) for _ in range(0)]
     for one in live:
         for other in range(len(boxes)):
             near = other != one
-            gap = NEAR * _pair_size(boxes[one], boxes[other])
+            gap = NEAR * _pair_size(boxes[one], boxes[other]) + way
             for k in range(3):  # written so that NaN, a row without a body, fails
                 reach = boxes[one, REACH][k] + boxes[other, REACH][k] + gap
                 near = near and abs(boxes[one, k] - boxes[other, k]) <= reach
@@ -242,14 +243,15 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray) -> list[tup
 
 @numba.njit(cache=True)
 def near_corners(
-    boxes: FloatArray, live: IntArray, listed: IntArray, slack: float
+    boxes: FloatArray, live: IntArray, listed: IntArray, slack: float, way: float
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
     """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
 
     See ``_neighbours``. With a ``slack`` [m], given for the plank, edges that miss each other sideways by as much count
-    as well, and corners that are closer together than four times the slack are one.
+    as well, and corners that are closer together than four times the slack are one. Gaps and overlaps of ``way`` [m]
+    more than usual are near as well, for bodies that have moved so far since they touched.
     """
-    pairs = _neighbours(boxes, live, listed)
+    pairs = _neighbours(boxes, live, listed, way)
     room = _MOST_CORNERS * len(pairs)
     a, b, gap = np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room)
     corner, normals = np.empty((room, 3)), np.empty((room, 3))
@@ -257,7 +259,8 @@ def near_corners(
     size = 0
     for first, second in pairs:
         pair_size = _pair_size(boxes[first], boxes[second])
-        if abs(_parting_face(boxes[first], boxes[second], normal)) > NEAR * pair_size:
+        near = NEAR * pair_size + way
+        if abs(_parting_face(boxes[first], boxes[second], normal)) > near:
             continue
         points, separations = face_corners(boxes[first], boxes[second], normal, slack * pair_size)
         start = size
@@ -268,7 +271,7 @@ def near_corners(
                 for k in range(3):
                     distance2 += (points[i, k] - corner[j, k]) ** 2
                 is_new = is_new and distance2 >= (4 * slack * pair_size) ** 2
-            if is_new and abs(separations[i]) <= NEAR * pair_size:
+            if is_new and abs(separations[i]) <= near:
                 a[size], b[size], gap[size] = first, second, separations[i]
                 corner[size], normals[size] = points[i], normal
                 size += 1

@@ -115,6 +115,7 @@ CHECKS: tuple[Check, ...] = (
     Check(driven.carries_what_lies_on_it, as_shipped=False),
     Check(driven.slides_on_a_tilted_platform_above_the_friction_angle, as_shipped=False),
     Check(driven.reports_moved_bodies, as_shipped=False),
+    Check(driven.shows_what_it_moves_below_frozen_bricks, as_shipped=False),
     Check(finding.finds_the_contacts_of_a_tower),
     Check(finding.finds_the_contacts_of_an_inverted_v),
     Check(finding.finds_an_overlap),

@@ -146,6 +146,19 @@ class MovedBodyNotListed(BulletSimulation):
         return Masses(masses.body[np.isfinite(masses.mass)], masses.mass, masses.center_of_mass, masses.removed)
 
 
+class DrivenUnseenByFrozen(BulletSimulation):
+    def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
+        return contacts
+
+
+class DrivenStoppedByFrozen(BulletSimulation):
+    """Lets the solver see a moved body against frozen bricks, and remember the impulses that stopped it."""
+
+    def _let_collide(self, handle: int, other: int, do: bool) -> None:
+        if do or other not in {self._handles[body] for body in self._live}:
+            super()._let_collide(handle, other, do)
+
+
 class NothingAhead(BulletSimulation):
     def _with_approaching(self, contacts: Contacts) -> Contacts:
         return contacts
@@ -517,6 +530,8 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
     (PushedAside, ["goes_where_it_is_driven", "carries_what_lies_on_it"]),
     (MovedBodyGluesItsLoad, ["slides_on_a_tilted_platform_above_the_friction_angle"]),
     (MovedBodyNotListed, ["reports_moved_bodies"]),
+    (DrivenUnseenByFrozen, ["shows_what_it_moves_below_frozen_bricks"]),
+    (DrivenStoppedByFrozen, ["shows_what_it_moves_below_frozen_bricks"]),
     (NothingAhead, ["lists_what_is_about_to_strike"]),
     (EverythingAhead, ["does_not_list_what_passes_by"]),
     (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
