@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from reports.page.study_page import write_page
 from reports.records.folder import ResultsFolder
+from reports.records.results import write_trials_csv
 from reports.records.trial import RecordError
 from reports.replays.stacks import draw_stills, first_stacks, write_replays
 from reports.statistics.groups import groups_of
@@ -21,11 +22,12 @@ from reports.statistics.pairs import pair_rows
 from reports.tables.capabilities import capability_tables
 from reports.tables.collapse_levels import collapse_level_tables
 from reports.tables.height_cost import height_cost_tables
+from reports.tables.latex import table_to_latex
 from reports.tables.pairs import pair_tables
 from reports.tables.piles import pile_tables
 from reports.tables.repeatability import repeat_tables
 from reports.tables.study import study_tables
-from reports.tables.table import Table, to_markdown
+from reports.tables.table import Table, to_markdown, write_table_csv
 
 
 class Section(NamedTuple):
@@ -86,12 +88,15 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
 
 
 def write_tables(folder: ResultsFolder, tables: Sequence[Table]) -> None:
-    """Write ``report/tables.md`` and ``report/trials.csv``."""
-    from reports.records.results import write_trials_csv  # pandas: half a second that a run need not wait
-
+    """Write ``report/tables.md``, ``report/trials.csv``, and each table as CSV and LaTeX in ``report/tables``."""
     folder.report.mkdir(exist_ok=True)
     (folder.report / "tables.md").write_text(to_markdown(tables), encoding="utf-8")
     write_trials_csv(folder.report / "trials.csv", folder.records)
+    files = folder.report / "tables"
+    files.mkdir(exist_ok=True)
+    for table in tables:
+        write_table_csv(files / f"{table.id}.csv", table)
+        (files / f"{table.id}.tex").write_text(table_to_latex(table), encoding="utf-8")
 
 
 def _draw_height_cost(folder: ResultsFolder) -> None:

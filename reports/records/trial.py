@@ -27,6 +27,8 @@ CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
 CENSORED: frozenset[Status] = frozenset({"timeout"})
 """Ends that say only "at least this far": their levels are lower bounds, never heights."""
 
+NOT_JUDGED: frozenset[Verdict] = frozenset({"none", "undecided"})
+"""Verdicts that count as neither right nor wrong."""
 
 FORMAT: Literal[2] = 2
 """Version of the schema; raised when a field changes its meaning. Records of format 1 are converted when they are read:
@@ -177,7 +179,7 @@ class TrialRecord(BaseModel):
     @property
     def is_judged(self) -> bool:
         """Whether the outcome counts as right or wrong."""
-        return self.verdict not in {"none", "undecided"}
+        return self.verdict not in NOT_JUDGED
 
     @field_validator("message", "frame_ratio_message", mode="before")
     @classmethod

@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from reports.records.trial import TrialRecord, Verdict
 from reports.statistics.intervals import Estimate, median
@@ -58,10 +58,8 @@ class Group:
     @cached_property
     def by_seed(self) -> dict[int, list[TrialRecord]]:
         """Repeats of each seed, in order."""
-        seeds: dict[int, list[TrialRecord]] = {}
-        for trial in sorted(self.trials, key=lambda trial: (trial.seed, trial.repeat)):
-            seeds.setdefault(trial.seed, []).append(trial)
-        return seeds
+        in_order = sorted(self.trials, key=lambda trial: (trial.seed, trial.repeat))
+        return {repeats[0].seed: repeats for repeats in grouped(in_order, "seed").values()}
 
     @cached_property
     def draws(self) -> list[TrialRecord]:
@@ -103,14 +101,20 @@ class Group:
 
 def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
     """The cells of a study: scenes, engines and profiles as they first appear, policies in their usual order."""
-    groups: dict[GroupKey, list[TrialRecord]] = {}
-    for record in records:
-        groups.setdefault(GroupKey(record.scene, record.engine, record.profile, record.policy), []).append(record)
+    groups = {GroupKey(*key): trials for key, trials in grouped(records, *GroupKey._fields).items()}
     first = [_ranks(keys) for keys in zip(*groups, strict=True)][:3]
     policies = _ranks(ordered_policies(key.policy for key in groups))
     ranks = [*first, policies]
     order = sorted(groups, key=lambda key: [rank[name] for rank, name in zip(ranks, key, strict=True)])
     return [Group(key, tuple(groups[key])) for key in order]
+
+
+def grouped(records: Iterable[TrialRecord], *fields: str) -> dict[tuple[Any, ...], list[TrialRecord]]:
+    """Return trials by the values of some fields, in the order in which these first appear."""
+    groups: dict[tuple[Any, ...], list[TrialRecord]] = {}
+    for record in records:
+        groups.setdefault(tuple(getattr(record, field) for field in fields), []).append(record)
+    return groups
 
 
 def ordered_policies(names: Iterable[str]) -> list[str]:

@@ -7,7 +7,6 @@ when it is at its tallest. A stack that fell early is therefore shown with the t
 from __future__ import annotations
 
 import statistics
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from pathlib import Path
 from reports.records.folder import ResultsFolder
 from reports.records.frames import UNTIMED_FRAMES, read_frames
 from reports.records.trial import CENSORED, TrialRecord
+from reports.statistics.groups import GroupKey, grouped
 
 LEAST_SET_UPS = 3
 """So many profiles of one engine on one scene make a comparison of costs; two are told by the other tables."""
@@ -38,25 +38,26 @@ class CostPoint:
 
 def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]:
     """The points of a results folder; none of engines that were set up in one way or two."""
-    cells: dict[tuple[str, str, str, str], list[tuple[TrialRecord, float]]] = defaultdict(list)
-    set_ups: dict[tuple[str, str], set[str]] = defaultdict(set)
-    for record in records:
-        set_ups[record.scene, record.engine].add(record.profile)
-    for record in records:
-        if len(set_ups[record.scene, record.engine]) >= LEAST_SET_UPS:
-            time = _frame_ms(folder, record)
-            if time is not None:
-                cells[record.scene, record.engine, record.profile, record.policy].append((record, time))
-    return [
-        CostPoint(
-            *cell,
-            levels=statistics.median(record.height_levels for record, _ in trials),
-            planned=trials[0][0].levels_planned,
-            is_bound=any(record.status in CENSORED for record, _ in trials),
-            frame_ms=statistics.median(time for _, time in trials),
-        )
-        for cell, trials in cells.items()
-    ]
+    set_ups = {key: {one.profile for one in trials} for key, trials in grouped(records, "scene", "engine").items()}
+    points = []
+    for values, trials in grouped(records, *GroupKey._fields).items():
+        key = GroupKey(*values)
+        if len(set_ups[key.scene, key.engine]) >= LEAST_SET_UPS:
+            timed = [(trial, time) for trial in trials if (time := _frame_ms(folder, trial)) is not None]
+            if timed:
+                points.append(_point(key, timed))
+    return points
+
+
+def _point(key: GroupKey, timed: Sequence[tuple[TrialRecord, float]]) -> CostPoint:
+    """Return the point of a group, of its trials with their times of a frame [ms]."""
+    return CostPoint(
+        *key,
+        levels=statistics.median(trial.height_levels for trial, _ in timed),
+        planned=timed[0][0].levels_planned,
+        is_bound=any(trial.status in CENSORED for trial, _ in timed),
+        frame_ms=statistics.median(time for _, time in timed),
+    )
 
 
 def _frame_ms(folder: Path, record: TrialRecord) -> float | None:

@@ -39,7 +39,7 @@ def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
         for name, field in _PROPERTIES
     ]
     note = "What the extension has to work with; the suite's conformance checks hold every adapter to its column."
-    return Table("What the engines show", ("", *engines), tuple(rows), (note,), folds=True)
+    return Table("What the engines show", ("", *engines), tuple(rows), (note,), folds=True, id="capabilities")
 
 
 def capability_tables(engines: Mapping[str, Mapping[str, Any]]) -> list[Table]:

@@ -1,4 +1,4 @@
-"""At which level stacks fell when many hands built them: the distribution, not only its middle."""
+"""At which level stacks fell over many seeds: the distribution, not only its middle."""
 
 from __future__ import annotations
 
@@ -6,22 +6,18 @@ from collections import Counter
 from collections.abc import Sequence
 
 from reports.records.trial import TrialRecord
+from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 LEAST_TRIALS = 5
-"""Fewer trials of a cell are no distribution."""
-
-_Cell = tuple[str, str, str, str]
+"""Fewer trials of a group are no distribution."""
 
 
 def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
     """The table of collapse levels, if any scene was built often enough under some policy."""
-    cells: dict[_Cell, list[TrialRecord]] = {}
-    for record in records:
-        cells.setdefault((record.scene, record.engine, record.profile, record.policy), []).append(record)
     rows = [
-        (*cell, _levels(trials), *(str(count) if count else NOTHING for count in _stood_and_stopped(trials)))
-        for cell, trials in cells.items()
+        (*key, _levels(trials), *(str(count) if count else NOTHING for count in _stood_and_stopped(trials)))
+        for key, trials in grouped(records, *GroupKey._fields).items()
         if len(trials) >= LEAST_TRIALS
     ]
     if not rows:
@@ -31,7 +27,7 @@ def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
         "The level that was complete when the collapse was first seen. Stopped: by the time limit, an error or a limit "
         "of the engine; nothing is known of how they would have ended."
     )
-    return [Table("At which level they fell", header, tuple(rows), (note,), folds=True)]
+    return [Table("At which level they fell", header, tuple(rows), (note,), folds=True, id="collapse_levels")]
 
 
 def _levels(trials: Sequence[TrialRecord]) -> str:

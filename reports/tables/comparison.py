@@ -82,6 +82,7 @@ def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
         (*GroupKey._fields, *titles, "ended otherwise"),
         tuple((*row.cell.key, *(figure.text for figure in row.figures), row.trouble or NOTHING) for row in rows),
         notes,
+        id="comparison",
     )
 
 

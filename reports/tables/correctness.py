@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import pandas as pd
 
-from reports.records.trial import TrialRecord
-from reports.statistics.groups import judged_trials
-from reports.tables.grouping import engine_names, grouped, policies_of
+from reports.records.trial import NOT_JUDGED
+from reports.statistics.groups import ordered_policies
+from reports.tables.grouping import engine_names
 from reports.tables.table import NOTHING, Table
 
 
-def correctness_table(records: Sequence[TrialRecord]) -> Table:
+def correctness_table(trials: pd.DataFrame) -> Table:
     """Count the right outcomes of each engine and policy, apart for scenes that must stand and that must fall."""
-    policies, name = policies_of(records), engine_names(records)
-    rows = []
-    for (engine, profile), trials in grouped(records, lambda r: (r.engine, r.profile)):
-        cells = []
-        for policy in policies:
-            judged = judged_trials([r for r in trials if r.policy == policy])
-            cells += [_share([r for r in judged if r.expectation.outcome == side]) for side in ("stand", "fall")]
-        rows.append((name(engine, profile), *cells))
-    header = ("engine", *(f"{policy}: {side}" for policy in policies for side in ("stand", "fall")))
+    trials = trials.assign(engine_name=engine_names(trials), right=trials["verdict"] == "right")
+    judged = trials[~trials["verdict"].isin(NOT_JUDGED)]
+    counted = judged.groupby(["engine_name", "policy", "expectation_outcome"])["right"].agg(["sum", "size"]).astype(str)
+    sides = pd.MultiIndex.from_product([ordered_policies(trials["policy"]), ["stand", "fall"]])
+    texts = counted.assign(text=counted["sum"] + "/" + counted["size"]).reset_index()
+    rows = (
+        texts.pivot_table("text", "engine_name", ["policy", "expectation_outcome"], aggfunc="first")
+        .reindex(index=trials["engine_name"].unique(), columns=sides)
+        .astype(object)
+        .fillna(NOTHING)
+    )
+    rows.columns = [f"{policy}: {side}" for policy, side in sides]
     note = "Right outcomes of those scenes that must stand, and of those that must fall: only both together count."
-    return Table("Right by theory", header, tuple(rows), (note,))
-
-
-def _share(judged: Sequence[TrialRecord]) -> str:
-    return f"{sum(r.verdict == 'right' for r in judged)}/{len(judged)}" if judged else NOTHING
+    return Table.of("Right by theory", rows.rename_axis("engine").reset_index(), (note,), id="correctness")

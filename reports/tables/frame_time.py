@@ -2,35 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import pandas as pd
 
-from reports.records.trial import TrialRecord
-from reports.tables.grouping import engine_names, measured, median_text
+from reports.tables.grouping import Measure, engine_names, median_rows, played_in_order
 from reports.tables.table import NOTHING, Table
 
+MEASURES = (
+    Measure("p50", "frame_ms_p50", "{:.3f}"),
+    Measure("p99", "frame_ms_p99", "{:.3f}"),
+    Measure("step", "engine_ms", "{:.3f}"),
+    Measure("read", "readback_ms", "{:.3f}"),
+    Measure("core", "core_ms", "{:.3f}"),
+    Measure("port", "port_ms", "{:.3f}"),
+    Measure("ratio at level", "frame_ratio", "{:.2f}"),
+)
+_KEYS = ("scene", "engine_name", "policy", "machine")
 
-def frame_time_table(records: Sequence[TrialRecord]) -> Table:
-    """List the medians of the frame times of each group of trials."""
-    rows, name = [], engine_names(records)
-    several = len({record.host for record in records if record.host is not None}) > 1
-    for (scene, engine, profile, policy, host), trials in measured(records, lambda r: (r.host or NOTHING,)):
-        rows.append(
-            (
-                scene,
-                name(engine, profile),
-                policy,
-                *([host] if several else []),
-                median_text(trials, "frame_ms_p50", "{:.3f}"),
-                median_text(trials, "frame_ms_p99", "{:.3f}"),
-                median_text(trials, "engine_ms", "{:.3f}"),
-                median_text(trials, "readback_ms", "{:.3f}"),
-                median_text(trials, "core_ms", "{:.3f}"),
-                median_text(trials, "port_ms", "{:.3f}"),
-                _ratio(trials),
-            )
-        )
-    columns = ("p50", "p99", "step", "read", "core", "port", "ratio at level")
-    header = ("scene", "engine", "policy", *(["machine"] if several else []), *columns)
+
+def frame_time_table(trials: pd.DataFrame) -> Table:
+    """List the medians of the frame times of each group of trials; those of several machines apart."""
+    several = len(trials["host"].dropna().unique()) > 1
+    trials = trials.assign(engine_name=engine_names(trials), machine=trials["host"].fillna(NOTHING))
+    rows = median_rows(trials, _KEYS, MEASURES)
+    rows["ratio at level"] += _levels(trials)
+    if not several:
+        rows = rows.drop(columns="machine")
     notes = (
         *(["Taken on several machines: compare times of the same machine only."] if several else []),
         "Times in ms a frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
@@ -40,12 +36,14 @@ def frame_time_table(records: Sequence[TrialRecord]) -> Table:
         "same stack all awake without the extension, put up anew where it falls. Above 1 the extension costs more than "
         "it saves.",
     )
-    return Table("What it cost", header, tuple(rows), notes)
+    return Table.of("What it cost", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
 
 
-def _ratio(trials: Sequence[TrialRecord]) -> str:
-    levels = sorted(
-        {r.frame_ratio_level for r in trials if r.frame_ratio_level is not None and r.frame_ratio is not None}
-    )
-    value = median_text(trials, "frame_ratio", "{:.2f}")
-    return f"{value} at {'-'.join(map(str, [levels[0], levels[-1]][: len(levels)]))}" if levels else value
+def _levels(trials: pd.DataFrame) -> list[str]:
+    """Return, for each row, the levels at which ratios were taken, such as `` at 20-25``; empty if none were."""
+    played = played_in_order(trials)
+    level = played["frame_ratio_level"].where(played["frame_ratio"].notna())
+    ends = level.groupby([played[key] for key in _KEYS], sort=False).agg(["min", "max"])
+    return [
+        "" if pd.isna(low) else f" at {low}" if low == high else f" at {low}-{high}" for low, high in ends.to_numpy()
+    ]

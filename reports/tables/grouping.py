@@ -1,49 +1,65 @@
-"""How trials are grouped into the rows of a study's tables."""
+"""How the trials of a data frame are ordered and grouped into the rows of a study's tables."""
 
 from __future__ import annotations
 
-import statistics
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
-from reports.records.trial import TrialRecord
+import numpy as np
+import pandas as pd
+
 from reports.statistics.groups import ordered_policies
 from reports.tables.table import NOTHING
 
 
-def policies_of(records: Iterable[TrialRecord]) -> list[str]:
-    """Return the policies of some records, in their usual order."""
-    return ordered_policies(record.policy for record in records)
+class Measure(NamedTuple):
+    """A column of medians."""
+
+    title: str
+    field: str
+    form: str
+    """How its numbers are written."""
+    scale: float = 1.0
+    """In how many of the column's units the field's unit is."""
 
 
-def engine_names(records: Sequence[TrialRecord]) -> Callable[[str, str], str]:
-    """How to name an engine: with its profile where several are compared."""
-    several = len({record.profile for record in records}) > 1
-    return lambda engine, profile: f"{engine} {profile}" if several else engine
+def engine_names(trials: pd.DataFrame) -> pd.Series:
+    """Return the name of each trial's engine: with its profile where several are compared."""
+    several = len(trials["profile"].unique()) > 1
+    names: pd.Series = trials["engine"] + " " + trials["profile"] if several else trials["engine"]
+    return names
 
 
-def grouped(
-    records: Iterable[TrialRecord], key: Callable[[TrialRecord], tuple[str, ...]]
-) -> list[tuple[tuple[str, ...], list[TrialRecord]]]:
-    """Records by a key, keys in the order in which they first appear."""
-    groups: dict[tuple[str, ...], list[TrialRecord]] = {}
-    for record in records:
-        groups.setdefault(key(record), []).append(record)
-    return list(groups.items())
+def played_in_order(trials: pd.DataFrame) -> pd.DataFrame:
+    """Return the trials that played at least a few frames, by scene and set-up as these first appear in the study.
+
+    Policies are in their usual order; ties stay as they are.
+    """
+    scene = pd.factorize(trials["scene"])[0]
+    set_up = trials.groupby(["engine", "profile"], sort=False).ngroup()
+    policies = ordered_policies(trials["policy"])
+    ordered = trials.iloc[np.lexsort((trials["policy"].map(policies.index), set_up, scene))]
+    return ordered[ordered["frame_ms_p50"].notna()]
 
 
-def measured(
-    records: Sequence[TrialRecord], further: Callable[[TrialRecord], tuple[str, ...]] = lambda _: ()
-) -> list[tuple[tuple[str, ...], list[TrialRecord]]]:
-    """Trials that played at least a few frames, by scene, engine, profile, policy and what ``further`` tells apart."""
-    policies = policies_of(records)
-    ran = [record for record in records if record.frame_ms_p50 is not None]
-    scenes = list(dict.fromkeys(record.scene for record in records))
-    engines = list(dict.fromkeys((record.engine, record.profile) for record in records))
-    ran.sort(key=lambda r: (scenes.index(r.scene), engines.index((r.engine, r.profile)), policies.index(r.policy)))
-    return grouped(ran, lambda r: (r.scene, r.engine, r.profile, r.policy, *further(r)))
+def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Measure]) -> pd.DataFrame:
+    """Return the medians of each group of trials as text, in the order of ``played_in_order``; a dash for none.
+
+    Args:
+        trials: all of a study.
+        keys: columns of ``trials`` that a group shares, and that its row begins with.
+        measures: the columns that follow.
+    """
+    played = played_in_order(trials)
+    scaled = played[list(keys)].assign(
+        **{measure.field: played[measure.field].astype("float64") * measure.scale for measure in measures}
+    )
+    medians = scaled.groupby(list(keys), sort=False, dropna=False).median()
+    for measure in measures:
+        medians[measure.field] = [median_text(value, measure.form) for value in medians[measure.field]]
+    return medians.reset_index().rename(columns={measure.field: measure.title for measure in measures})
 
 
-def median_text(trials: Sequence[TrialRecord], field: str, form: str, scale: float = 1.0) -> str:
-    """Format the median of a field, times ``scale``; a dash if no trial has it."""
-    values = [value * scale for trial in trials if (value := getattr(trial, field)) is not None]
-    return form.format(statistics.median(values)) if values else NOTHING
+def median_text(value: float, form: str) -> str:
+    """Format a number; a dash for nan."""
+    return NOTHING if np.isnan(value) else form.format(value)

@@ -29,7 +29,7 @@ def cost_table(points: Sequence[CostPoint]) -> Table:
         "Levels that stood, and the median time of a frame in ms while the highest of them was the top one: what the "
         "stack costs at its tallest. ≥: stopped by the time limit. “-”: no level stood, or no frames were kept.",
     )
-    return Table("What height costs", header, tuple(rows), notes)
+    return Table("What height costs", header, tuple(rows), notes, id="height_cost")
 
 
 def _told(point: CostPoint | None) -> tuple[str, str]:

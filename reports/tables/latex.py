@@ -14,7 +14,7 @@ from reports.statistics.intervals import deviation
 from reports.statistics.pairs import ALL, PairRow
 from reports.statistics.success_rates import MISSES
 from reports.tables.comparison import COLUMNS, MatrixRow
-from reports.tables.table import NOTHING
+from reports.tables.table import NOTHING, Table
 from reports.tables.wording import percent
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -28,6 +28,10 @@ _SPECIAL = {
     "<": "$<$",
     "±": r"$\pm$",
     "†": r"$\dagger$",
+    "✓": r"$\checkmark$",
+    "✗": r"$\times$",
+    "“": "``",
+    "”": "''",
 }
 _DECIMALS = 3
 
@@ -64,6 +68,15 @@ def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
         },
     ]
     return _template("pairs.tex.j2").render(caption=caption, label=_label(label), tables=tables)
+
+
+def table_to_latex(table: Table) -> str:
+    """Any table as a ``longtable`` of the packages booktabs, longtable and amssymb, labelled ``tab:ID``."""
+    frame = table.frame.map(escape).set_axis(map(escape, table.header), axis="columns")
+    text: str = frame.to_latex(
+        index=False, longtable=True, escape=False, caption=escape(table.title), label=f"tab:{_label(table.id)}"
+    )
+    return text
 
 
 def _by_scene(rows: Sequence[MatrixRow]) -> list[list[list[str]]]:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from reports.records.trial import CENSORED, TrialRecord
-from reports.statistics.groups import judged_trials
-from reports.tables.grouping import engine_names, grouped, policies_of
+from reports.statistics.groups import ALONE, Group, GroupKey, grouped, groups_of, judged_trials, ordered_policies
 from reports.tables.table import NOTHING, Table
 
 _WENT_WRONG = {
@@ -17,6 +16,7 @@ _WENT_WRONG = {
     "out_of_memory": "no memory",
     "unsupported": "n/a",
 }
+TITLE = "What stood and what fell"
 ADOPTED = "†"
 """Marks trials in which the core froze bodies of a prebuilt stack before the first step."""
 ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and froze bodies before the first step."
@@ -24,11 +24,15 @@ ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and f
 
 def outcomes_table(records: Sequence[TrialRecord]) -> Table:
     """List how the trials of each scene and engine ended, a column a policy."""
-    policies, name = policies_of(records), engine_names(records)
+    groups = groups_of(records)
+    several = len({group.key.profile for group in groups}) > 1
+    entries = {group.key: outcome(group.trials) for group in groups}
+    policies = ordered_policies(record.policy for record in records)
     rows = []
-    for (scene, engine, profile), trials in grouped(records, lambda r: (r.scene, r.engine, r.profile)):
-        cells = [outcome([r for r in trials if r.policy == policy]) for policy in policies]
-        rows.append((scene, str(trials[0].expectation), name(engine, profile), *cells))
+    for (scene, engine, profile), trials in grouped(records, "scene", "engine", "profile").items():
+        name = f"{engine} {profile}" if several else engine
+        ends = (entries.get(GroupKey(scene, engine, profile, policy), NOTHING) for policy in policies)
+        rows.append((scene, str(trials[0].expectation), name, *ends))
     notes = ["✓ as theory demands, ✗ not, no mark: not to be judged. n/m: n of m levels stood."]
     notes += [
         "“falls at k”: it toppled, slid or dropped when k levels were complete, 0: before the first was; “sinks at k”: "
@@ -44,8 +48,9 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
         notes.append(
             f"Stands without any help, so that time and stillness are all there is to gain: {', '.join(alone)}."
         )
-    notes.append(f"{_seeds(records)} Profile: {', '.join(dict.fromkeys(record.profile for record in records))}.")
-    return Table("What stood and what fell", ("scene", "theory", "engine", *policies), tuple(rows), tuple(notes))
+    notes.append(f"{_seeds(groups)} Profile: {', '.join(dict.fromkeys(record.profile for record in records))}.")
+    header = ("scene", "theory", "engine", *policies)
+    return Table(TITLE, header, tuple(rows), tuple(notes), id="outcomes")
 
 
 def outcome(trials: Sequence[TrialRecord]) -> str:
@@ -85,18 +90,18 @@ def _end(trial: TrialRecord) -> str:
 
 def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:
     """Scenes that must stand and do so on the engine alone."""
-    name = engine_names(records)
+    several = len({record.profile for record in records}) > 1
     return [
-        f"{scene} on {name(engine, profile)}"
-        for (scene, engine, profile), trials in grouped(records, lambda r: (r.scene, r.engine, r.profile))
-        if (plain := [trial for trial in trials if trial.policy == "none"])
+        f"{scene} on {engine}{f' {profile}' if several else ''}"
+        for (scene, engine, profile), trials in grouped(records, "scene", "engine", "profile").items()
+        if (alone := [trial for trial in trials if trial.policy == ALONE])
         and trials[0].expectation.outcome == "stand"
-        and all(trial.verdict == "right" for trial in plain)
+        and all(trial.verdict == "right" for trial in alone)
     ]
 
 
-def _seeds(records: Iterable[TrialRecord]) -> str:
-    counts = sorted({len(trials) for _, trials in grouped(records, lambda r: (r.scene, r.engine, r.profile, r.policy))})
+def _seeds(groups: Sequence[Group]) -> str:
+    counts = sorted({len(group.trials) for group in groups})
     n = "-".join(map(str, [counts[0], counts[-1]][: len(counts)])) if counts else "0"
     told = ""
     if counts[-1:] > [1]:

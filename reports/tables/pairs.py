@@ -59,7 +59,7 @@ def _headline(rows: Sequence[PairRow]) -> Table:
         "Undecided: a side was stopped by the time limit, is impossible on the engine, or was built too near its "
         f"limit; counted nowhere. {_intervals(rows)}",
     )
-    return Table("Pairs with both sides right", header, tuple(told), notes)
+    return Table("Pairs with both sides right", header, tuple(told), notes, id="pairs")
 
 
 def _by_family(rows: Sequence[PairRow]) -> Table:
@@ -77,7 +77,13 @@ def _by_family(rows: Sequence[PairRow]) -> Table:
         "Pairs with both sides right, of those judged. s: false stands, c: false collapses, f: failed; pairs in which "
         f"they happened. “{NOTHING}”: none could be judged."
     )
-    return Table("Pairs by family of scenes", ("family", *SetUp._fields[:2], *policies), tuple(told), (note,))
+    return Table(
+        "Pairs by family of scenes",
+        ("family", *SetUp._fields[:2], *policies),
+        tuple(told),
+        (note,),
+        id="pairs_by_family",
+    )
 
 
 def _family_cell(row: PairRow | None) -> str:

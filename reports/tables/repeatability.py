@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import statistics
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from reports.records.folder import ResultsFolder
-from reports.records.frames import UNTIMED_FRAMES, read_frames
+from reports.records.frames import UNTIMED_FRAMES, read_columns
 from reports.records.trial import TrialRecord
+from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 NOISY = 0.1
@@ -22,11 +23,9 @@ _PERCENTILES = (50, 95, 99)
 def repeat_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
     """Tables of what was repeated, and of the machine; none of what is not there."""
     tables = []
-    groups: dict[tuple[str, str, str], dict[int, list[TrialRecord]]] = defaultdict(lambda: defaultdict(list))
-    for record in records:
-        if record.timed_frames is not None:
-            groups[record.scene, f"{record.engine} {record.profile}", record.policy][record.seed].append(record)
-    repeated = {cell: seeds for cell, seeds in groups.items() if any(len(same) > 1 for same in seeds.values())}
+    timed = grouped([record for record in records if record.timed_frames is not None], *GroupKey._fields)
+    groups = {GroupKey(*key): list(grouped(trials, "seed").values()) for key, trials in timed.items()}
+    repeated = {key: seeds for key, seeds in groups.items() if any(len(same) > 1 for same in seeds)}
     if repeated:
         tables.append(_repeats(folder, repeated))
     if any(record.calibration_ms is not None for record in records):
@@ -43,29 +42,30 @@ def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | No
     """Percentiles 50, 95 and 99 of the least time [ms] that each frame took in any repeat.
 
     Only repeats that did the same on the same machine have such frames: None for others, and for those that were cut
-    off at different frames.
+    off at different frames, or whose frames were not kept.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None
-    times = []
-    for record in repeats:
-        rows = read_frames(ResultsFolder(folder).frames_file(record.trial))[UNTIMED_FRAMES:]
-        times.append([row.frame_ms for row in rows[: record.timed_frames]])
+    files = [ResultsFolder(folder).frames_file(record.trial) for record in repeats]
+    if not all(map(Path.exists, files)):
+        return None
+    frames = [read_columns(file, ["frame_ms"])["frame_ms"][UNTIMED_FRAMES:] for file in files]
+    times = [frame_ms[: record.timed_frames] for frame_ms, record in zip(frames, repeats, strict=True)]
     percentiles: list[float] = np.percentile(np.min(times, axis=0), _PERCENTILES).tolist()
     return percentiles
 
 
-def _repeats(folder: Path, cells: dict[tuple[str, str, str], dict[int, list[TrialRecord]]]) -> Table:
+def _repeats(folder: Path, groups: Mapping[GroupKey, Sequence[Sequence[TrialRecord]]]) -> Table:
+    """The table of groups, each with the repeats of its seeds."""
     rows = []
-    for cell, seeds in cells.items():
-        several = [repeats for repeats in seeds.values() if len(repeats) > 1]
+    for (scene, engine, profile, policy), seeds in groups.items():
+        several = [repeats for repeats in seeds if len(repeats) > 1]
         alike = sum(map(same_poses, several))
         best = [times for repeats in several if (times := best_times(folder, repeats)) is not None]
         figures = [f"{statistics.median(column):.3f}" for column in zip(*best, strict=True)] or [NOTHING] * 3
         same = f"{alike}/{len(several)}" + ("" if alike == len(several) else " DIFFER")
-        rows.append(
-            (*cell, same, _median_and_deviation([record for repeats in several for record in repeats]), *figures)
-        )
+        spread = _median_and_deviation([record for repeats in several for record in repeats])
+        rows.append((scene, f"{engine} {profile}", policy, same, spread, *figures))
     header = ("scene", "engine", "policy", "same poses", "p50 ± MAD", "best p50", "best p95", "best p99")
     notes = (
         "Same poses: of how many trials all repeats went the same way to the last bit. DIFFER: the engine does not "
@@ -74,7 +74,7 @@ def _repeats(folder: Path, cells: dict[tuple[str, str, str], dict[int, list[Tria
         "frame the least time of all repeats, where they went the same way; a p99 of least times is no p99 of a run. "
         "None where the repeats ran on several machines.",
     )
-    return Table("The same again", header, tuple(rows), notes)
+    return Table("The same again", header, tuple(rows), notes, id="repeatability")
 
 
 def _median_and_deviation(repeats: Sequence[TrialRecord]) -> str:
@@ -103,5 +103,9 @@ def _steadiness(records: Sequence[TrialRecord]) -> Table:
         notes.append("Several machines: compare times of the same machine only.")
     notes.append("A fixed calculation beside every trial, in ms: 5th, 50th and 95th percentile, and how far they lie.")
     return Table(
-        "How steady the machine was", ("machine", "trials", "p5", "p50", "p95", "spread"), tuple(rows), tuple(notes)
+        "How steady the machine was",
+        ("machine", "trials", "p5", "p50", "p95", "spread"),
+        tuple(rows),
+        tuple(notes),
+        id="machine",
     )

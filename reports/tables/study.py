@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from reports.records.results import trials_frame
 from reports.records.trial import TrialRecord
 from reports.tables.correctness import correctness_table
 from reports.tables.frame_time import frame_time_table
-from reports.tables.outcomes import (
-    outcomes_table,
-)
+from reports.tables.outcomes import outcomes_table
 from reports.tables.stability import stability_table
 from reports.tables.table import Table
 
@@ -23,10 +22,11 @@ def study_tables(records: Sequence[TrialRecord]) -> list[Table]:
 
     Where theory knows no answer nothing is right or wrong, and that table is left out.
     """
-    is_judged = any(record.verdict != "none" for record in records)
+    trials = trials_frame(records)
+    is_judged = (trials["verdict"] != "none").any()
     return [
         outcomes_table(records),
-        *([correctness_table(records)] if is_judged else []),
-        frame_time_table(records),
-        stability_table(records),
+        *([correctness_table(trials)] if is_judged else []),
+        frame_time_table(trials),
+        stability_table(trials),
     ]

@@ -1,18 +1,17 @@
-"""Tables of a study, without and with each policy side by side: terminal, Markdown and CSV from the raw records.
-
-With several seeds a cell tells the median and the range. A trial that was stopped by its time limit is censored: its
-figures are marked "≥" and stand in no mean.
-"""
+"""Tables of ready text: on the terminal, as Markdown and as CSV."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table as RichTable
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 NOTHING = "-"
 
@@ -27,6 +26,21 @@ class Table:
     notes: tuple[str, ...] = ()
     folds: bool = False
     """True for cells of several words, which may take several lines; all but the first column's."""
+    id: str = ""
+    """Name of its files, unique within a report; empty for tables that have none."""
+
+    @classmethod
+    def of(cls, title: str, frame: pd.DataFrame, notes: Sequence[str] = (), *, id: str = "") -> Table:  # noqa: A002
+        """Make the table of a data frame of text, without its index."""
+        rows = tuple(tuple(row) for row in frame.to_numpy().tolist())
+        return cls(title, tuple(frame.columns), rows, tuple(notes), id=id)
+
+    @property
+    def frame(self) -> pd.DataFrame:
+        """The text as a data frame, without the notes."""
+        import pandas as pd  # half a second that the rest of the command line need not wait
+
+        return pd.DataFrame(list(self.rows), columns=list(self.header), dtype=str)
 
 
 def render(table: Table, console: Console) -> None:
@@ -64,8 +78,7 @@ def to_markdown(tables: Iterable[Table]) -> str:
 
 def write_table_csv(path: Path, table: Table) -> None:
     """A table as it is read, without its notes."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerows([table.header, *table.rows])
+    table.frame.to_csv(path, index=False, lineterminator="\n")
 
 
 def _line(cells: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 """A report is built of a folder by one call; its sections are those of the registry."""
 
+import pandas as pd
 import pytest
 
 from reports.records.folder import ResultsFolder
@@ -16,6 +17,11 @@ def test_one_call_writes_tables_page_and_trials(tmp_path) -> None:
     assert "never.run" in made.page.read_text(encoding="utf-8")
     written = (folder.report / "tables.md").read_text(encoding="utf-8")
     assert all(f"## {table.title}\n" in written for table in made.tables)
+    for table in made.tables:
+        rows = pd.read_csv(folder.report / "tables" / f"{table.id}.csv", dtype=str, keep_default_na=False)
+        assert [tuple(row) for row in rows.to_numpy()] == list(table.rows)
+        latex = (folder.report / "tables" / f"{table.id}.tex").read_text(encoding="utf-8")
+        assert latex.startswith(r"\begin{longtable}")
     assert len((folder.report / "trials.csv").read_text(encoding="utf-8").splitlines()) == 4
     hidden = [table for section in SECTIONS if not section.is_printed for table in section.tables(folder)]
     assert hidden

@@ -9,7 +9,9 @@ import pytest
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import pair_rows
 from reports.tables.comparison import matrix
-from reports.tables.latex import escape, pairs_to_latex, to_latex, with_uncertainty
+from reports.tables.latex import escape, pairs_to_latex, table_to_latex, to_latex, with_uncertainty
+from reports.tables.pairs import pair_tables
+from reports.tables.study import study_tables
 from tests.reports.studies import FALLS, STANDS, failed, fallen, record
 
 RECORDS = [
@@ -76,6 +78,32 @@ def test_braces_and_environments_are_balanced() -> None:
         told = re.sub(r"\\[{}]", "", text)
         assert told.count("{") == told.count("}")
         assert re.findall(r"\\begin\{(\w+)\}", told) == re.findall(r"\\end\{(\w+)\}", told)
+
+
+def tables() -> str:
+    """Every table of a study."""
+    return "".join(map(table_to_latex, [*study_tables(RECORDS), *pair_tables(pair_rows(groups_of(PAIRS)))]))
+
+
+def test_any_table_is_a_longtable_of_its_entries() -> None:
+    text = tables()
+    assert re.findall(r"\\label\{tab:([\w-]+)\}", text) == [
+        "outcomes", "correctness", "frame-time", "stability", "pairs", "pairs-by-family"
+    ]  # fmt: skip
+    assert r"four\_stack & stands & bullet & 4 (3-5)/30 $\times$ 0/3 & 30/30 $\checkmark$ 3/3 \\" in text
+    assert text.isascii()
+    for name in ("toprule", "midrule", "bottomrule"):
+        assert name in text
+
+
+def test_latex_takes_any_table(tmp_path) -> None:
+    if shutil.which("pdflatex") is None:
+        pytest.skip("no LaTeX is installed: apt-get install texlive-latex-recommended")
+    packages = r"\usepackage{booktabs,longtable,amssymb}"
+    content = rf"\documentclass{{article}}{packages}\begin{{document}}\tiny {tables()}\end{{document}}"
+    (tmp_path / "a.tex").write_text(content, encoding="utf-8")
+    command = ["pdflatex", "-halt-on-error", "a.tex"]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=600, capture_output=True)
 
 
 def test_latex_takes_it(tmp_path) -> None:
