@@ -95,20 +95,20 @@ def _pairs_panel(axes: Axes, policies: Sequence[str], rows: Sequence[PairRow]) -
     axes.label_outer()
 
 
-def has_survival(cells: Sequence[Group]) -> bool:
+def has_survival(groups: Sequence[Group]) -> bool:
     """Whether there is a curve to draw: one stack of each kind makes none."""
-    return any(len(cell.lifetimes) > 1 for cell in cells)
+    return any(len(group.lifetimes) > 1 for group in groups)
 
 
-def survival_figure(cells: Sequence[Group]) -> Figure:
+def survival_figure(groups: Sequence[Group]) -> Figure:
     """Survival by level of one scene and profile: a panel an engine, a curve a policy."""
-    engines = list(dict.fromkeys(cell.key.engine for cell in cells if cell.survival is not None))
+    engines = list(dict.fromkeys(group.key.engine for group in groups if group.survival is not None))
     rows, columns = -(-len(engines) // _COLUMNS), min(_COLUMNS, len(engines))
     with mpl.rc_context(_STYLE):
         figure = Figure((_PANEL_INCHES[0] * columns, _PANEL_INCHES[1] * rows + 0.3), layout="constrained")
         panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
         for panel, engine in zip(panels, engines, strict=False):
-            _survival_panel(panel, engine, [cell for cell in cells if cell.key.engine == engine])
+            _survival_panel(panel, engine, [group for group in groups if group.key.engine == engine])
         for spare in panels[len(engines) :]:
             spare.set_visible(False)
         handles = {line.get_label(): line for panel in panels for line in panel.get_legend_handles_labels()[0]}
@@ -116,17 +116,17 @@ def survival_figure(cells: Sequence[Group]) -> Figure:
     return figure
 
 
-def _survival_panel(axes: Axes, engine: str, cells: Sequence[Group]) -> None:
-    ink = inks(ordered_policies(cell.key.policy for cell in cells))
+def _survival_panel(axes: Axes, engine: str, groups: Sequence[Group]) -> None:
+    ink = inks(ordered_policies(group.key.policy for group in groups))
     axes.grid(True)
-    for number, cell in enumerate(cells):
-        if cell.survival is not None:
-            width = 1.4 + 1.1 * (len(cells) - 1 - number)  # those that coincide all stay to be seen
-            _draw_survival(axes, cell.survival, ink[cell.key.policy], cell.key.policy, width)
-    falls_at = cells[0].expectation.level
+    for number, group in enumerate(groups):
+        if group.survival is not None:
+            width = 1.4 + 1.1 * (len(groups) - 1 - number)  # those that coincide all stay to be seen
+            _draw_survival(axes, group.survival, ink[group.key.policy], group.key.policy, width)
+    falls_at = groups[0].expectation.level
     if falls_at is not None:
         axes.axvline(falls_at, color=INK, linewidth=0.8, linestyle=":")
-    axes.set(title=engine, xlim=(0, cells[0].levels_planned), ylim=(-0.03, 1.05))
+    axes.set(title=engine, xlim=(0, groups[0].levels_planned), ylim=(-0.03, 1.05))
     axes.set(xlabel="level", ylabel="share standing")
     axes.label_outer()
 

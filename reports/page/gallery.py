@@ -8,7 +8,7 @@ from pathlib import Path
 
 from reports.records.folder import replay_name, still_of
 from reports.records.trial import TrialRecord
-from reports.statistics.groups import Group
+from reports.statistics.groups import Group, grouped
 from reports.tables.outcomes import outcome
 
 
@@ -35,33 +35,31 @@ class Shelf:
     pictures: tuple[Picture, ...]
 
 
-def shelves(report: Path, cells: Sequence[Group]) -> dict[str, list[Shelf]]:
-    """By scene, the stacks of which a report has a replay or a still, in the order of the cells."""
-    stacks: dict[tuple[str, str, str], list[Group]] = {}
-    for cell in cells:
-        stacks.setdefault((cell.key.scene, cell.key.engine, cell.key.profile), []).append(cell)
+def shelves(report: Path, groups: Sequence[Group]) -> dict[str, list[Shelf]]:
+    """By scene, the stacks of which a report has a replay or a still, in the order of the groups."""
+    stacks = grouped(groups, "key.scene", "key.engine", "key.profile")
     found: dict[str, list[Shelf]] = {}
     for (scene, engine, profile), those in stacks.items():
-        pictures = tuple(_picture(report, cell) for cell in those)
-        replay = next((href for cell in those if (href := _replay(report, cell)) is not None), None)
+        pictures = tuple(_picture(report, group) for group in those)
+        replay = next((href for group in those if (href := _replay(report, group)) is not None), None)
         if replay or any(picture.href for picture in pictures):
             shelf = Shelf(str(those[0].expectation), engine, profile, replay, pictures)
             found.setdefault(scene, []).append(shelf)
     return found
 
 
-def _picture(report: Path, cell: Group) -> Picture:
-    trial = _first(report, cell)
+def _picture(report: Path, group: Group) -> Picture:
+    trial = _first(report, group)
     href = f"stills/{still_of(Path(), trial)}" if still_of(report / "stills", trial).exists() else None
-    return Picture(cell.key.policy, href, outcome([trial]))
+    return Picture(group.key.policy, href, outcome([trial]))
 
 
-def _first(report: Path, cell: Group) -> TrialRecord:
+def _first(report: Path, group: Group) -> TrialRecord:
     """The trial that was drawn, else the first."""
-    drawn = (trial for trial in cell.draws if still_of(report / "stills", trial).exists())
-    return next(drawn, cell.draws[0])
+    drawn = (trial for trial in group.draws if still_of(report / "stills", trial).exists())
+    return next(drawn, group.draws[0])
 
 
-def _replay(report: Path, cell: Group) -> str | None:
-    names = (f"replays/{replay_name(trial)}.html" for trial in cell.draws)
+def _replay(report: Path, group: Group) -> str | None:
+    names = (f"replays/{replay_name(trial)}.html" for trial in group.draws)
     return next((name for name in names if (report / name).exists()), None)

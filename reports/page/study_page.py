@@ -20,7 +20,7 @@ from reports.page.traces import traces
 from reports.records.atomic import write_atomic
 from reports.records.folder import ResultsFolder
 from reports.records.trial import Status, TrialRecord
-from reports.statistics.groups import Group, groups_of, ordered_policies
+from reports.statistics.groups import Group, grouped, groups_of, ordered_policies
 from reports.statistics.pairs import PairRow, pair_rows
 from reports.statistics.scores import EngineScores, engine_scores
 from reports.tables.capabilities import capability_table
@@ -49,13 +49,13 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     report = folder / "report"
     figures = report / "figures"
     figures.mkdir(parents=True, exist_ok=True)
-    kept, cells = ResultsFolder(folder), groups_of(records)
-    scores, engines = engine_scores(cells), kept.engines
+    kept, groups = ResultsFolder(folder), groups_of(records)
+    scores, engines = engine_scores(groups), kept.engines
     told = verdicts(scores)
-    thinned, without_frames = traces(folder, cells)
+    thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
-    rows, of_pairs, told_of_study = matrix(cells), pair_rows(cells), caption(folder, records)
-    policies = ordered_policies(cell.key.policy for cell in cells)
+    rows, of_pairs, told_of_study = matrix(groups), pair_rows(groups), caption(folder, records)
+    policies = ordered_policies(group.key.policy for group in groups)
     page = (
         _environment(study is not None, folder)
         .get_template("page.html.j2")
@@ -67,17 +67,17 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             inks=inks(policies),
             problems=_problems(records, missing, without_frames),
             verdicts=told,
-            share_note=_share_note(cells, bool(of_pairs)),
+            share_note=_share_note(groups, bool(of_pairs)),
             set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in told},
             pairs=_pairs(of_pairs, figures, policies),
             rows=rows,
             columns=COLUMNS,
             marks=_MARKS,
-            choices=_choices(cells),
-            survival=_survival(cells, figures, policies),
+            choices=_choices(groups),
+            survival=_survival(groups, figures, policies),
             speed=_speed(scores, figures, policies),
             traces=thinned,
-            shelves=shelves(report, cells),
+            shelves=shelves(report, groups),
             engines=engines,
             capabilities=capability_table(engines) if engines else None,
             again=shlex.join(["uv", "run", "-m", "bench", "run", _study_file(folder)]) if study is not None else None,
@@ -135,23 +135,23 @@ def _study_file(folder: Path) -> str:
 
 def _command(row: MatrixRow, study: str | None) -> str:
     """What makes the numbers of a row again."""
-    key, cell = row.cell.key, row.cell
+    key, group = row.group.key, row.group
     words = ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])]
-    words += ["--engine", key.engine, "--profile", key.profile, "--scenario", cell.scenario, "--policy", key.policy]
-    return shlex.join([*words, "--seeds", str(max(trial.seed for trial in cell.trials) + 1)])
+    words += ["--engine", key.engine, "--profile", key.profile, "--scenario", group.scenario, "--policy", key.policy]
+    return shlex.join([*words, "--seeds", str(max(trial.seed for trial in group.trials) + 1)])
 
 
 def _messages(row: MatrixRow) -> list[str]:
     """Why the trials of a row ended as they did, each reason once."""
-    found = list(dict.fromkeys(trial.message for trial in row.cell.draws if trial.message))
+    found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])
 
 
-def _choices(cells: Sequence[Group]) -> dict[str, list[str]]:
+def _choices(groups: Sequence[Group]) -> dict[str, list[str]]:
     fields = ("scene", "engine", "profile")
-    names = {field: list(dict.fromkeys(getattr(cell.key, field) for cell in cells)) for field in fields}
-    names["policy"] = ordered_policies(cell.key.policy for cell in cells)
+    names = {field: list(dict.fromkeys(getattr(group.key, field) for group in groups)) for field in fields}
+    names["policy"] = ordered_policies(group.key.policy for group in groups)
     return {**names, "outcome": ["right", "wrong", "mixed", "open"]}
 
 
@@ -162,8 +162,8 @@ def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
     return f"{described}; {varied}" if described and varied else described
 
 
-def _share_note(cells: Sequence[Group], in_pairs: bool) -> str:
-    seeds = max(len(cell.draws) for cell in cells)
+def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:
+    seeds = max(len(group.draws) for group in groups)
     what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks"
     if seeds == 1:
         return f"Shares are of {what}, with an answer known by theory. n = 1 build of each: no intervals."
@@ -210,12 +210,9 @@ def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> di
     return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs right and wrong", policies)}
 
 
-def _survival(cells: Sequence[Group], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
-    groups: dict[tuple[str, str], list[Group]] = {}
-    for cell in cells:
-        groups.setdefault((cell.key.scene, cell.key.profile), []).append(cell)
+def _survival(groups: Sequence[Group], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
     drawn = []
-    for (scene, profile), those in groups.items():
+    for (scene, profile), those in grouped(groups, "key.scene", "key.profile").items():
         if charts.has_survival(those):
             svg = charts.save(charts.survival_figure(those), folder / f"survival-{scene}-{profile}")
             title = f"{scene}, {profile}: theory says it {those[0].expectation}"

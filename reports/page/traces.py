@@ -25,21 +25,21 @@ _STEPS_A_DECADE = 100
 """Times are kept as whole hundredths of a decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
 
 
-def traces(folder: Path, cells: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
-    """The traces of the first trial of each cell that has one, and ids of trials whose frames are missing or torn.
+def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
+    """The traces of the first trial of each group that has one, and ids of trials whose frames are missing or torn.
 
     Args:
         folder: a results folder.
-        cells: of its records.
+        groups: of its records.
     """
     kept, missing = [], []
-    most = bins_for(len(cells))
-    for cell in cells:
-        trial = next((draw for draw in cell.draws if draw.frame_ms_p50 is not None), None)
+    most = bins_for(len(groups))
+    for group in groups:
+        trial = next((draw for draw in group.draws if draw.frame_ms_p50 is not None), None)
         if trial is None:
             continue
         try:
-            kept.append({**cell.key._asdict(), "seed": trial.seed, **_trace(folder, trial, most)})
+            kept.append({**group.key._asdict(), "seed": trial.seed, **_trace(folder, trial, most)})
         except (OSError, pa.ArrowException):
             missing.append(trial.trial)
     return kept, missing

@@ -19,12 +19,12 @@ from reports.tables.outcomes import outcome
 _INCHES, _TITLE_INCHES = 2.1, 0.3
 
 
-def gallery_figure(stills: Path, cells: Sequence[Group], engine: str, profile: str, scenes: Sequence[str]) -> Figure:
+def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: str, scenes: Sequence[str]) -> Figure:
     """Stills of one engine: a row a scene, a column a policy.
 
     Args:
         stills: folder that holds the stills.
-        cells: of the study.
+        groups: of the study.
         engine: shown.
         profile: shown.
         scenes: shown, in this order.
@@ -32,7 +32,7 @@ def gallery_figure(stills: Path, cells: Sequence[Group], engine: str, profile: s
     Raises:
         FileNotFoundError: if one of the stills is missing.
     """
-    by_key = {cell.key: cell for cell in cells}
+    by_key = {group.key: group for group in groups}
     policies = ordered_policies(key.policy for key in by_key if key[1:3] == (engine, profile))
     lines = [[by_key[GroupKey(scene, engine, profile, policy)].draws[0] for policy in policies] for scene in scenes]
     shown = [_without_margins([mpl_image.imread(still_of(stills, trial)) for trial in line]) for line in lines]

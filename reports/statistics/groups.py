@@ -6,13 +6,15 @@ import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from operator import attrgetter
+from typing import Any, NamedTuple, TypeVar
 
 from reports.records.trial import TrialRecord, Verdict
 from reports.statistics.intervals import Estimate, median
 from reports.statistics.survival import Lifetime, PairedTest, Survival, compare_pairs, kaplan_meier, lifetime
 from scenarios.model import Expectation
 
+Item = TypeVar("Item")
 ALONE = "none"
 """The policy without any extension, to which all others are compared."""
 LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
@@ -20,7 +22,7 @@ LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
 
 
 class GroupKey(NamedTuple):
-    """What all trials of a cell share."""
+    """What all trials of a group share."""
 
     scene: str
     engine: str
@@ -100,7 +102,7 @@ class Group:
 
 
 def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
-    """The cells of a study: scenes, engines and profiles as they first appear, policies in their usual order."""
+    """The groups of a study: scenes, engines and profiles as they first appear, policies in their usual order."""
     groups = {GroupKey(*key): trials for key, trials in grouped(records, *GroupKey._fields).items()}
     first = [_ranks(keys) for keys in zip(*groups, strict=True)][:3]
     policies = _ranks(ordered_policies(key.policy for key in groups))
@@ -109,11 +111,17 @@ def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
     return [Group(key, tuple(groups[key])) for key in order]
 
 
-def grouped(records: Iterable[TrialRecord], *fields: str) -> dict[tuple[Any, ...], list[TrialRecord]]:
-    """Return trials by the values of some fields, in the order in which these first appear."""
-    groups: dict[tuple[Any, ...], list[TrialRecord]] = {}
-    for record in records:
-        groups.setdefault(tuple(getattr(record, field) for field in fields), []).append(record)
+def grouped(items: Iterable[Item], *fields: str) -> dict[tuple[Any, ...], list[Item]]:
+    """Return items by the values of some fields, in the order in which these first appear.
+
+    Args:
+        items: trials, groups of them, or rows of a table.
+        fields: their attributes; ``key.scene`` is the attribute of an attribute.
+    """
+    values = [attrgetter(field) for field in fields]
+    groups: dict[tuple[Any, ...], list[Item]] = {}
+    for item in items:
+        groups.setdefault(tuple(value(item) for value in values), []).append(item)
     return groups
 
 
@@ -123,10 +131,10 @@ def ordered_policies(names: Iterable[str]) -> list[str]:
     return [name for name in LEADING_POLICIES if name in present] + [n for n in present if n not in LEADING_POLICIES]
 
 
-def compare_groups(cell: Group, other: Group) -> PairedTest | None:
+def compare_groups(group: Group, other: Group) -> PairedTest | None:
     """Two policies on the same stacks, paired by seed; None if they share none."""
-    shared = [seed for seed in cell.lifetimes if seed in other.lifetimes]
-    return compare_pairs([(cell.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
+    shared = [seed for seed in group.lifetimes if seed in other.lifetimes]
+    return compare_pairs([(group.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
 
 
 def _ranks(names: Sequence[str]) -> dict[str, int]:

@@ -6,12 +6,12 @@ and each alone gets half of all trials right.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from reports.records.trial import TrialRecord, Verdict
-from reports.statistics.groups import Group, ordered_policies
+from reports.statistics.groups import Group, grouped, ordered_policies
 from reports.statistics.success_rates import SuccessRates, success_rates
 from scenarios.model import Expectation
 
@@ -51,13 +51,10 @@ class PairRow(NamedTuple):
     undecided: int
 
 
-def pairs_of(cells: Sequence[Group]) -> list[Pair]:
-    """The pairs among the cells of one engine, profile and policy; what lacks its partner is none."""
-    sides: dict[str, list[Group]] = {}
-    for cell in cells:
-        if cell.pair:
-            sides.setdefault(cell.pair, []).append(cell)
-    return [_pair(name, those) for name, those in sides.items() if are_opposed([cell.expectation for cell in those])]
+def pairs_of(groups: Sequence[Group]) -> list[Pair]:
+    """The pairs among the groups of one engine, profile and policy; what lacks its partner is none."""
+    sides = grouped([group for group in groups if group.pair], "pair")
+    return [_pair(name, those) for (name,), those in sides.items() if are_opposed([one.expectation for one in those])]
 
 
 def are_opposed(expectations: Sequence[Expectation]) -> bool:
@@ -75,14 +72,13 @@ def pair_success_rates(pairs: Sequence[Pair]) -> SuccessRates | None:
     return success_rates([pair.judged for pair in pairs])
 
 
-def pair_rows(cells: Sequence[Group]) -> list[PairRow]:
+def pair_rows(groups: Sequence[Group]) -> list[PairRow]:
     """All pairs of each set-up, then those of each family; empty if the study has no pairs."""
-    groups: dict[SetUp, list[Group]] = {}
-    for cell in cells:
-        groups.setdefault(SetUp(cell.key.engine, cell.key.profile, cell.key.policy), []).append(cell)
+    by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
+    set_ups = {SetUp(*key): members for key, members in by_set_up.items()}
     rows = []
-    for set_up in _in_order(groups):
-        pairs = pairs_of(groups[set_up])
+    for set_up in _in_order(set_ups):
+        pairs = pairs_of(set_ups[set_up])
         for family in (ALL, *dict.fromkeys(pair.family for pair in pairs)) if pairs else ():
             those = [pair for pair in pairs if family in (ALL, pair.family)]
             rows.append(PairRow(set_up, family, pair_success_rates(those), sum(pair.undecided for pair in those)))
@@ -103,8 +99,8 @@ def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
     return decided and are_opposed([trial.expectation for trial in build])
 
 
-def _in_order(groups: dict[SetUp, list[Group]]) -> list[SetUp]:
+def _in_order(set_ups: Collection[SetUp]) -> list[SetUp]:
     """Engines and profiles as they come, policies in their usual order."""
-    engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in groups))
-    policies = ordered_policies(set_up.policy for set_up in groups)
-    return sorted(groups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))
+    engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in set_ups))
+    policies = ordered_policies(set_up.policy for set_up in set_ups)
+    return sorted(set_ups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))

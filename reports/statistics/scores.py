@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.records.trial import TrialRecord
-from reports.statistics.groups import Group, ordered_policies
+from reports.statistics.groups import Group, grouped, ordered_policies
 from reports.statistics.intervals import Estimate, share
 from reports.statistics.pairs import pair_success_rates, pairs_of
 from reports.statistics.success_rates import SuccessRates, count, success_rates
@@ -62,9 +62,7 @@ class EngineScores:
 
 def engine_scores(groups: Sequence[Group]) -> list[EngineScores]:
     """Return the scores of each engine and profile, in the order of the groups."""
-    by_engine: dict[tuple[str, str], list[Group]] = {}
-    for group in groups:
-        by_engine.setdefault((group.key.profile, group.key.engine), []).append(group)
+    by_engine = grouped(groups, "key.profile", "key.engine")
     return [_engine_scores(engine, profile, members) for (profile, engine), members in by_engine.items()]
 
 
@@ -75,24 +73,24 @@ def _engine_scores(engine: str, profile: str, groups: Sequence[Group]) -> Engine
     return EngineScores(engine, profile, trials[0].engine_version, scores, trials)
 
 
-def score(policy: str, cells: Sequence[Group]) -> PolicyScore:
-    """The score of the cells of one engine, profile and policy."""
+def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
+    """The score of the groups of one engine, profile and policy."""
 
     def right(side: str) -> Estimate | None:
-        those = [cell for cell in cells if cell.expectation.outcome == side]
-        return share([[trial.verdict == "right" for trial in cell.judged] for cell in those])
+        those = [group for group in groups if group.expectation.outcome == side]
+        return share([[trial.verdict == "right" for trial in group.judged] for group in those])
 
     return PolicyScore(
         policy,
         stand=right("stand"),
         fall=right("fall"),
-        trials=success_rates([[{trial.verdict} for trial in cell.judged] for cell in cells]),
-        pairs=pair_success_rates(pairs_of(cells)),
-        frame_ms_p99=_middle(cells, "frame_ms_p99"),
-        frame_ratio=_middle(cells, "frame_ratio"),
+        trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
+        pairs=pair_success_rates(pairs_of(groups)),
+        frame_ms_p99=_middle(groups, "frame_ms_p99"),
+        frame_ratio=_middle(groups, "frame_ratio"),
     )
 
 
-def _middle(cells: Sequence[Group], field: str) -> float | None:
-    estimates = [estimate.value for cell in cells if (estimate := cell.estimate(field)) is not None]
+def _middle(groups: Sequence[Group], field: str) -> float | None:
+    estimates = [estimate.value for group in groups if (estimate := group.estimate(field)) is not None]
     return statistics.median(estimates) if estimates else None

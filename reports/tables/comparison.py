@@ -51,9 +51,9 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class MatrixRow:
-    """One cell of the comparison, with its figures in the order of ``COLUMNS``."""
+    """One group of the comparison, with its figures in the order of ``COLUMNS``."""
 
-    cell: Group
+    group: Group
     judgement: str
     """right, wrong, mixed, or open where theory says nothing or the trials did not come so far."""
     figures: tuple[Figure, ...]
@@ -62,11 +62,11 @@ class MatrixRow:
     """What else the reader of its figures must know; empty if nothing."""
 
 
-def matrix(cells: Sequence[Group]) -> list[MatrixRow]:
-    """The rows of all cells, in their order."""
-    by_key = {cell.key: cell for cell in cells}
-    tests = _tests([(cell, by_key[alone]) for cell in cells if (alone := GroupKey(*cell.key[:3], ALONE)) in by_key])
-    return [_row(cell, tests.get(cell.key)) for cell in cells]
+def matrix(groups: Sequence[Group]) -> list[MatrixRow]:
+    """The rows of all groups, in their order."""
+    by_key = {group.key: group for group in groups}
+    tests = _tests([(group, by_key[alone]) for group in groups if (alone := GroupKey(*group.key[:3], ALONE)) in by_key])
+    return [_row(group, tests.get(group.key)) for group in groups]
 
 
 def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
@@ -80,15 +80,15 @@ def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
     return Table(
         "Comparison",
         (*GroupKey._fields, *titles, "ended otherwise"),
-        tuple((*row.cell.key, *(figure.text for figure in row.figures), row.trouble or NOTHING) for row in rows),
+        tuple((*row.group.key, *(figure.text for figure in row.figures), row.trouble or NOTHING) for row in rows),
         notes,
         id="comparison",
     )
 
 
 def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[PairedTest, float]]:
-    """The paired test of each cell with its engine alone, and its p-value corrected for all of them."""
-    tests = {cell.key: compare_groups(cell, alone) for cell, alone in compared if cell is not alone}
+    """The paired test of each group with its engine alone, and its p-value corrected for all of them."""
+    tests = {group.key: compare_groups(group, alone) for group, alone in compared if group is not alone}
     decided = {
         key: (test, test.p_value) for key, test in tests.items() if test is not None and test.p_value is not None
     }
@@ -96,53 +96,53 @@ def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[Pair
     return {key: (test, p_value) for (key, (test, _)), p_value in zip(decided.items(), corrected, strict=True)}
 
 
-def _row(cell: Group, test: tuple[PairedTest, float] | None) -> MatrixRow:
-    judged, right = len(cell.judged), cell.count("right")
+def _row(group: Group, test: tuple[PairedTest, float] | None) -> MatrixRow:
+    judged, right = len(group.judged), group.count("right")
     figures = (
-        Figure(str(len(cell.draws)), len(cell.draws)),
-        _levels(cell),
+        Figure(str(len(group.draws)), len(group.draws)),
+        _levels(group),
         Figure(f"{right}/{judged}", right / judged) if judged else Figure(NOTHING, math.nan),
-        _measured(cell, "sink_m", 2, 1e3),
-        _measured(cell, "creep_m_s", 4, 1e3),
-        _timed(cell, "frame_ms_p50"),
-        _timed(cell, "frame_ms_p99"),
-        _ratio(cell),
+        _measured(group, "sink_m", 2, 1e3),
+        _measured(group, "creep_m_s", 4, 1e3),
+        _timed(group, "frame_ms_p50"),
+        _timed(group, "frame_ms_p99"),
+        _ratio(group),
         _paired(test),
     )
     judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
-    note = ADOPTED_NOTE if adopted_mark(cell.draws) else ""
-    return MatrixRow(cell, judgement, figures, troubles(cell), note)
+    note = ADOPTED_NOTE if adopted_mark(group.draws) else ""
+    return MatrixRow(group, judgement, figures, troubles(group), note)
 
 
-def _levels(cell: Group) -> Figure:
-    survival = cell.survival
-    if len(cell.draws) == 1 or survival is None:
+def _levels(group: Group) -> Figure:
+    survival = group.survival
+    if len(group.draws) == 1 or survival is None:
         sort = survival.median if survival is not None else math.nan
-        reached = cell.draws[0].height_levels
-        return Figure(outcome(cell.draws[:1]).rstrip(" ✓✗"), reached if math.isinf(sort) else sort)
-    fallen = sum(life.fell for life in cell.lifetimes.values())
+        reached = group.draws[0].height_levels
+        return Figure(outcome(group.draws[:1]).rstrip(" ✓✗"), reached if math.isinf(sort) else sort)
+    fallen = sum(life.fell for life in group.lifetimes.values())
     if not fallen:
-        least = min(life.level for life in cell.lifetimes.values())
-        return Figure(f"none fell, ≥{least}{adopted_mark(cell.draws)}", least)
-    text = f"{median_level(survival)}; {fallen} of {len(cell.lifetimes)} fell{adopted_mark(cell.draws)}"
+        least = min(life.level for life in group.lifetimes.values())
+        return Figure(f"none fell, ≥{least}{adopted_mark(group.draws)}", least)
+    text = f"{median_level(survival)}; {fallen} of {len(group.lifetimes)} fell{adopted_mark(group.draws)}"
     return Figure(text, min(survival.median, float(survival.level[-1])))
 
 
-def _measured(cell: Group, field: str, digits: int, scale: float) -> Figure:
-    estimate = cell.estimate(field)
+def _measured(group: Group, field: str, digits: int, scale: float) -> Figure:
+    estimate = group.estimate(field)
     return Figure(told(estimate, digits, scale), math.nan if estimate is None else estimate.value * scale)
 
 
-def _timed(cell: Group, field: str) -> Figure:
-    estimate = cell.estimate(field)
+def _timed(group: Group, field: str) -> Figure:
+    estimate = group.estimate(field)
     if estimate is None:
         return Figure(NOTHING, math.nan)
-    spread = deviation(cell.values(field))
+    spread = deviation(group.values(field))
     return Figure(f"{estimate.value:.3f}" + ("" if spread is None else f" ± {spread:.3f}"), estimate.value)
 
 
-def _ratio(cell: Group) -> Figure:
-    estimate = cell.estimate("frame_ratio")
+def _ratio(group: Group) -> Figure:
+    estimate = group.estimate("frame_ratio")
     return Figure(told(estimate, 2), math.nan if estimate is None else estimate.value)
 
 

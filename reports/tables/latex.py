@@ -9,7 +9,7 @@ from pathlib import Path
 
 import jinja2
 
-from reports.statistics.groups import Group
+from reports.statistics.groups import Group, grouped
 from reports.statistics.intervals import deviation
 from reports.statistics.pairs import ALL, PairRow
 from reports.statistics.success_rates import MISSES
@@ -80,10 +80,7 @@ def table_to_latex(table: Table) -> str:
 
 
 def _by_scene(rows: Sequence[MatrixRow]) -> list[list[list[str]]]:
-    scenes: dict[str, list[list[str]]] = {}
-    for row in rows:
-        scenes.setdefault(row.cell.key.scene, []).append(_cells(row))
-    return list(scenes.values())
+    return [[_entries(row) for row in of_scene] for of_scene in grouped(rows, "group.key.scene").values()]
 
 
 def _template(name: str) -> jinja2.Template:
@@ -108,14 +105,14 @@ def _label(name: str) -> str:
 
 
 def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str]]]:
-    """Rows of a heading, each with its name and its cells, under that heading."""
+    """Rows of a heading, each with its name and its entries, under that heading."""
     groups: dict[str, list[list[str]]] = {}
     for heading, name, row in rows:
-        groups.setdefault(heading, []).append([escape(name), *_pair_cells(row)])
+        groups.setdefault(heading, []).append([escape(name), *_pair_entries(row)])
     return groups
 
 
-def _pair_cells(row: PairRow) -> list[str]:
+def _pair_entries(row: PairRow) -> list[str]:
     if row.success_rates is None:
         return ["0", *["--"] * (1 + len(MISSES)), str(row.undecided)]
     told = [percent(getattr(row.success_rates, name)).replace(" %", "") for name in ("right", *MISSES)]
@@ -133,10 +130,10 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     return text if uncertainty is None else f"{text}({math.ceil(uncertainty * 10**_DECIMALS)})"
 
 
-def _cells(row: MatrixRow) -> list[str]:
-    key = row.cell.key
+def _entries(row: MatrixRow) -> list[str]:
+    key = row.group.key
     told = {column.title: figure.text for column, figure in zip(COLUMNS, row.figures, strict=True)}
-    times = [_time(row.cell, field) for field in ("frame_ms_p50", "frame_ms_p99")]
+    times = [_time(row.group, field) for field in ("frame_ms_p50", "frame_ms_p99")]
     return [
         *map(escape, key),
         told["seeds"],
@@ -146,9 +143,9 @@ def _cells(row: MatrixRow) -> list[str]:
     ]
 
 
-def _time(cell: Group, field: str) -> str:
-    estimate = cell.estimate(field)
-    return "{--}" if estimate is None else with_uncertainty(estimate.value, deviation(cell.values(field)))
+def _time(group: Group, field: str) -> str:
+    estimate = group.estimate(field)
+    return "{--}" if estimate is None else with_uncertainty(estimate.value, deviation(group.values(field)))
 
 
 def _dash(text: str) -> str:

@@ -54,7 +54,7 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
 
 
 def outcome(trials: Sequence[TrialRecord]) -> str:
-    """One cell: how the trials of one scene, engine and policy ended, and whether that was right."""
+    """One entry: how the trials of one scene, engine and policy ended, and whether that was right."""
     if not trials:
         return NOTHING
     judged, mark_of_adopted = judged_trials(trials), adopted_mark(trials)

@@ -1,4 +1,4 @@
-"""Poured heaps, policy by policy: how soon they rest, how still they lie, how high they are, what they cost."""
+"""Poured piles, policy by policy: how soon they rest, how still they lie, how high they are, what they cost."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ FIGURES = (
 
 
 def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """One table of all poured heaps; none if there are none."""
+    """One table of all poured piles; none if there are none."""
     poured = [record for record in records if record.repose_deg is not None]
     if not poured:
         return []
     rows = []
-    for cell in groups_of(poured):
-        key, trials = cell.key, cell.trials
+    for group in groups_of(poured):
+        key, trials = group.key, group.trials
         engine = key.engine if len({record.profile for record in poured}) == 1 else f"{key.engine} {key.profile}"
         cut_off = any(trial.status in CENSORED for trial in trials)
         bricks = statistics.median(trial.height_levels for trial in trials)
-        cells = [_median(cell.values(field), form, scale) for _, field, form, scale in FIGURES]
-        if cells[0] == NOTHING:
-            cells[0] = "moves"
-        rows.append((key.scene, engine, key.policy, f"{'≥' if cut_off else ''}{bricks:g}", *cells))
+        entries = [_median(group.values(field), form, scale) for _, field, form, scale in FIGURES]
+        if entries[0] == NOTHING:
+            entries[0] = "moves"
+        rows.append((key.scene, engine, key.policy, f"{'≥' if cut_off else ''}{bricks:g}", *entries))
     notes = (
         "Bricks poured (≥: stopped by the time limit); seconds from the last one until none moves faster than 10 mm/s "
         "(“moves”: some did to the end); height of the top [mm]; angle of repose [deg], of the cone with the same "

@@ -57,9 +57,9 @@ def _level(level: float, highest: float) -> str:
     return f">{highest:g}" if math.isinf(level) else f"{level:g}"
 
 
-def troubles(cell: Group) -> str:
-    """What kept trials of a cell from their end: ``2 of 20 timed out``; empty if nothing did."""
-    counts = {status: sum(trial.status == status for trial in cell.draws) for status in _WENT_WRONG}
+def troubles(group: Group) -> str:
+    """What kept trials of a group from their end: ``2 of 20 timed out``; empty if nothing did."""
+    counts = {status: sum(trial.status == status for trial in group.draws) for status in _WENT_WRONG}
     return ", ".join(
-        f"{count} of {len(cell.draws)} {_WENT_WRONG[status][count > 1]}" for status, count in counts.items() if count
+        f"{count} of {len(group.draws)} {_WENT_WRONG[status][count > 1]}" for status, count in counts.items() if count
     )
