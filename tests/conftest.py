@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,6 +17,10 @@ from bench.compare.benchmarks import FORMAT
 
 COLUMNS = ("median", "mean", "min", "max", "stddev", "rounds")
 """Of the tables of benchmarks: what fits a line."""
+
+MOST_WORKERS = 4
+"""Processes that share the tests: each may run a study of its own, of two processes more."""
+WARM_UP = "import bench; from stability_core import POLICIES, warm_up; [warm_up(policy) for policy in POLICIES]"
 
 # No deadline: the first example of a kernel compiles it, and these machines are noisy.
 # Derandomised: a run of CI must not fail by the luck of the draw.
@@ -31,6 +39,19 @@ def pytest_configure(config: pytest.Config) -> None:
         option.benchmark_autosave = get_tag()
     option.benchmark_save_data = True
     option.benchmark_columns = option.benchmark_columns or list(COLUMNS)
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """Return the number of worker processes: several for the whole suite, none for a part of it or for benchmarks."""
+    is_timed = config.option.benchmark_only or config.option.benchmark_enable
+    is_whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not config.option.keyword
+    return min(len(os.sched_getaffinity(0)), MOST_WORKERS) if is_whole and not is_timed else 0
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the core's kernels once, before worker processes would each compile their own."""
+    if session.config.pluginmanager.hasplugin("dsession"):  # in the process that has workers, and in no worker
+        subprocess.run([sys.executable, "-c", WARM_UP], cwd=Path(__file__).parents[1], check=True)
 
 
 def pytest_benchmark_update_json(config: pytest.Config, output_json: dict[str, Any]) -> None:

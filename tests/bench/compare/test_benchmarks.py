@@ -14,6 +14,8 @@ from bench.compare.baseline import write_baseline
 from bench.compare.benchmarks import FORMAT, MOST, read_benchmarks
 
 ROOT = Path(__file__).parents[3]
+ALONE = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+"""The environment without what tells pytest-benchmark that it runs in a worker process, where it times nothing."""
 SECONDS, FRAMES = 4, 5
 PROCESSOR = """
 def pytest_benchmark_update_machine_info(config, machine_info):
@@ -67,7 +69,7 @@ def run(tmp_path_factory):
         path = folder / f"{frame_ms}.json"
         if not path.exists():
             command = [sys.executable, "-m", "pytest", "-q", "--rootdir", str(folder), f"--benchmark-json={path}"]
-            environment = os.environ | {"FRAME_MS": str(frame_ms)}
+            environment = ALONE | {"FRAME_MS": str(frame_ms)}
             subprocess.run([*command, str(folder)], cwd=folder, env=environment, check=True, capture_output=True)
         return path
 
@@ -244,7 +246,7 @@ def test_benchmarks_and_trials_are_not_mixed(base, make, tmp_path) -> None:
 def test_the_suites_own_benchmarks_are_run_and_saved_by_benchmark_only(tmp_path) -> None:
     command = [sys.executable, "-m", "pytest", "-q", "--benchmark-only", f"--benchmark-storage={tmp_path}"]
     command += ["-p", "no:cacheprovider", "tests/benchmarks/test_frame_speed.py", "-k", "mujoco-5-"]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    subprocess.run(command, cwd=ROOT, env=ALONE, check=True, capture_output=True)
     (path,) = tmp_path.rglob("*.json")
     (cell,) = read_benchmarks(path).ratios
     assert str(cell) == "mujoco.game.plank_tower-5.equilibrium"
