@@ -15,6 +15,7 @@ from stability_core.explanation import explain
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
+from stability_core.policies.base import NOBODY
 from stability_core.port import BoolArray, Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
 from stability_core.stack import (
@@ -42,6 +43,8 @@ class Change(NamedTuple):
     """Bodies woken in this frame, by rising id."""
     reasons: Mapping[int, str]
     """Why, for each of them."""
+    deferred: tuple[int, ...] = ()
+    """Bodies at rest that are judged in the next frame, by rising id: the budget of this one was spent."""
 
 
 DRAGGED_ALONG = 3
@@ -237,7 +240,7 @@ class StabilityExtension:
         if due == 0 and not self._is_pending:
             return UNCHANGED
         self._is_pending = False
-        return self._settle(rows)
+        return self._settle(rows, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
         """Judge bodies that are in place by statics, at once: freeze those that stand, without waiting for their rest.
@@ -264,7 +267,7 @@ class StabilityExtension:
         wanted = np.flatnonzero(table["state"] == LIVE) if bodies is None else self._world.rows_of(bodies)
         self._make_due(wanted[self._is_in_place(table[wanted])])
         self._is_pending = False
-        return self._settle(seen[1])
+        return self._settle(seen[1], math.inf)
 
     def _check_open(self) -> None:
         if self._is_closed:
@@ -345,8 +348,8 @@ class StabilityExtension:
                 note_change(self._world.graph, row)
                 self._is_pending = True
 
-    def _settle(self, contacts: int) -> Change:
-        """Let the policy freeze what is stable, and wake what is not, with all that rests on it.
+    def _settle(self, contacts: int, budget: float) -> Change:
+        """Let the policy freeze what is stable within its ``budget``, and wake what is not, with all that rests on it.
 
         Each of so many ``contacts`` may lay a patch for either body, before and after that is frozen.
         """
@@ -357,13 +360,14 @@ class StabilityExtension:
         if moved:
             self._leave_moved(self._world.watch.due[MOVED, 1 : 1 + moved], woken)
         self._world.make_room(4 * contacts)
-        frozen, unbalanced = self.policy.settle(self._world.graph, self._world.watch)
+        self.policy.budget = budget
+        frozen, unbalanced, deferred = self.policy.settle(self._world.graph, self._world.watch)
         struck = self._world.watch.due.item(STRUCK, 0)
         if struck:
             self._wake_struck(self._world.watch.due[STRUCK, 1 : 1 + struck].copy(), frozen, woken)
         if len(unbalanced):
             self._wake_above(unbalanced, "unbalanced", frozen, woken)
-        return self._tell(frozen, woken)
+        return self._tell(frozen, woken, deferred)
 
     def _wake_struck(self, struck: IntArray, frozen: dict[int, str], woken: dict[int, str]) -> None:
         """Wake what blows move: what they fling away drags its neighbours along, within the same engine step."""
@@ -391,10 +395,11 @@ class StabilityExtension:
                 if frozen.pop(row, None) is None:
                     woken[row] = reason if row in roots else f"rested on what was {reason}"
 
-    def _tell(self, frozen: dict[int, str], woken: dict[int, str]) -> Change:
+    def _tell(self, frozen: dict[int, str], woken: dict[int, str], deferred: IntArray = NOBODY) -> Change:
         """One sleep and one wake batch for the engine; rows become ids here."""
+        later = tuple(np.sort(self._world.ids[deferred]).tolist()) if len(deferred) else ()
         if not frozen and not woken:
-            return UNCHANGED
+            return UNCHANGED._replace(deferred=later) if later else UNCHANGED
         asleep, awake = self._by_id(frozen), self._by_id(woken)
         try:
             if asleep:
@@ -410,7 +415,7 @@ class StabilityExtension:
             raise
         reasons = asleep | awake if awake else asleep
         self._reasons.update(reasons)
-        return Change(tuple(asleep), tuple(awake), reasons)
+        return Change(tuple(asleep), tuple(awake), reasons, later)
 
     def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
         """Return what is said of rows as said of bodies, by rising id."""

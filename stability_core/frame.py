@@ -221,7 +221,9 @@ def observe(
     next_frame(sizes, latest, clock, dt)
     note_sizes(bodies, rows_a, rows_b, point, separation)
     if kinematic > 0:
-        moved = list_carried(bodies, rows_a, rows_b, separation, relative_velocity, limit, due[MOVED, 1:], moved)
+        moved = list_carried(
+            bodies, rows_a, rows_b, normal, separation, relative_velocity, limit, dt, due[MOVED, 1:], moved
+        )
     due[MOVED, 0] = moved
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
     due[STRUCK, 0] = list_struck(

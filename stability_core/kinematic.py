@@ -5,9 +5,9 @@ Lifts, doors, conveyor belts. A kinematic body is FIXED or MOVING:
 - FIXED: it keeps its place. It counts as ground: bodies may freeze on it, and statics takes it for immovable.
 - MOVING: nothing may freeze on it. What rested on it wakes in the frame in which it begins to move.
 
-It begins to move when its centre leaves its place by ``steady_shift`` sizes of the smallest body that has touched it,
-and is fixed again once it has kept its place for ``still_s``. A body that moves in its place, as a belt or a turntable
-does, shows at its contacts with frozen bodies: these wake.
+It begins to move when its centre, or its surface below a frozen body, has gone ``steady_shift`` sizes of the smallest
+body that has touched it, and is fixed again once it has kept its place for ``still_s``. The way of its surface is the
+sum of the greatest relative speeds at its contacts with frozen bodies: so turns about its centre and belts show.
 """
 
 from __future__ import annotations
@@ -21,13 +21,17 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 
 @compiled
-def _keeps_place(row: Bodies, limits: Limits) -> bool:
+def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
     """True if a kinematic body is where it was; its place follows it while nothing has touched it yet."""
     moved = 0.0
     for k in range(3):
         moved += (row.center[k] - row.still_center[k]) ** 2
-    if np.isfinite(row.least_load) and moved > (limits.steady_shift * row.least_load) ** 2:
-        return False
+    row.swept += row.sweep * dt
+    row.sweep = 0.0
+    if np.isfinite(row.least_load):
+        most = limits.steady_shift * row.least_load
+        if moved > most**2 or row.swept > most:
+            return False
     if not np.isfinite(row.least_load):
         for k in range(3):
             row.still_center[k] = row.center[k]
@@ -40,6 +44,7 @@ def _begin(row: Bodies) -> bool:
     row.state = FIXED if row.state == ABSENT else MOVING
     row.mass = np.inf
     row.size, row.least_load, row.still_s = 0.0, np.inf, 0.0
+    row.swept = row.sweep = 0.0
     row.held = row.is_load = row.unsettled = False
     return bool(row.state == MOVING)
 
@@ -47,12 +52,12 @@ def _begin(row: Bodies) -> bool:
 @compiled
 def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
     """Tell from its centre whether a kinematic body is FIXED or MOVING; True if it has just begun to move."""
-    if _keeps_place(row, limits):
+    if _keeps_place(row, limits, dt):
         row.still_s += dt
         if row.still_s >= limits.still_s - ROUNDING_S:
             row.state = FIXED
         return False
-    row.still_s = 0.0
+    row.still_s = row.swept = 0.0
     for k in range(3):
         row.still_center[k] = row.center[k]
     begins = row.state == FIXED
@@ -103,9 +108,11 @@ def list_carried(
     bodies: Bodies,
     body_a: IntArray,
     body_b: IntArray,
+    normal: FloatArray,
     separation: FloatArray,
     relative_velocity: FloatArray,
     limits: Limits,
+    dt: float,
     moved: IntArray,
     n: int,
 ) -> int:
@@ -115,9 +122,11 @@ def list_carried(
         bodies: the table, with sizes noted.
         body_a: first bodies, shape (c,); this and what follows as ``Contacts`` has it.
         body_b: second bodies, shape (c,).
+        normal: from a to b, shape (c, 3).
         separation: signed distances [m], shape (c,).
         relative_velocity: of b against a [m/s], shape (c, 3).
         limits: the settings.
+        dt: time since the last frame [s].
         moved: the bodies are written here after the first ``n``, at least c rows more.
         n: how many are there already.
 
@@ -137,11 +146,15 @@ def list_carried(
                 continue  # never for an unknown (NaN) separation: it counts as touch
             row.least_load = min(row.least_load, touching.size)
             if touching.state != FROZEN:
+                for k in range(3):
+                    touching.carrier_normal[k] += normal[i, k] if body == body_a[i] else -normal[i, k]
                 continue
             squared = 0.0
             for k in range(3):
                 squared += relative_velocity[i, k] ** 2
-            if row.state == MOVING or squared > limits.rest_slip**2 * limits.gravity * touching.size:
+            speed = np.sqrt(squared)
+            row.sweep = max(row.sweep, speed)
+            if row.state == MOVING or row.swept + speed * dt > limits.steady_shift * touching.size:
                 moved[n] = other
                 n += 1
     return n

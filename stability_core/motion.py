@@ -31,6 +31,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.idle_s = body.rest_s = body.still_s = body.lean_s = body.load_s = 0.0
             body.steady_s, body.steady_neighbours = 0.0, 0
             body.doubt, body.refusal = PROVEN, NOT_REFUSED
+            body.deferred = False
             body.wakes = 0
             body.size = body.depth = 0.0
         elif body.state == LIVE:
@@ -46,6 +47,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
             body.center[k] = center[i, k]
         body.depth_before = body.depth
         body.slip = body.depth = 0.0
+        body.carrier_normal[:] = 0.0
         body.touches = False
         body.supported_by = body.neighbours = body.frozen_neighbours = 0
     return frozen
@@ -60,10 +62,36 @@ def _squared_distance(a: FloatArray, b: FloatArray) -> float:
 
 
 @compiled
-def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, dt: float) -> None:
+def _turns(body: Bodies, limits: Limits) -> bool:
+    """True in a frame in which a body on kinematic ones has turned with them by ``steady_shift`` [rad] in all.
+
+    Its centre may keep its place meanwhile, and its contacts do not slide.
+    """
+    length = 0.0
+    for k in range(3):
+        length += body.carrier_normal[k] ** 2
+    if length == 0.0:
+        return False
+    length = np.sqrt(length)
+    turned = 0.0
+    for k in range(3):
+        turned += (body.carrier_normal[k] / length - body.still_normal[k]) ** 2
+    if turned <= limits.steady_shift**2:
+        return False
+    for k in range(3):
+        body.still_normal[k] = body.carrier_normal[k] / length
+    return True
+
+
+@compiled
+def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool, dt: float) -> None:
     """Measure for how long a live body has kept its place: at all, and among the same neighbours."""
     shift = limits.steady_shift * body.size
-    if _squared_distance(body.center, body.still_center) <= shift**2 and body.slip <= limits.lean_speed * fall_speed:
+    if (
+        not turns
+        and _squared_distance(body.center, body.still_center) <= shift**2
+        and body.slip <= limits.lean_speed * fall_speed
+    ):
         body.still_s += dt
     else:
         body.still_s = 0.0
@@ -99,14 +127,19 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
         if body.state != LIVE:
             continue
         fall_speed = np.sqrt(limits.gravity * body.size)
-        _time_in_place(body, limits, fall_speed, dt)
+        turns = _turns(body, limits)
+        _time_in_place(body, limits, fall_speed, turns, dt)
         free = body.touches and not body.held
         if body.speed > limits.flight_speed * fall_speed:
             body.wakes = 0
         sinking = abs(body.depth - body.depth_before)
         is_deep = body.depth > limits.rest_penetration * body.size and sinking > limits.rest_sinking * fall_speed * dt
-        slow = body.speed <= limits.rest_speed * fall_speed and body.slip <= limits.rest_slip * fall_speed
-        leans = body.speed <= limits.lean_speed * fall_speed and body.depth <= limits.lean_penetration * body.size
+        slow = not turns and body.speed <= limits.rest_speed * fall_speed and body.slip <= limits.rest_slip * fall_speed
+        leans = (
+            not turns
+            and body.speed <= limits.lean_speed * fall_speed
+            and body.depth <= limits.lean_penetration * body.size
+        )
         lies = body.supported_by != 0 and not body.held and body.speed <= limits.load_speed * fall_speed
         body.idle_s = body.idle_s + dt if slow and not is_deep and not body.held else 0.0
         body.is_resting = body.idle_s >= limits.rest_s - ROUNDING_S
@@ -118,13 +151,13 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
 
 
 @compiled
-def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool) -> bool:
+def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool, deferred: bool) -> bool:
     """True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later.
 
-    With ``rarely``, the times between double.
+    With ``rarely``, the times between double. If the body was ``deferred``, true in any frame from then on.
     """
     late = elapsed - dwell + ROUNDING_S
-    if late < dt:
+    if late < dt or deferred:
         return bool(late >= 0.0)
     times = int(late / again)
     if times == int((late - dt) / again):
@@ -149,8 +182,9 @@ def list_due(
 ) -> tuple[int, int]:
     """Write down the bodies whose stability must be decided now; returns how many.
 
-    A body that was refused is asked again after ``rest_s`` more. While it keeps its place, and its neighbours theirs,
-    one that would fall is asked after 2, 4, 8 times that, and one in doubt not before ``doubt_s``: solves are dear.
+    A body that was deferred is asked in the next frame, one that was refused after ``rest_s`` more. While it keeps its
+    place, and its neighbours theirs, one that would fall is asked after 2, 4, 8 times that, and one in doubt not before
+    ``doubt_s``: solves are dear.
 
     Args:
         bodies: the table.
@@ -173,10 +207,11 @@ def list_due(
         if is_as_refused and body.refusal == DOUBTED and body.steady_s < limits.doubt_s - ROUNDING_S:
             continue
         rarely = is_as_refused and body.refusal == FALLS
-        if _is_asked(dwell - patience, limits.rest_s, limits.rest_s, dt, rarely):
+        again, body.deferred = body.deferred, False
+        if _is_asked(dwell - patience, limits.rest_s, limits.rest_s, dt, rarely, again):
             at_rest[n] = ids[i]
             n += 1
-        if _is_asked(body.lean_s - patience, limits.lean_s, limits.rest_s, dt, rarely):
+        if _is_asked(body.lean_s - patience, limits.lean_s, limits.rest_s, dt, rarely, again):
             leaning[m] = ids[i]
             m += 1
     return n, m

@@ -138,6 +138,12 @@ class Settings:
         "statics gives the same verdict at any strength of gravity; limits of speed grow with its square root only",
     )
 
+    budget: float = _setting(
+        24.0,
+        "bodies a frame",
+        "candidates are deferred to the next frame once statics was solved for so many bodies, which takes some "
+        "milliseconds; ``adopt`` knows no budget",
+    )
     longest_calm_s: float = _setting(
         4.0, "s", "what is woken again and again waits twice as long each time, up to this: a pile that is built moves"
     )

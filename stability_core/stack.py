@@ -44,6 +44,8 @@ BODY = np.dtype(
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
         ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
         ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
+        ("swept", "f8"),  # of a kinematic body: way of its surface below frozen ones since it was still [m]
+        ("sweep", "f8"),  # likewise: the greatest speed of that in this frame [m/s]
         # the mean push of live bodies on a frozen one: see ``pushes``
         ("push", "f8", (3,)),  # [N]
         ("push_began_s", "f8"),  # when that began [s]
@@ -69,6 +71,8 @@ BODY = np.dtype(
         ("idle_s", "f8"),  # at rest by the strict rule, whatever it touches
         ("is_resting", "?"),  # that for as long as freezing asks for
         ("wakes", "i8"),  # how often it was woken since it was last in flight
+        ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies that it touches, in this frame
+        ("still_normal", "f8", (3,)),  # their direction, unit, when it last turned by ``steady_shift``
         # for how long it has kept its place among the same neighbours
         ("steady_s", "f8"),  # [s]
         ("steady_center", "f8", (3,)),  # centre of mass when that began [m]
@@ -79,6 +83,7 @@ BODY = np.dtype(
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
         ("refused_among", "u8"),  # its frozen neighbours at that time
+        ("deferred", "?"),  # due, but there was no budget left to judge it: asked again in the next frame
         # a live body that lies on the stack and whose patches stand in the graph
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
@@ -373,6 +378,13 @@ def empty_graph() -> Graph:
     return Graph(np.zeros(0, BODY), np.zeros(0, PATCH), np.zeros(1, np.int64), np.zeros(1, np.int64))
 
 
+def _longer(table: Any, rows: int, used: IntArray | slice) -> Any:
+    """A table with so many rows, the ``used`` ones copied: the others stay untouched memory until they are used."""
+    longer = np.zeros(rows, table.dtype)
+    longer[used] = table[used]
+    return longer
+
+
 def grown(graph: Graph, bodies: int, spare: int) -> Graph:
     """The graph with so many rows for ``bodies`` and at least ``spare`` free patches.
 
@@ -382,15 +394,16 @@ def grown(graph: Graph, bodies: int, spare: int) -> Graph:
     if bodies <= len(body_rows) and spare <= free[0]:
         return graph
     if bodies > len(body_rows):
-        fresh = np.zeros(max(bodies, 2 * len(body_rows), 64) - len(body_rows), BODY)
-        fresh["first_support"] = fresh["first_load"] = NONE
-        body_rows = np.concatenate([body_rows, fresh])
-        changed = np.concatenate([changed, np.zeros(len(fresh), np.int64)])
+        old = len(body_rows)
+        body_rows = _longer(body_rows, max(bodies, 2 * old, 64), slice(old))
+        body_rows["first_support"][old:] = body_rows["first_load"][old:] = NONE
+        changed = _longer(changed, 1 + len(body_rows), slice(len(changed)))
     if spare > free[0]:
-        old = len(patch_rows)
+        old, listed = len(patch_rows), free[1 : 1 + free[0]]
         added = max(spare, old, 256)
-        patch_rows = np.concatenate([patch_rows, np.zeros(added, PATCH)])
-        listed = free[1 : 1 + free[0]]
+        is_used = np.ones(old, np.bool_)
+        is_used[listed] = False
+        patch_rows = _longer(patch_rows, old + added, np.flatnonzero(is_used))
         free = np.zeros(1 + len(patch_rows), np.int64)
         free[0] = len(listed) + added
         free[1 : 1 + free[0]] = np.concatenate([listed, np.arange(old, old + added)])

@@ -9,7 +9,7 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.contact_filter import size_of_pair
 from stability_core.equilibrium.memory import Memory, is_known
-from stability_core.equilibrium.problem import Problem
+from stability_core.equilibrium.problem import Problem, add_wrench
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.stack import NONE, SUPPORT, Graph, is_ground, is_stack
 
@@ -121,17 +121,6 @@ def _add_kept_forces(
             for vertex in range(patch.vertices):
                 _lever(graph, at, vertex, 0.0, body, lever)
                 add_wrench(load[i], sign, memory.force[at, vertex], lever, size[i])
-
-
-@compiled
-def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArray, size: float) -> None:
-    """Add ``sign`` times a force [N] at a ``lever`` [m] to a force and moment over ``size`` [m], shape (6,)."""
-    load[0] += sign * force[0]
-    load[1] += sign * force[1]
-    load[2] += sign * force[2]
-    load[3] += sign * (lever[1] * force[2] - lever[2] * force[1]) / size
-    load[4] += sign * (lever[2] * force[0] - lever[0] * force[2]) / size
-    load[5] += sign * (lever[0] * force[1] - lever[1] * force[0]) / size
 
 
 @compiled

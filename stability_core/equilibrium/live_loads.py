@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.equilibrium.assembly import FIXED, Part, add_wrench, part_of
+from stability_core.equilibrium.assembly import FIXED, Part, part_of
 from stability_core.equilibrium.memory import Memory
 from stability_core.equilibrium.newton import nearest_forces
+from stability_core.equilibrium.problem import add_wrench
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.pushes import is_push
 from stability_core.settings import Limits

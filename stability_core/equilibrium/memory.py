@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.equilibrium.problem import add_wrench
 from stability_core.port import FloatArray, IntArray
 from stability_core.stack import MAX_VERTICES, NONE, Graph, is_stack
 
@@ -33,7 +34,8 @@ def memory_for(patches: int, known: Memory | None = None) -> Memory:
     """A table for so many rows of patches, with what is ``known`` taken over."""
     fresh = Memory(np.full((patches, 3), NONE), np.zeros((patches, MAX_VERTICES, 3)))
     if known is not None:
-        fresh.pair[: len(known.pair)], fresh.force[: len(known.pair)] = known
+        rows = np.flatnonzero(known.pair[:, 0] != NONE)
+        fresh.pair[rows], fresh.force[rows] = known.pair[rows], known.force[rows]
     return fresh
 
 
@@ -63,7 +65,7 @@ def is_held(graph: Graph, memory: Memory, body: int, gravity: float) -> bool:
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
-    rest = np.zeros(6)
+    rest, lever = np.zeros(6), np.empty(3)
     rest[2] = row.mass * gravity
     largest, size = rest[2], row.size
     for upwards in range(2):
@@ -79,15 +81,9 @@ def is_held(graph: Graph, memory: Memory, body: int, gravity: float) -> bool:
                 force = memory.force[here, vertex]
                 if not _is_in_cone(force, patch.normal, patch.friction):
                     return False
-                x = patch.vertex[vertex, 0] - row.center[0]
-                y = patch.vertex[vertex, 1] - row.center[1]
-                z = patch.vertex[vertex, 2] - row.center[2]
-                rest[0] += sign * force[0]
-                rest[1] += sign * force[1]
-                rest[2] += sign * force[2]
-                rest[3] += sign * (y * force[2] - z * force[1]) / size
-                rest[4] += sign * (z * force[0] - x * force[2]) / size
-                rest[5] += sign * (x * force[1] - y * force[0]) / size
+                for k in range(3):
+                    lever[k] = patch.vertex[vertex, k] - row.center[k]
+                add_wrench(rest, sign, force, lever, size)
                 largest = max(largest, abs(force[0]), abs(force[1]), abs(force[2]))
     return bool(np.abs(rest).max() <= KEPT_BALANCED * largest)
 
@@ -110,7 +106,7 @@ def recall(graph: Graph, memory: Memory, patches: IntArray, contacts: int) -> Fl
     c = 0
     for at in patches:
         size = graph.patches[at].vertices
-        if _is_of(graph, at, memory.pair[at]):
+        if is_known(graph, memory, at):
             force[c : c + size] = memory.force[at, :size]
         c += size
     return force

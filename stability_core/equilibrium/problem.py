@@ -58,6 +58,17 @@ def along_contacts(problem: Problem, motion: FloatArray, velocity: FloatArray) -
 
 
 @compiled
+def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArray, size: float) -> None:
+    """Add ``sign`` times a force [N] at a ``lever`` [m] to a force and moment over ``size`` [m], shape (6,)."""
+    load[0] += sign * force[0]
+    load[1] += sign * force[1]
+    load[2] += sign * force[2]
+    load[3] += sign * (lever[1] * force[2] - lever[2] * force[1]) / size
+    load[4] += sign * (lever[2] * force[0] - lever[0] * force[2]) / size
+    load[5] += sign * (lever[0] * force[1] - lever[1] * force[0]) / size
+
+
+@compiled
 def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
     """The rest w - A f, (n, 6): what the contact forces (m, 3) leave unbalanced of each body's load."""
     rest[:] = problem.load
@@ -67,14 +78,8 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
             (1.0, problem.body_a[c], problem.lever_a[c]),
             (-1.0, problem.body_b[c], problem.lever_b[c]),
         ):
-            if body < 0:
-                continue
-            rest[body, 0] += sign * f[0]
-            rest[body, 1] += sign * f[1]
-            rest[body, 2] += sign * f[2]
-            rest[body, 3] += sign * (r[1] * f[2] - r[2] * f[1])
-            rest[body, 4] += sign * (r[2] * f[0] - r[0] * f[2])
-            rest[body, 5] += sign * (r[0] * f[1] - r[1] * f[0])
+            if body >= 0:
+                add_wrench(rest[body], sign, f, r, 1.0)
 
 
 @compiled

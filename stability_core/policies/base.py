@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import ClassVar, NamedTuple
 
@@ -22,6 +23,8 @@ class Decision(NamedTuple):
     """The bodies that join the stack, each with the reason; they are marked as FROZEN."""
     unbalanced: IntArray
     """The frozen bodies that no longer balance, shape (k,)."""
+    deferred: IntArray = NOBODY
+    """The live bodies that there was no budget left to judge, shape (m,): they are asked again in the next frame."""
 
 
 class Policy(ABC):
@@ -36,6 +39,9 @@ class Policy(ABC):
         self.gravity = gravity
         self.settings = settings
         self.limits = settings.limits(gravity)
+        self.budget = math.inf
+        """For each call of ``settle``: after statics was solved for so many bodies, further candidates are deferred.
+        Only freezing is: whether what is frozen still balances is judged in any case."""
 
     def set_gravity(self, gravity: float) -> None:
         """Judge by another strength of gravity [m/s2], or another direction: nothing proven before holds any more.

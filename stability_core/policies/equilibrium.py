@@ -14,6 +14,7 @@ place for ``doubt_s`` under the present contacts, and wakes at any change of con
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -42,12 +43,18 @@ from stability_core.stack import (
     PROVEN,
     Graph,
 )
-from stability_core.watch import PUSHED, TOLD, Watch, listed
+from stability_core.watch import NOW, PUSHED, TOLD, Watch, listed
 
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
 UNCERTAIN = 0.2
 """Share of the greatest load that may lack where loads are estimates: contact forces tremble by as much."""
+TOGETHER = 12
+"""Up to how many candidates are judged together within a budget: what holds each other in a pile are a few bodies, and
+a solve of fifty that lean on each other takes half a second."""
+DEAR = 16
+"""How many bodies make a solve dear: what it leaves in doubt is not judged again within ``doubt_s``, whatever happens
+around it."""
 FEW_TOGETHER = 16
 """Up to how many bodies the live ones are solved together with the stack that they press on; if they stand on level
 contacts up to ``FEW_BODIES``."""
@@ -81,6 +88,12 @@ class Equilibrium(Policy):
         self._wake_margin, self._wake_grip = settings.wake_margin, WAKE_GRIP
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
         """Displacements to which loading last came, by body: where it looks first for the next."""
+        self._solved = 0
+        """Bodies for which statics was solved in this frame."""
+        self._not_before = np.zeros(0)
+        """Time [s] from which on a body may be judged again, by body: see ``DEAR``."""
+        self._dear: list[int] = []
+        """Bodies that a dear solve has left in doubt in this frame."""
         self._lift = np.zeros((0, 6))
         """Where the search for the loads of live bodies begins, by body."""
 
@@ -108,6 +121,7 @@ class Equilibrium(Policy):
             more = len(graph.bodies) - self._sag.shape[1]
             self._sag = np.concatenate([self._sag, np.zeros((len(STIFFNESSES), more, 6))], axis=1)
             self._lift = np.concatenate([self._lift, np.zeros((more, 6))])
+            self._not_before = np.concatenate([self._not_before, np.zeros(more)])
         if len(graph.patches) > len(self._memory.pair):
             self._memory = memory_for(len(graph.patches), self._memory)
         safe, left, unsolved = settle_safely(
@@ -121,9 +135,13 @@ class Equilibrium(Policy):
             self.limits,
             self._found,
         )
-        reasons = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region")
+        reasons, deferred = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region"), NOBODY
         if left:
-            together, patches = self._freeze_together(graph, self._found[LEFT, :left].copy())
+            group, now = self._found[LEFT, :left].copy(), watch.clock.item(NOW)
+            if math.isfinite(self.budget):
+                group = _chosen(group, self._not_before[group] <= now)
+            together, patches, deferred = self._freeze_together(graph, group)
+            self._not_before[self._dear] = now + self.settings.doubt_s
             reasons.update(together)
             unsolved = finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
@@ -132,23 +150,36 @@ class Equilibrium(Policy):
             changed = _together(changed, listed(watch, PUSHED))
         unbalanced = self._unbalanced(graph, watch, changed) if len(changed) else NOBODY
         self._wake_margin, self._wake_grip = self.settings.wake_margin, WAKE_GRIP
-        return Decision(reasons, unbalanced)
+        return Decision(reasons, unbalanced, deferred)
 
-    def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray]:
-        """Freeze of the candidates ``group`` what stands, each part of the stack by itself.
+    def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray, IntArray]:
+        """Freeze of the candidates ``group`` what stands, each part of the stack by itself, as far as the budget goes.
 
-        Returns what was frozen, with the reasons, and the rows of the patches that were solved.
+        Returns what was frozen, with the reasons; the rows of the patches that were solved; and what was deferred.
         """
         reasons: dict[int, str] = {}
         solved = [group[:0]]
-        while len(group):
+        self._solved, self._dear = 0, []
+        while len(group) and self._solved < self.budget:
             ids = component(graph, group[:1], group)
             part = group[np.isin(group, ids)]
-            group = group[~np.isin(group, ids)]
-            frozen, reason, patches = self._freeze_part(graph, part)
+            batch = self._batch(graph, part)
+            group = np.setdiff1d(group, batch)
+            frozen, reason, patches = self._freeze_part(graph, batch)
             reasons.update(dict.fromkeys(frozen.tolist(), reason))
             solved.append(patches)
-        return reasons, np.concatenate(solved)
+        graph.bodies["deferred"][group] = True
+        return reasons, np.concatenate(solved), group
+
+    def _batch(self, graph: Graph, part: IntArray) -> IntArray:
+        """Return the candidates of a ``part`` that are judged together, (k,): within a budget the lowest few.
+
+        What stands on level contacts alone is cheap to judge, however much it is.
+        """
+        if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
+            return part
+        lowest = part[np.argsort(graph.bodies["center"][part, 2], kind="stable")]
+        return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
         """The bodies to be solved for the ``seeds``: what bears them, the rest as it was; then all, if they are few.
@@ -169,6 +200,7 @@ class Equilibrium(Policy):
 
     def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray) -> Answer:
         """``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
+        self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
         sag = np.ascontiguousarray(self._sag[:, part.ids])  # as the kernels are compiled for it
         answer = decide(problem, part.level, start, changed, sag)
@@ -205,6 +237,8 @@ class Equilibrium(Policy):
             if verdict == "doubt":
                 goes |= bodies["steady_s"][group] < self.settings.doubt_s - ROUNDING_S
             refused = group[goes] if goes.any() else group
+            if verdict == "doubt" and len(ids) > DEAR:
+                self._dear += refused.tolist()
             bodies["refusal"][refused] = DOUBTED if verdict == "doubt" else FALLS
             bodies["refused_among"][refused] = bodies["frozen_neighbours"][refused]
             if not goes.any():

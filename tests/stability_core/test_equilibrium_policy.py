@@ -208,3 +208,42 @@ def test_a_lost_support_is_noticed(port, extension):
     assert not extension.update(DT).woken
     port.remove(2)
     assert extension.update(DT).woken == (3,)
+
+
+def many_leaning_pairs(port, pairs: int) -> None:
+    """Inverted Vs of 63 deg side by side: each pair of planks can only be judged together."""
+    for pair in range(pairs):
+        for side in (-1, 1):
+            body = 2 * pair + (side > 0)
+            port.add(body, (pair + side * 0.025, 0.0, 0.05))
+            port.touch(body, GROUND, [(pair + side * 0.05, y, 0.0) for y in DEEP])
+        port.touch(2 * pair + 1, 2 * pair, [(pair, y, 0.1) for y in DEEP], normal=(1.0, 0.0, 0.0))
+
+
+def test_freezing_beyond_the_budget_is_deferred_by_a_frame_and_told(port):
+    """A budget of 4 bodies a frame is spent by two pairs."""
+    many_leaning_pairs(port, 7)
+    extension = StabilityExtension(port, "equilibrium", settings=Settings(budget=4))
+    changes = [change for change in frames(extension, 3 * REST_FRAMES) if change.frozen]
+    assert [len(change.frozen) for change in changes] == [4, 4, 4, 2]
+    assert [len(change.deferred) for change in changes] == [10, 6, 2, 0]
+    assert changes[0].deferred == tuple(sorted(set(range(14)) - set(changes[0].frozen)))
+
+
+def test_what_is_adopted_knows_no_budget(port):
+    many_leaning_pairs(port, 7)
+    extension = StabilityExtension(port, "equilibrium", settings=Settings(budget=4))
+    assert extension.adopt().frozen == tuple(range(14))
+
+
+def test_a_row_that_leans_on_itself_is_judged_in_batches(port):
+    """Forty planks on the ground whose sides touch are one part of the stack: more than are judged together."""
+    for body in range(40):
+        port.add(body, (0.1 * body, 0.0, 0.005))
+        port.lay(body, GROUND, (0.1 * body - 0.05, 0.1 * body + 0.05), DEEP, 0.0)
+        if body:
+            at = [(0.1 * body - 0.05, y, z) for y in DEEP for z in (0.0, 0.01)]
+            port.touch(body, body - 1, at, normal=(1.0, 0.0, 0.0))
+    extension = StabilityExtension(port, "equilibrium")
+    settle(extension)
+    assert port.frozen == set(range(40))

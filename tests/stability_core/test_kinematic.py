@@ -112,6 +112,43 @@ def test_a_belt_shows_its_movement_at_the_contacts(port, policy):
     assert not port.frozen
 
 
+def test_a_platform_that_turns_about_its_centre_wakes_what_rests_on_it(port):
+    """Its surface goes a twentieth of the tolerance in each frame; the engine lists its contacts with frozen bodies."""
+    lift_with_column(port)
+    extension = StabilityExtension(port)
+    settle(extension)
+    seen = port.contacts
+
+    def with_platform():
+        frozen, port.frozen = port.frozen, set()
+        contacts = seen()
+        port.frozen = frozen
+        return contacts
+
+    port.contacts = with_platform
+    run(extension, 30)
+    assert port.frozen == {0, 1}
+    port.touches[0].velocity = (0.0, 0.0, 0.05 * SETTINGS.steady_shift * SIZE / DT)
+    frames = 0
+    while port.frozen:
+        extension.update(DT)
+        frames += 1
+    assert 19 <= frames <= 22
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+def test_nothing_freezes_on_a_platform_that_turns_however_still_its_centre_is(port, policy):
+    """0.1 rad/s about the centre of the plank on it: nothing slides and no centre moves."""
+    lift_with_column(port, 1)
+    extension = StabilityExtension(port, policy)
+    for frame in range(60):
+        angle = 0.1 * frame * DT
+        port.touches[0].normal = (math.sin(angle), 0.0, math.cos(angle))
+        assert not extension.update(DT).frozen
+    run(extension, 2 * REST_FRAMES)
+    assert port.frozen == {0}, "it has stopped, tilted by 6 deg"
+
+
 def test_a_belt_that_shows_nothing_is_named_by_the_host(port):
     lift_with_column(port)
     extension = StabilityExtension(port)

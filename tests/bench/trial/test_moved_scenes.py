@@ -22,11 +22,14 @@ PAIRS = (
     ("name", "parameter", "value"), [(name, what, value) for name, what, both in PAIRS for value in both]
 )
 @pytest.mark.parametrize("engine", ["bullet", "mujoco"])
-def test_a_moved_scene_ends_as_theory_says(engine: str, name: str, parameter: str, value: float) -> None:
+@pytest.mark.parametrize("policy", [None, "equilibrium"])
+def test_a_moved_scene_ends_as_theory_says(
+    policy: str | None, engine: str, name: str, parameter: str, value: float
+) -> None:
     scene = build(name, **{parameter: value})
     simulation = open_engine(engine, "game", world=scene.world, expected=scene.bricks)
     try:
-        play = Playback(scene, simulation, None, math.inf, lambda _: None)
+        play = Playback(scene, simulation, policy, math.inf, lambda _: None)
         status, collapse = play.run(), play.monitor.collapse
     finally:
         simulation.close()
