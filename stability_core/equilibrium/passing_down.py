@@ -140,7 +140,7 @@ def pass_down(problem: Problem) -> tuple[bool, FloatArray, FloatArray, float]:
     for c in range(len(upper)):
         if lower[c] >= 0 and upper[c] >= 0:
             waits_for[lower[c]] += 1
-    order = np.flatnonzero(waits_for == 0)
+    order: IntArray = np.flatnonzero(waits_for == 0)
     while len(order):
         freed = np.empty(n, np.int64)
         size = 0
