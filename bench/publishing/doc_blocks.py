@@ -19,6 +19,8 @@ from reports.records.folder import ResultsFolder
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import ALL, pair_rows
 from reports.tables.capabilities import capability_table
+from reports.tables.correctness import TITLE as CORRECTNESS
+from reports.tables.outcomes import TITLE as OUTCOMES
 from reports.tables.pairs import right_of_judged
 from reports.tables.table import NOTHING, Table, to_markdown
 from scenarios.registry import SCENARIOS, build
@@ -42,12 +44,12 @@ def headline_block() -> str:
     assert gallery is not None, "the headline has a picture"
     shown = f"How they ended on {gallery.engine}: a row a stack, a column a policy"
     picture = f"![{shown}]({(PUBLISHED / HEADLINE).relative_to(ROOT).as_posix()}/stills.png)"
-    return f"{picture}\n\n{_published_rows(HEADLINE, 'What stood and what fell')}\n{_caveat(HEADLINE)}"
+    return f"{picture}\n\n{_published_rows(HEADLINE, OUTCOMES)}\n{_caveat(HEADLINE)}"
 
 
 def hands_block() -> str:
     """How many of the trials by twenty hands ended as theory demands, of those that must stand and that must fall."""
-    return f"{_published_rows('publish', 'Right by theory')}\n{_caveat('publish')}"
+    return f"{_published_rows('publish', CORRECTNESS)}\n{_caveat('publish')}"
 
 
 def pairs_block() -> str:

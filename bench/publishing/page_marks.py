@@ -14,7 +14,7 @@ from pathlib import Path
 from bench.machine.core_digest import core_of_commit, present_core
 from bench.studies.policies import BENCH_POLICIES
 from reports.records.atomic import write_atomic
-from reports.records.folder import ENVIRONMENT, ResultsFolder, published_rows
+from reports.records.folder import ENVIRONMENT, REPORT, ResultsFolder, published_rows
 
 UNKNOWN = "unknown"
 """In place of a digest, on a page that was made before digests were recorded and whose commit is not known."""
@@ -30,8 +30,11 @@ class MarkError(ValueError):
 
 
 def pages(folder: Path) -> Iterator[Path]:
-    """Every published page below ``docs/results``, sorted; its own README is only their list."""
-    return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder)
+    """Yield every published page below ``docs/results``, sorted.
+
+    Its own README is their list, and a report that was made there is not published.
+    """
+    return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder and path.parent.name != REPORT)
 
 
 def signed(text: str, core: str) -> str:

@@ -9,6 +9,8 @@ from reports.statistics.groups import ordered_policies
 from reports.tables.grouping import engine_names
 from reports.tables.table import NOTHING, Table
 
+TITLE = "Right by theory"
+
 
 def correctness_table(trials: pd.DataFrame) -> Table:
     """Count the right outcomes of each engine and policy, apart for scenes that must stand and that must fall."""
@@ -25,4 +27,4 @@ def correctness_table(trials: pd.DataFrame) -> Table:
     )
     rows.columns = [f"{policy}: {side}" for policy, side in sides]
     note = "Right outcomes of those scenes that must stand, and of those that must fall: only both together count."
-    return Table.of("Right by theory", rows.rename_axis("engine").reset_index(), (note,), id="correctness")
+    return Table.of(TITLE, rows.rename_axis("engine").reset_index(), (note,), id="correctness")

@@ -87,6 +87,8 @@ def test_the_line_of_a_page_is_never_changed_by_marking(study: Path) -> None:
 
 def test_all_pages_are_marked_but_their_list(study: Path) -> None:
     folder = study.parents[1]
+    (study.parent / "report").mkdir()
+    (study.parent / "report" / "tables.md").write_text("made of the published trials, for oneself\n")
     (folder / "README.md").write_text("# Published results\n")
     write_page(folder / "speed" / "README.md", "# Speed\n", NEW)
     (folder / "study" / "other.md").write_text("# Of no known core\n")
