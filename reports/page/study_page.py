@@ -12,8 +12,11 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from reports.figures import charts
 from reports.figures.colours import inks
+from reports.figures.pairs import pairs_figure
+from reports.figures.speed import speed_figure
+from reports.figures.style import for_page, save
+from reports.figures.survival import has_survival, survival_figure
 from reports.page.gallery import shelves
 from reports.page.summary import verdicts
 from reports.page.traces import traces
@@ -24,7 +27,7 @@ from reports.statistics.groups import Group, grouped, groups_of, ordered_policie
 from reports.statistics.pairs import PairRow, pair_rows
 from reports.statistics.scores import EngineScores, engine_scores
 from reports.tables.capabilities import capability_table
-from reports.tables.comparison import COLUMNS, MatrixRow, matrix, matrix_table
+from reports.tables.comparison import COLUMNS, ComparisonRow, comparison_rows, comparison_table
 from reports.tables.latex import pairs_to_latex, to_latex
 from reports.tables.pairs import pair_tables, pairs_csv
 from reports.tables.table import to_markdown, write_table_csv
@@ -54,7 +57,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     told = verdicts(scores)
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
-    rows, of_pairs, told_of_study = matrix(groups), pair_rows(groups), caption(folder, records)
+    rows, of_pairs, told_of_study = comparison_rows(groups), pair_rows(groups), caption(folder, records)
     policies = ordered_policies(group.key.policy for group in groups)
     page = (
         _environment(study is not None, folder)
@@ -90,10 +93,10 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
 
 
 def _write_tables(
-    report: Path, rows: Sequence[MatrixRow], of_pairs: Sequence[PairRow], caption: str, label: str
+    report: Path, rows: Sequence[ComparisonRow], of_pairs: Sequence[PairRow], caption: str, label: str
 ) -> None:
     """The comparison for papers: Markdown, CSV and LaTeX; and the pairs, where there are any."""
-    table = matrix_table(rows, caption)
+    table = comparison_table(rows, caption)
     write_atomic(report / "comparison.md", to_markdown([table]).encode())
     write_table_csv(report / "comparison.csv", table)
     write_atomic(report / "tables.tex", to_latex(rows, caption, label).encode())
@@ -133,7 +136,7 @@ def _study_file(folder: Path) -> str:
     return os.path.relpath(folder / "study.toml")
 
 
-def _command(row: MatrixRow, study: str | None) -> str:
+def _command(row: ComparisonRow, study: str | None) -> str:
     """What makes the numbers of a row again."""
     key, group = row.group.key, row.group
     words = ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])]
@@ -141,7 +144,7 @@ def _command(row: MatrixRow, study: str | None) -> str:
     return shlex.join([*words, "--seeds", str(max(trial.seed for trial in group.trials) + 1)])
 
 
-def _messages(row: MatrixRow) -> list[str]:
+def _messages(row: ComparisonRow) -> list[str]:
     """Why the trials of a row ended as they did, each reason once."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
@@ -206,31 +209,31 @@ def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> di
     """Figure and tables of the pairs; None if there are none."""
     if not rows:
         return None
-    svg = charts.save(charts.pairs_figure(rows), folder / "pairs")
+    svg = save(pairs_figure(rows), folder / "pairs")
     return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs right and wrong", policies)}
 
 
 def _survival(groups: Sequence[Group], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
     drawn = []
     for (scene, profile), those in grouped(groups, "key.scene", "key.profile").items():
-        if charts.has_survival(those):
-            svg = charts.save(charts.survival_figure(those), folder / f"survival-{scene}-{profile}")
+        if has_survival(those):
+            svg = save(survival_figure(those), folder / f"survival-{scene}-{profile}")
             title = f"{scene}, {profile}: theory says it {those[0].expectation}"
             drawn.append({"title": title, **_drawing(svg, f"Survival by level of {title}", policies)})
     return drawn
 
 
 def _speed(scores: Sequence[EngineScores], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
-    figure = charts.speed_figure(scores)
+    figure = speed_figure(scores)
     if figure is None:
         return None
-    return _drawing(charts.save(figure, folder / "speed"), "Share of stacks right against frame time", policies)
+    return _drawing(save(figure, folder / "speed"), "Share of stacks right against frame time", policies)
 
 
 def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
     width = re.search(r'width="([\d.]+)pt"', svg)
     points = float(width[1]) if width else 480.0
-    return {"svg": charts.for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
+    return {"svg": for_page(svg, label, policies), "width": round(points * 4 / 3 * 1.15 / _REM, 1)}
 
 
 def _machine(folder: Path) -> dict[str, str]:

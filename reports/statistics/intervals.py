@@ -55,7 +55,7 @@ def deviation(values: Sequence[float]) -> float | None:
     return float(scipy.stats.median_abs_deviation(values)) if len(values) > 1 else None
 
 
-def share(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
+def success_rate(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
     """Share of trials for which something holds; None if there are none.
 
     The interval is of a bootstrap of two stages: scenes are drawn, then seeds within each (Davison and Hinkley,

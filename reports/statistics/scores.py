@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group, grouped, ordered_policies
-from reports.statistics.intervals import Estimate, share
+from reports.statistics.intervals import Estimate, success_rate
 from reports.statistics.pairs import pair_success_rates, pairs_of
 from reports.statistics.success_rates import SuccessRates, count, success_rates
 
@@ -78,7 +78,7 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
 
     def right(side: str) -> Estimate | None:
         those = [group for group in groups if group.expectation.outcome == side]
-        return share([[trial.verdict == "right" for trial in group.judged] for group in those])
+        return success_rate([[trial.verdict == "right" for trial in group.judged] for group in those])
 
     return PolicyScore(
         policy,

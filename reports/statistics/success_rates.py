@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from reports.records.trial import Verdict
-from reports.statistics.intervals import Estimate, share
+from reports.statistics.intervals import Estimate, success_rate
 
 Miss: TypeAlias = Literal["false_stand", "false_collapse", "failed"]
 MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "failed")
@@ -41,8 +41,8 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
         by_scene: for each scene (or pair of scenes) and each of its seeds, the verdicts of all that must be right
             together: of one trial, or of both sides of a pair.
     """
-    right = share([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
-    missed = [share([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
+    right = success_rate([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
+    missed = [success_rate([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
     stand, collapse, failed = missed
     if right is None or stand is None or collapse is None or failed is None:
         return None

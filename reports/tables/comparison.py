@@ -11,7 +11,7 @@ from reports.statistics.intervals import deviation
 from reports.statistics.survival import PairedTest, holm
 from reports.tables.outcomes import ADOPTED_NOTE, adopted_mark, outcome
 from reports.tables.table import NOTHING, Table
-from reports.tables.wording import median_level, told, troubles
+from reports.tables.wording import median_level, number, troubles
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class Entry:
     """One entry of the matrix."""
 
     text: str
@@ -50,26 +50,26 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class MatrixRow:
-    """One group of the comparison, with its figures in the order of ``COLUMNS``."""
+class ComparisonRow:
+    """One group of the comparison, with its entries in the order of ``COLUMNS``."""
 
     group: Group
     judgement: str
     """right, wrong, mixed, or open where theory says nothing or the trials did not come so far."""
-    figures: tuple[Figure, ...]
+    entries: tuple[Entry, ...]
     trouble: str
     note: str
-    """What else the reader of its figures must know; empty if nothing."""
+    """What else the reader of its entries must know; empty if nothing."""
 
 
-def matrix(groups: Sequence[Group]) -> list[MatrixRow]:
+def comparison_rows(groups: Sequence[Group]) -> list[ComparisonRow]:
     """The rows of all groups, in their order."""
     by_key = {group.key: group for group in groups}
     tests = _tests([(group, by_key[alone]) for group in groups if (alone := GroupKey(*group.key[:3], ALONE)) in by_key])
     return [_row(group, tests.get(group.key)) for group in groups]
 
 
-def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
+def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
     """The comparison as a table of text, under its caption."""
     titles = (f"{column.title} [{column.unit}]" if column.unit else column.title for column in COLUMNS)
     notes = (
@@ -80,7 +80,7 @@ def matrix_table(rows: Sequence[MatrixRow], caption: str) -> Table:
     return Table(
         "Comparison",
         (*GroupKey._fields, *titles, "ended otherwise"),
-        tuple((*row.group.key, *(figure.text for figure in row.figures), row.trouble or NOTHING) for row in rows),
+        tuple((*row.group.key, *(entry.text for entry in row.entries), row.trouble or NOTHING) for row in rows),
         notes,
         id="comparison",
     )
@@ -96,12 +96,12 @@ def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[Pair
     return {key: (test, p_value) for (key, (test, _)), p_value in zip(decided.items(), corrected, strict=True)}
 
 
-def _row(group: Group, test: tuple[PairedTest, float] | None) -> MatrixRow:
+def _row(group: Group, test: tuple[PairedTest, float] | None) -> ComparisonRow:
     judged, right = len(group.judged), group.count("right")
-    figures = (
-        Figure(str(len(group.draws)), len(group.draws)),
+    entries = (
+        Entry(str(len(group.draws)), len(group.draws)),
         _levels(group),
-        Figure(f"{right}/{judged}", right / judged) if judged else Figure(NOTHING, math.nan),
+        Entry(f"{right}/{judged}", right / judged) if judged else Entry(NOTHING, math.nan),
         _measured(group, "sink_m", 2, 1e3),
         _measured(group, "creep_m_s", 4, 1e3),
         _timed(group, "frame_ms_p50"),
@@ -111,44 +111,44 @@ def _row(group: Group, test: tuple[PairedTest, float] | None) -> MatrixRow:
     )
     judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
     note = ADOPTED_NOTE if adopted_mark(group.draws) else ""
-    return MatrixRow(group, judgement, figures, troubles(group), note)
+    return ComparisonRow(group, judgement, entries, troubles(group), note)
 
 
-def _levels(group: Group) -> Figure:
+def _levels(group: Group) -> Entry:
     survival = group.survival
     if len(group.draws) == 1 or survival is None:
         sort = survival.median if survival is not None else math.nan
         reached = group.draws[0].height_levels
-        return Figure(outcome(group.draws[:1]).rstrip(" ✓✗"), reached if math.isinf(sort) else sort)
+        return Entry(outcome(group.draws[:1]).rstrip(" ✓✗"), reached if math.isinf(sort) else sort)
     fallen = sum(life.fell for life in group.lifetimes.values())
     if not fallen:
         least = min(life.level for life in group.lifetimes.values())
-        return Figure(f"none fell, ≥{least}{adopted_mark(group.draws)}", least)
+        return Entry(f"none fell, ≥{least}{adopted_mark(group.draws)}", least)
     text = f"{median_level(survival)}; {fallen} of {len(group.lifetimes)} fell{adopted_mark(group.draws)}"
-    return Figure(text, min(survival.median, float(survival.level[-1])))
+    return Entry(text, min(survival.median, float(survival.level[-1])))
 
 
-def _measured(group: Group, field: str, digits: int, scale: float) -> Figure:
+def _measured(group: Group, field: str, digits: int, scale: float) -> Entry:
     estimate = group.estimate(field)
-    return Figure(told(estimate, digits, scale), math.nan if estimate is None else estimate.value * scale)
+    return Entry(number(estimate, digits, scale), math.nan if estimate is None else estimate.value * scale)
 
 
-def _timed(group: Group, field: str) -> Figure:
+def _timed(group: Group, field: str) -> Entry:
     estimate = group.estimate(field)
     if estimate is None:
-        return Figure(NOTHING, math.nan)
+        return Entry(NOTHING, math.nan)
     spread = deviation(group.values(field))
-    return Figure(f"{estimate.value:.3f}" + ("" if spread is None else f" ± {spread:.3f}"), estimate.value)
+    return Entry(f"{estimate.value:.3f}" + ("" if spread is None else f" ± {spread:.3f}"), estimate.value)
 
 
-def _ratio(group: Group) -> Figure:
+def _ratio(group: Group) -> Entry:
     estimate = group.estimate("frame_ratio")
-    return Figure(told(estimate, 2), math.nan if estimate is None else estimate.value)
+    return Entry(number(estimate, 2), math.nan if estimate is None else estimate.value)
 
 
-def _paired(tested: tuple[PairedTest, float] | None) -> Figure:
+def _paired(tested: tuple[PairedTest, float] | None) -> Entry:
     if tested is None:
-        return Figure(NOTHING, math.nan)
+        return Entry(NOTHING, math.nan)
     test, p_value = tested
     told = "p < 0.001" if p_value < 0.001 else f"p = {p_value:.3f}"
-    return Figure(f"{test.first_farther} / {test.second_farther}; {told}", p_value)
+    return Entry(f"{test.first_farther} / {test.second_farther}; {told}", p_value)

@@ -13,7 +13,7 @@ from reports.statistics.groups import Group, grouped
 from reports.statistics.intervals import deviation
 from reports.statistics.pairs import ALL, PairRow
 from reports.statistics.success_rates import MISSES
-from reports.tables.comparison import COLUMNS, MatrixRow
+from reports.tables.comparison import COLUMNS, ComparisonRow
 from reports.tables.table import NOTHING, Table
 from reports.tables.wording import percent
 
@@ -36,7 +36,7 @@ _SPECIAL = {
 _DECIMALS = 3
 
 
-def to_latex(rows: Sequence[MatrixRow], caption: str, label: str) -> str:
+def to_latex(rows: Sequence[ComparisonRow], caption: str, label: str) -> str:
     """The table, to be read in by a paper.
 
     Args:
@@ -79,7 +79,7 @@ def table_to_latex(table: Table) -> str:
     return text
 
 
-def _by_scene(rows: Sequence[MatrixRow]) -> list[list[list[str]]]:
+def _by_scene(rows: Sequence[ComparisonRow]) -> list[list[list[str]]]:
     return [[_entries(row) for row in of_scene] for of_scene in grouped(rows, "group.key.scene").values()]
 
 
@@ -130,9 +130,9 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     return text if uncertainty is None else f"{text}({math.ceil(uncertainty * 10**_DECIMALS)})"
 
 
-def _entries(row: MatrixRow) -> list[str]:
+def _entries(row: ComparisonRow) -> list[str]:
     key = row.group.key
-    told = {column.title: figure.text for column, figure in zip(COLUMNS, row.figures, strict=True)}
+    told = {column.title: entry.text for column, entry in zip(COLUMNS, row.entries, strict=True)}
     times = [_time(row.group, field) for field in ("frame_ms_p50", "frame_ms_p99")]
     return [
         *map(escape, key),

@@ -19,7 +19,7 @@ _WENT_WRONG = {
 }
 
 
-def told(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
+def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
     """A number with as many decimals, and its interval where that has a width: ``0.07 [0.06, 0.09]``."""
     if estimate is None:
         return NOTHING

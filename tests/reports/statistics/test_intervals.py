@@ -3,7 +3,7 @@
 import pytest
 from scipy import stats
 
-from reports.statistics.intervals import deviation, median, share
+from reports.statistics.intervals import deviation, median, success_rate
 
 
 def test_a_median_lies_between_the_ends_of_its_interval_which_are_values() -> None:
@@ -21,14 +21,14 @@ def test_one_seed_says_so_and_gives_no_interval() -> None:
     assert estimate is not None
     assert (estimate.n, estimate.value, estimate.low, estimate.high) == (1, 3.0, None, None)
     assert deviation([3.0]) is None
-    rates = share([[True], [False]])
+    rates = success_rate([[True], [False]])
     assert rates is not None
     assert (rates.n, rates.value, rates.low) == (2, 0.5, None)
 
 
 def test_nothing_has_no_median_and_no_share() -> None:
     assert median([]) is None
-    assert share([[], []]) is None
+    assert success_rate([[], []]) is None
 
 
 def test_the_deviation_is_that_of_the_median() -> None:
@@ -36,7 +36,7 @@ def test_the_deviation_is_that_of_the_median() -> None:
 
 
 def test_within_one_scene_the_interval_is_the_binomials() -> None:
-    estimate = share([[True] * 14 + [False] * 6])
+    estimate = success_rate([[True] * 14 + [False] * 6])
     assert estimate is not None
     low, high = stats.binom(20, 0.7).ppf([0.025, 0.975]) / 20
     assert estimate.low == pytest.approx(low, abs=0.05)  # one of the 20 that can be drawn
@@ -44,8 +44,8 @@ def test_within_one_scene_the_interval_is_the_binomials() -> None:
 
 
 def test_scenes_that_differ_widen_the_interval_beyond_that_of_as_many_independent_trials() -> None:
-    alike = share([[True] * 10 + [False] * 10] * 4)
-    apart = share([[True] * 20, [True] * 20, [False] * 20, [False] * 20])
+    alike = success_rate([[True] * 10 + [False] * 10] * 4)
+    apart = success_rate([[True] * 20, [True] * 20, [False] * 20, [False] * 20])
     assert alike is not None
     assert apart is not None
     assert alike.value == apart.value == 0.5

@@ -8,7 +8,7 @@ import pytest
 
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import pair_rows
-from reports.tables.comparison import matrix
+from reports.tables.comparison import comparison_rows
 from reports.tables.latex import escape, pairs_to_latex, table_to_latex, to_latex, with_uncertainty
 from reports.tables.pairs import pair_tables
 from reports.tables.study import study_tables
@@ -30,7 +30,7 @@ PAIRS = [
 
 
 def table() -> str:
-    return to_latex(matrix(groups_of(RECORDS)), CAPTION, "made_up")
+    return to_latex(comparison_rows(groups_of(RECORDS)), CAPTION, "made_up")
 
 
 def pairs() -> str:

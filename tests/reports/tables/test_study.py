@@ -10,7 +10,7 @@ from rich.console import Console
 from reports.records.results import write_trials_csv
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import groups_of
-from reports.tables.comparison import matrix, matrix_table
+from reports.tables.comparison import comparison_rows, comparison_table
 from reports.tables.outcomes import ADOPTED_NOTE, outcome
 from reports.tables.study import study_tables
 from reports.tables.table import render, to_markdown
@@ -162,8 +162,8 @@ def test_a_stack_that_was_frozen_before_the_first_step_is_marked_and_explained()
 
 
 def test_the_comparison_notes_it_of_the_row() -> None:
-    alone, adopted = matrix(groups_of([record(), record(policy="paper", adopted=30)]))
+    alone, adopted = comparison_rows(groups_of([record(), record(policy="paper", adopted=30)]))
     assert (alone.note, adopted.note) == ("", ADOPTED_NOTE)
-    assert adopted.figures[1].text == "30/30†"
-    assert matrix_table([alone, adopted], "").notes[-1] == ADOPTED_NOTE
-    assert ADOPTED_NOTE not in matrix_table([alone], "").notes
+    assert adopted.entries[1].text == "30/30†"
+    assert comparison_table([alone, adopted], "").notes[-1] == ADOPTED_NOTE
+    assert ADOPTED_NOTE not in comparison_table([alone], "").notes
