@@ -47,7 +47,7 @@ def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
         "ms a frame.",
     )
     header = ("scene", "engine", "policy", "bricks", *(name for name, *_ in FIGURES))
-    return [Table("How heaps came to rest", header, tuple(rows), notes, id="piles")]
+    return [Table("How piles came to rest", header, tuple(rows), notes, id="piles")]
 
 
 def _median(values: Sequence[float], form: str, scale: float) -> str:

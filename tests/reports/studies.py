@@ -8,6 +8,7 @@ from pathlib import Path
 
 from reports.records.frames import UNTIMED_FRAMES, FrameRow, write_frames
 from reports.records.trial import RecordWriter, TrialRecord
+from reports.statistics.height_cost import CostPoint
 from scenarios.model import Expectation
 
 STANDS = Expectation("stand", "always in equilibrium")
@@ -63,6 +64,11 @@ def failed(status: str, **fields) -> TrialRecord:
     verdict = {"unsupported": "none", "timeout": "undecided"}.get(status, "failed")
     nothing = {"frame_ms_p50": None, "frame_ms_p99": None, "timed_frames": None, "height_levels": 0}
     return record(**{"status": status, "verdict": verdict, "message": f"it {status}", **nothing, **fields})
+
+
+def cost_point(levels: float, frame_ms: float, engine: str = "bullet", policy: str = "none") -> CostPoint:
+    """What a stack of 30 planks cost on an engine."""
+    return CostPoint("plank_tower", engine, "game", policy, levels, 30, False, frame_ms)
 
 
 def write_study(folder: Path, records: Sequence[TrialRecord], without_frames: Sequence[str] = ()) -> Path:

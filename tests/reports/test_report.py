@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 from reports.records.folder import ResultsFolder
+from reports.records.results import write_trials_parquet
 from reports.records.trial import RecordError
 from reports.report import SECTIONS, build_report
 from tests.reports.studies import failed, fallen, record, write_study
@@ -36,3 +37,14 @@ def test_a_folder_without_trials_has_no_report(tmp_path) -> None:
     (tmp_path / "trials.jsonl").touch()
     with pytest.raises(RecordError, match="holds no trial yet"):
         build_report(ResultsFolder(tmp_path))
+
+
+def test_a_published_study_has_a_report_without_its_frames(tmp_path) -> None:
+    records = [record(pose_hash="a"), record(repeat=1, pose_hash="a", trial="again"), fallen(9, policy="paper")]
+    write_trials_parquet(tmp_path / "trials.parquet", records)
+    folder = ResultsFolder(tmp_path)
+    made = build_report(folder)
+    assert "Frames of 2 trials are missing" in made.page.read_text(encoding="utf-8")
+    [repeats] = [table for table in made.tables if table.id == "repeatability"]
+    assert repeats.rows[0][3] == "1/1"
+    assert repeats.rows[0][5:] == ("-", "-", "-"), "the best time of each frame is not known without frames"

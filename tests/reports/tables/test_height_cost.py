@@ -1,13 +1,12 @@
-"""What height costs: which frames count, which set-ups no other beats, and a picture that repeats byte for byte."""
+"""What height costs: which frames count, and which set-ups are compared."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from reports.figures.height_cost import write_cost_figure
 from reports.records.frames import UNTIMED_FRAMES, FrameRow, write_frames
 from reports.records.trial import TrialRecord
-from reports.statistics.height_cost import CostPoint, cost_points, frontier
+from reports.statistics.height_cost import cost_points
 from reports.tables.height_cost import cost_table
 from tests.reports.studies import record
 
@@ -51,23 +50,3 @@ def test_a_point_is_the_median_frame_of_the_highest_level_while_it_stood(tmp_pat
 def test_two_set_ups_are_no_comparison_of_costs(tmp_path) -> None:
     records = [trial(tmp_path, name, 1, (1, 1.0), timed=1) for name in ("game", "tuned")]
     assert cost_points(tmp_path, records) == []
-
-
-def point(levels: float, frame_ms: float, engine: str = "bullet", policy: str = "none") -> CostPoint:
-    return CostPoint("plank_tower", engine, "game", policy, levels, 30, False, frame_ms)
-
-
-def test_the_frontier_rises_with_the_cost() -> None:
-    cheap, beaten, equal, dear = point(5, 1.0), point(4, 2.0), point(5, 3.0), point(9, 4.0)
-    assert frontier([dear, equal, beaten, cheap]) == [cheap, dear]
-    assert frontier([point(4, 1.0), cheap]) == [cheap]
-
-
-def test_the_same_points_make_the_same_picture_with_words_as_text(tmp_path) -> None:
-    points = [point(5, 1.0), point(9, 4.0), point(30, 0.5, policy="paper"), point(7, 2.0, engine="mujoco")]
-    pictures = []
-    for name in ("one.svg", "two.svg"):
-        write_cost_figure(tmp_path / name, points)
-        pictures.append((tmp_path / name).read_text(encoding="utf-8"))
-    assert pictures[0] == pictures[1]
-    assert all(f">{word}<" in pictures[0] for word in ("bullet", "mujoco", "paper", "levels that stood"))
