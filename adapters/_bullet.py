@@ -22,7 +22,6 @@ does not end when a support is removed, and its speed threshold (between 0.2 and
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -30,11 +29,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.box_table import fixed_id
-from adapters.forces import SubstepForces, mean_force
-from adapters.motions import Motions, fastest_approach
-from adapters.silence import silenced_stderr
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.shared.approach import Motions, fastest_approach
+from adapters.shared.contact_completion import fixed_id
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.quiet_import import silenced_stderr
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -128,10 +128,6 @@ class BulletSimulation(Simulation):
         for index, box in enumerate(world.fixed):
             self._bodies[self._create(_half(box.size), 0.0, box.position, box.quaternion)] = fixed_id(index)
 
-    @staticmethod
-    def _version() -> str:
-        return importlib.metadata.version("pybullet")
-
     def _configure(self, **parameters: float | str) -> None:
         pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self._client)
 
@@ -167,7 +163,7 @@ class BulletSimulation(Simulation):
     def _spawn_moved(self, body: int, brick: Brick) -> None:
         self._spawn(body, replace(brick, mass=_HEAVY))
         for handle, other in self._bodies.items():
-            if other <= GROUND or other in self._moved or other in self.frozen:
+            if other <= GROUND or other in self.bodies.moved or other in self.frozen:
                 self._let_collide(self._handles[body], handle, False)
 
     def _let_collide(self, handle: int, other: int, do: bool) -> None:
@@ -204,7 +200,7 @@ class BulletSimulation(Simulation):
         pybullet.applyExternalForce(handle, -1, force, place, frame, self._client)
 
     def _set_gravity(self, gravity: Vector) -> None:
-        for body in self._live:
+        for body in self.bodies.live:
             self._rouse(self._handles[body])
         pybullet.setGravity(*gravity, physicsClientId=self._client)
         self._thaws_to_old_gravity |= set(self.frozen)
@@ -229,7 +225,7 @@ class BulletSimulation(Simulation):
         pybullet.changeDynamics(
             handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self._client
         )
-        for other in self._moved:  # which is heavy, not kinematic: it would be stopped, and kick what is thawed
+        for other in self.bodies.moved:  # which is heavy, not kinematic: it would be stopped, and kick what is thawed
             self._let_collide(self._handles[other], handle, False)
 
     def _thaw(self, body: int) -> None:
@@ -237,7 +233,7 @@ class BulletSimulation(Simulation):
         mass = self.bricks[body].mass
         pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._awake, physicsClientId=self._client)
         self._stop(handle)
-        for other in self._moved:
+        for other in self.bodies.moved:
             self._let_collide(self._handles[other], handle, True)
         if body in self._thaws_to_old_gravity:  # Bullet changes the gravity of active bodies only
             self._thaws_to_old_gravity.remove(body)
@@ -248,14 +244,14 @@ class BulletSimulation(Simulation):
         if seconds != self._frame_s:
             self._configure(fixedTimeStep=seconds / substeps)
             self._frame_s = seconds
-        bodies = self._moving_bodies()
+        bodies = self.bodies.moving()
         before = []
         self._earlier_forces.clear()
         for substep in range(substeps):
             if substep and self.reads_forces:
                 self._earlier_forces.append(self._forces_at(self._listed()))
             if self.is_observed:
-                before.append((self._positions(bodies), *self._velocities_now(bodies)))
+                before.append((self._positions(bodies), *self.velocities_now(bodies)))
             self._act_on_bodies(seconds / substeps)
             pybullet.stepSimulation(self._client)
         self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
@@ -316,7 +312,7 @@ class BulletSimulation(Simulation):
 
     def _listed(self) -> list[tuple[Any, ...]]:
         """Bullet's own rows of every contact that touches a live body, each once."""
-        live, body_of, client = self._live, self._bodies, self._client
+        live, body_of, client = self.bodies.live, self._bodies, self._client
         if 2 * len(live) > len(self.bricks):
             every = pybullet.getContactPoints(physicsClientId=client)
             return [row for row in every if body_of[row[1]] in live or body_of[row[2]] in live]

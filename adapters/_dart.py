@@ -40,10 +40,12 @@ import dartpy
 import numpy as np
 
 from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.box_table import fixed_id
-from adapters.forces import SubstepForces, mean_force
-from adapters.vectors import rotate
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.shared.contact_completion import fixed_id
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.live_pairs import of_live
+from adapters.shared.vectors import rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -163,10 +165,6 @@ class DartSimulation(Simulation):
         self._add_fixed(GROUND, (2 * x, 2 * y, 2 * z), (0.0, 0.0, -z), UPRIGHT)
         for index, box in enumerate(world.fixed):
             self._add_fixed(fixed_id(index), box.size, box.position, box.quaternion)
-
-    @staticmethod
-    def _version() -> str:
-        return str(dartpy.__version__)
 
     def _configure(self, knobs: Mapping[str, float | int | str | bool], sleeping: Sleeping) -> None:
         if "collision_detector" in knobs:
@@ -293,9 +291,9 @@ class DartSimulation(Simulation):
             self._world.setTimeStep(seconds / substeps)
         self._earlier_forces.clear()
         if self.is_observed:
-            rates, bodies = [], self._moving_bodies().tolist()
+            rates, bodies = [], self.bodies.moving().tolist()
             for substep in range(substeps):
-                if substep and self.reads_forces and self._live:
+                if substep and self.reads_forces and self.bodies.live:
                     self._earlier_forces.append(self._forces_of_substep())
                 self._act_on_bodies(seconds / substeps)
                 centers, rates_before = self._coordinates(bodies)[:, 3:], self._rates(bodies)
@@ -333,7 +331,7 @@ class DartSimulation(Simulation):
     def _contacts(self) -> Contacts:
         if self._contacts_of_step is None:
             self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
-        return self._of_live(self._contacts_of_step)
+        return of_live(self._contacts_of_step, self.bodies)
 
     def _find_contacts(self) -> Contacts:
         solver, result = self._world.getConstraintSolver(), dartpy.collision.CollisionResult()

@@ -35,11 +35,12 @@ import mujoco
 import numpy as np
 
 from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.box_table import fixed_id
-from adapters.driven import advanced
-from adapters.forces import SubstepForces, mean_force
-from adapters.vectors import cross, dot, rotate
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.shared.contact_completion import fixed_id
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.driven_pose import advanced
+from adapters.shared.vectors import cross, dot, rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -134,10 +135,6 @@ class MujocoSimulation(Simulation):
         self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._compiled: SlotModel | None = None
 
-    @staticmethod
-    def _version() -> str:
-        return str(mujoco.__version__)
-
     # -- slots -------------------------------------------------------------------------------------
 
     @property
@@ -162,7 +159,7 @@ class MujocoSimulation(Simulation):
             self._assign_geoms(slot, body)
             if body in self.frozen:
                 new.show_ghost(slot)
-            elif body in self._moved:
+            elif body in self.bodies.moved:
                 new.unpark_moved(slot)
             else:
                 self._let_live(slot)
@@ -194,7 +191,7 @@ class MujocoSimulation(Simulation):
 
     def _rouse_all(self) -> None:
         for body, slot in self._slot.items():
-            if body in self._live:
+            if body in self.bodies.live:
                 self._engine.rouse(slot)
 
     def _slots(self, bodies: IntArray) -> IntArray:
@@ -255,7 +252,7 @@ class MujocoSimulation(Simulation):
         self._engine.set_pose(slot, position, quaternion)
         if body in self.frozen:
             self._engine.show_ghost(slot)
-        if body in self._moved:
+        if body in self.bodies.moved:
             self._places[body] = np.array(position), np.array(quaternion)
         self._assign_geoms(slot, body)
         self._rouse_all()

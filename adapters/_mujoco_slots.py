@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import mujoco
 
-from adapters.base import Profile
+from adapters.profile import Profile
 from scenarios.model import Quaternion, Vector, World
 from stability_core.port import FloatArray
 

@@ -25,7 +25,6 @@ rendered.
 
 from __future__ import annotations
 
-import importlib.metadata
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -33,13 +32,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.box_table import fixed_id
-from adapters.driven import advanced
-from adapters.forces import SubstepForces, mean_force
-from adapters.friction_forces import with_friction
-from adapters.motions import Motions, fastest_approach
-from adapters.silence import silenced_stderr
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.shared.approach import Motions, fastest_approach
+from adapters.shared.contact_completion import fixed_id
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.driven_pose import advanced
+from adapters.shared.friction_forces import with_friction
+from adapters.shared.quiet_import import silenced_stderr
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -157,10 +157,6 @@ class PhysxSimulation(Simulation):
         for index, box in enumerate(world.fixed):
             self._add_fixed(fixed_id(index), _half(box.size), box.position, box.quaternion)
 
-    @staticmethod
-    def _version() -> str:
-        return importlib.metadata.version("sapien")
-
     def _add(self, component: Any, half_edges: Vector, position: Vector, quaternion: Quaternion) -> None:
         shape = physx.PhysxCollisionShapeBox(half_edges, self._material)
         for name, value in self._for_shapes.items():
@@ -222,19 +218,19 @@ class PhysxSimulation(Simulation):
 
     def _set_gravity(self, gravity: Vector) -> None:
         self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
-        for body in self._live:
+        for body in self.bodies.live:
             self._components[body].wake_up()
 
     def _add_gravity_change(self) -> None:
         """Let the difference from the gravity of the system, which SAPIEN cannot change, act in the next substep."""
         if self._gravity_change.any():
-            for body, mass in self._live.items():
+            for body, mass in self.bodies.live.items():
                 self._components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         component = self._components[body]
         component.entity.pose = sapien.Pose(position, quaternion)
-        if body in self._moved:
+        if body in self.bodies.moved:
             self._places[body] = np.array(position), np.array(quaternion)
         elif body not in self.frozen:
             self._stop(component)
@@ -254,13 +250,13 @@ class PhysxSimulation(Simulation):
     def _step(self, seconds: float) -> None:
         substeps = self.info.profile.substeps
         self._substep_s = self._system.timestep = seconds / substeps
-        bodies = self._moving_bodies()
+        bodies = self.bodies.moving()
         before = []
         self._earlier_forces.clear()
         for substep in range(substeps):
-            if substep and self.reads_forces and self._live:
+            if substep and self.reads_forces and self.bodies.live:
                 self._earlier_forces.append(self._forces_of_substep())
-            if self.is_observed and self._live:
+            if self.is_observed and self.bodies.live:
                 before.append(self._state(bodies))
             self._act_on_bodies(self._substep_s)
             self._add_gravity_change()
@@ -269,7 +265,7 @@ class PhysxSimulation(Simulation):
         self._before = None
         if before:
             states = np.array(before)
-            for body, velocities in self._moved.items():
+            for body, velocities in self.bodies.moved.items():
                 states[:, bodies == body, 7:] = np.concatenate(velocities)
             self._before = Motions(bodies, states[..., 4:7], states[..., 7:10], states[..., 10:])
 
@@ -346,7 +342,7 @@ class PhysxSimulation(Simulation):
 
     def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
         """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
-        live, body_of = self._live, self._bodies.get  # None for a brick that was removed since the step
+        live, body_of = self.bodies.live, self._bodies.get  # None for a brick that was removed since the step
         for contact in self._system.get_contacts():
             first, second = contact.bodies
             a, b = body_of(second), body_of(first)

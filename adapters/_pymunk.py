@@ -36,8 +36,9 @@ import pymunk
 from pymunk import batch
 
 from adapters._pymunk_arrays import lift_contacts, sort_by_id
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.box_table import fixed_id
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.shared.contact_completion import fixed_id
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -148,10 +149,6 @@ class PymunkSimulation(Simulation):
             self._add_fixed(fixed_id(index), size, *_in_plane(box.position, box.quaternion))
         self._contacts()  # none yet: this loads the compiled code before any frame is timed
 
-    @staticmethod
-    def _version() -> str:
-        return str(pymunk.version)
-
     def _add_fixed(self, body: int, size: tuple[float, float], place: tuple[float, float], angle: float) -> None:
         """Add the ground or a fixed box, which contacts name ``body``; lengths in engine units."""
         planar = pymunk.Body(body_type=pymunk.Body.STATIC)
@@ -251,7 +248,7 @@ class PymunkSimulation(Simulation):
     @property
     def _rows(self) -> int:
         """One a body id given out so far, and those of the ground and the fixed boxes."""
-        return self._next_id + self._fixed_rows
+        return self.bodies.count + self._fixed_rows
 
     @property
     def _state(self) -> FloatArray:
@@ -303,7 +300,7 @@ class PymunkSimulation(Simulation):
         arbiters: list[tuple[int, int, int]] = []
         numbers: list[list[float]] = []
         asked: set[pymunk.Shape] = set()
-        for body in self._live:
+        for body in self.bodies.live:
             planar = self._bodies[body]
             (shape,) = planar.shapes
             asked.add(shape)
@@ -324,7 +321,7 @@ class PymunkSimulation(Simulation):
     def _lifted(self, arbiters: IntArray, numbers: FloatArray, state: FloatArray) -> Contacts:
         """Contacts of these arbiters, as ``lift_contacts`` takes them."""
         is_live = np.zeros(self._rows, np.bool_)
-        is_live[list(self._live)] = True
+        is_live[list(self.bodies.live)] = True
         pairs, points, normals, separations, velocities = lift_contacts(
             self._engine_ids, self._ids, arbiters, numbers, is_live, self._fixed_rows,
             state, self._before, self._depths, UNITS_PER_METRE,

@@ -29,7 +29,6 @@ finite is silently put back and the body disabled: poses are then reported as Na
 
 from __future__ import annotations
 
-import importlib.metadata
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -38,12 +37,13 @@ from typing import ClassVar
 import numpy as np
 import rapier3d
 
-from adapters.base import Capabilities, Knob, Profile, Simulation, Sleeping
-from adapters.box_table import fixed_id
-from adapters.forces import SubstepForces, mean_force
-from adapters.friction_forces import with_friction
-from adapters.motions import Motions, fastest_approach
-from adapters.vectors import dot, rotate
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.shared.approach import Motions, fastest_approach
+from adapters.shared.contact_completion import fixed_id
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.friction_forces import with_friction
+from adapters.shared.vectors import dot, rotate
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -166,10 +166,6 @@ class RapierSimulation(Simulation):
         self._fixed_centers = np.array([*(box.position for box in reversed(world.fixed)), ground_center])
         self._fixed_turns = np.array([*(box.quaternion for box in reversed(world.fixed)), UPRIGHT])
 
-    @staticmethod
-    def _version() -> str:
-        return importlib.metadata.version("rapier3d")
-
     def _configure(self, name: str, value: float | int | str | bool) -> None:
         """Set what belongs to the world; what belongs to a body is set as it is spawned."""
         parameters = self._engine.integration_parameters
@@ -262,19 +258,19 @@ class RapierSimulation(Simulation):
         view.linvel = view.angvel = rapier3d.Vec3.zeros()
 
     def _step(self, seconds: float) -> None:
-        if not self._live:
+        if not self.bodies.live:
             for body in sorted(self._still_active):
                 self._replace_by_fixed(body)
         substeps = self.info.profile.substeps
         self._engine.integration_parameters.dt = self._substep_s = seconds / substeps
-        bodies = self._moving_bodies()
+        bodies = self.bodies.moving()
         before = []
         self._earlier_forces.clear()
         for substep in range(substeps):
-            if substep and self.reads_forces and self._live:
+            if substep and self.reads_forces and self.bodies.live:
                 self._earlier_forces.append(self._forces_of_substep())
-            if self.is_observed and self._live:
-                before.append((self._positions(bodies), *self._velocities_now(bodies)))
+            if self.is_observed and self.bodies.live:
+                before.append((self._positions(bodies), *self.velocities_now(bodies)))
             self._act_on_bodies(self._substep_s)
             self._engine.step()
             self._has_diverged |= not self._engine.quarantine.is_empty()
@@ -381,7 +377,7 @@ class RapierSimulation(Simulation):
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""
-        live, body_of = self._live, self._body_of
+        live, body_of = self.bodies.live, self._body_of
         if 2 * len(live) > len(self.bricks):
             for pair in narrow_phase.contact_pairs():
                 a, b = body_of.get(pair.collider1), body_of.get(pair.collider2)

@@ -1,38 +1,21 @@
-"""Engines by name. An engine's file is imported when it is first asked for, never before."""
+"""Engines by name: opens a world, looks up profiles and capabilities."""
 
 from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
-from adapters.base import Capabilities, Profile, Simulation, Sleeping
+from adapters.base import Simulation
+from adapters.engines import ENGINES
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_variants import profile_of
 from adapters.scaled import scaled
-from adapters.variations import profile_of
 from scenarios.lookup import look_up
 from scenarios.model import Brick, World
 
 
 class EngineNotInstalledError(ImportError):
     """The engine's package is missing; the message names the command that installs it."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Entry:
-    module: str
-    simulation: str
-    package: str
-    """The distribution that brings the engine."""
-
-
-ENGINES: Mapping[str, _Entry] = {
-    "bullet": _Entry("adapters._bullet", "BulletSimulation", "pybullet"),
-    "mujoco": _Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
-    "dart": _Entry("adapters._dart", "DartSimulation", "dartpy"),
-    "physx": _Entry("adapters._physx", "PhysxSimulation", "sapien"),
-    "pymunk": _Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
-    "rapier": _Entry("adapters._rapier", "RapierSimulation", "rapier3d"),
-}
 
 
 def _load(name: str) -> type[Simulation]:
@@ -58,7 +41,7 @@ def profiles(name: str) -> Mapping[str, Profile]:
 
 
 def profile_named(engine: str, name: str) -> Profile:
-    """The profile of an engine that goes by ``name``, varied if the name says so: see ``adapters.variations``.
+    """The profile of an engine that goes by ``name``, varied if the name says so: see ``adapters.profile_variants``.
 
     Raises:
         UnknownNameError: if there is no such engine, or the engine has no such profile.

@@ -17,7 +17,9 @@ from dataclasses import replace
 from functools import cache
 from typing import ClassVar
 
-from adapters.base import EnginePort, Profile, Simulation, Sleeping
+from adapters.base import Simulation
+from adapters.port import EnginePort
+from adapters.profile import Profile, Sleeping
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
 
@@ -96,10 +98,10 @@ class _ScaledSimulation(Simulation):
         )
 
     def _freeze(self, body: int) -> None:
-        self._larger._sleep((body,))
+        self._larger.port.sleep((body,))
 
     def _thaw(self, body: int) -> None:
-        self._larger._wake((body,))
+        self._larger.port.wake((body,))
 
     def _close(self) -> None:
         self._larger.close()
@@ -114,10 +116,6 @@ def scaled(simulation: type[Simulation]) -> type[Simulation]:
         capabilities = simulation.capabilities
         profiles = simulation.profiles
         unscaled = simulation
-
-        @staticmethod
-        def _version() -> str:
-            return simulation._version()
 
     return Scaled
 

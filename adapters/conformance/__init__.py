@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from adapters import registry
-from adapters.base import Capabilities
 from adapters.conformance import (
     approaching,
     contacts,
@@ -23,7 +22,8 @@ from adapters.conformance import (
     motion,
 )
 from adapters.conformance.rig import ConformanceError, Rig
-from adapters.variations import base_name
+from adapters.profile import Capabilities
+from adapters.profile_variants import base_name
 
 __all__ = ["CHECKS", "Check", "ConformanceError", "Rig"]
 

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from adapters.base import Capabilities, Simulation
+from adapters.base import Simulation
+from adapters.profile import Capabilities
 from scenarios.model import CLEARANCE, Brick, Vector, World
 from stability_core.port import Contacts, FloatArray
 

@@ -16,17 +16,12 @@ from typing import Any
 
 import psutil
 
-from adapters import ENGINES, Profile, capabilities, profiles
+from adapters import Profile, capabilities, engine_version, profiles
 from bench.machine.core_digest import present_core
 from bench.machine.source_digest import ROOT, SUITE, sources_digest
 from stability_core import Settings
 
 _PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
-
-
-def engine_version(engine: str) -> str:
-    """Version of the engine's package."""
-    return importlib.metadata.version(ENGINES[engine].package)
 
 
 def describe(engines: Iterable[str]) -> dict[str, Any]:

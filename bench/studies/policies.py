@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from adapters.base import Sleeping
+from adapters.profile import Sleeping
 from stability_core import POLICIES
 
 

@@ -25,7 +25,7 @@ from pydantic import (
 )
 
 from adapters import ENGINES, ProfileError, profile_named
-from adapters.variations import varied_name
+from adapters.profile_variants import varied_name
 from bench.studies.errors import field_name, plain_words
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.tolerance import Tolerance
@@ -123,7 +123,7 @@ class Rule(_Model):
 
 
 class Sweep(_Model):
-    """One profile of some engines with every combination of substeps and iterations: see ``adapters.variations``."""
+    """One profile of some engines with each combination of substeps and iterations: ``adapters.profile_variants``."""
 
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
     profile: str = "game"

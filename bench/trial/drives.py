@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.base import Simulation
-from adapters.driven import advanced
-from adapters.vectors import rotate
+from adapters.shared.driven_pose import advanced
+from adapters.shared.vectors import rotate
 from bench.trial.measure import FloatArray
 from scenarios.model import Brick, Drive
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from adapters import capabilities, open_engine
+from adapters import capabilities, engine_version, open_engine
 from bench.machine.calibration import calibrate, typical
-from bench.machine.environment import allowed_cores, engine_version
+from bench.machine.environment import allowed_cores
 from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Limits

@@ -10,10 +10,12 @@ import pybullet
 import pytest
 
 from adapters._bullet import PROFILES, BulletSimulation
-from adapters.base import Knob, Profile, Sleeping
-from adapters.box_table import BoxTable
 from adapters.conformance import CHECKS, ConformanceError, Rig
-from adapters.motions import Motions
+from adapters.hooks import EngineHooks
+from adapters.port import EnginePort
+from adapters.profile import Knob, Profile, Sleeping
+from adapters.shared.approach import Motions
+from adapters.shared.contact_completion import BoxTable
 from scenarios.model import Brick, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
@@ -41,7 +43,7 @@ class SwappedVelocity(BulletSimulation):
 class VelocityAfterSolve(BulletSimulation):
     def _step(self, seconds: float) -> None:
         super()._step(seconds)
-        bodies = np.fromiter(self._live, np.int64, len(self._live))
+        bodies = self.bodies.live_rows()[0]
         self._before = Motions(bodies, self._positions(bodies)[None], *(v[None] for v in self._velocities(bodies)))
 
 
@@ -117,7 +119,7 @@ class ForceForOneStep(BulletSimulation):
     def apply_force(self, body: int, force: Vector) -> None:
         super().apply_force(body, force)
         self._press(body, force)
-        self._steady.clear()
+        self.bodies.steady.clear()
 
 
 class GravityAsBefore(BulletSimulation):
@@ -140,13 +142,13 @@ class MovedBodyGluesItsLoad(BulletSimulation):
         pybullet.changeDynamics(self._handles[body], -1, lateralFriction=2.0, physicsClientId=self._client)
 
 
-class MovedBodyNotListed(BulletSimulation):
-    def _masses(self) -> Masses:
-        masses = super()._masses()
+class MovedBodyNotListed(EnginePort):
+    def masses(self) -> Masses:
+        masses = super().masses()
         return Masses(masses.body[np.isfinite(masses.mass)], masses.mass, masses.center_of_mass, masses.removed)
 
 
-class DrivenUnseenByFrozen(BulletSimulation):
+class DrivenUnseenByFrozen(EnginePort):
     def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
         return contacts
 
@@ -155,20 +157,20 @@ class DrivenStoppedByFrozen(BulletSimulation):
     """Lets the solver see a moved body against frozen bricks, and remember the impulses that stopped it."""
 
     def _let_collide(self, handle: int, other: int, do: bool) -> None:
-        if do or other not in {self._handles[body] for body in self._live}:
+        if do or other not in {self._handles[body] for body in self.bodies.live}:
             super()._let_collide(handle, other, do)
 
 
-class NothingAhead(BulletSimulation):
+class NothingAhead(EnginePort):
     def _with_approaching(self, contacts: Contacts) -> Contacts:
         return contacts
 
 
-class EverythingAhead(BulletSimulation):
+class EverythingAhead(EnginePort):
     """Sweeps boxes three times as large."""
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__(*args)
+    def __init__(self, engine: EngineHooks) -> None:
+        super().__init__(engine)
         self._boxes = LargerBoxes()
 
 
@@ -178,7 +180,7 @@ class LargerBoxes(BoxTable):
         super().add(body, (3 * x, 3 * y, 3 * z))
 
 
-class ForcesFoundWithoutAStep(BulletSimulation):
+class ForcesFoundWithoutAStep(EnginePort):
     def find_contacts(self) -> None:
         super().find_contacts()
         if self._found is not None:
@@ -330,10 +332,10 @@ class QuaternionsAsInBullet(BulletSimulation):
         return positions, np.roll(quaternions, -1, axis=1)
 
 
-class RemovalToldTwice(BulletSimulation):
-    def _masses(self) -> Masses:
-        masses = super()._masses()
-        self._removed = list(masses.removed)
+class RemovalToldTwice(EnginePort):
+    def masses(self) -> Masses:
+        masses = super().masses()
+        self._bodies._removed = list(masses.removed)
         return masses
 
 
@@ -380,7 +382,7 @@ class Shaken(BulletSimulation):
         pybullet.setGravity(0.0, 1e-9 * next(self._worlds), -9.81, self._client)
 
 
-class FoundNormalsUpright(BulletSimulation):
+class FoundNormalsUpright(EnginePort):
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
         contacts = super()._with_exact_faces(contacts)
         return replace(contacts, normal=np.tile((0.0, 0.0, 1.0), (len(contacts), 1)))
@@ -401,34 +403,32 @@ class FindsThoseOfTheStep(BulletSimulation):
         return self._contacts()
 
 
-class FoundFacesOfTheEngine(OnePointAPair):
+class LeavesFacesToTheEngine(EnginePort):
     """Leaves gaps of exactly zero to the engine."""
 
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
         return contacts
 
 
-class FoundNormalsFlipped(BulletSimulation):
+class FoundNormalsFlipped(EnginePort):
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
         found = super()._with_exact_faces(contacts)
         return replace(found, normal=-found.normal)
 
 
-class FoundAtRest(BulletSimulation):
+class FoundAtRest(EnginePort):
     def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
         return np.zeros(points.shape)
 
 
-class FoundContactsStay(BulletSimulation):
+class FoundContactsStay(EnginePort):
     """Contacts that were found outlive the next step."""
 
-    def step(self, seconds: float) -> None:
-        found = self._found
-        super().step(seconds)
-        self._found = found
+    def forget_found(self) -> None:
+        pass
 
 
-class FoundContactsOutliveTheirBricks(BulletSimulation):
+class FoundContactsOutliveTheirBricks(EnginePort):
     def _of_live(self, contacts: Contacts) -> Contacts:
         return contacts
 
@@ -444,7 +444,11 @@ class SmoothOnceAsked(BulletSimulation):
         return found
 
 
-BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
+class FoundFacesOfTheEngine(OnePointAPair):
+    port_type = LeavesFacesToTheEngine
+
+
+BROKEN: list[tuple[type[BulletSimulation | EnginePort], list[str]]] = [
     (
         FlippedNormals,
         [
@@ -540,10 +544,11 @@ BROKEN: list[tuple[type[BulletSimulation], list[str]]] = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("simulation", "check"), [(simulation, check) for simulation, checks in BROKEN for check in checks]
-)
-def test_a_broken_adapter_is_caught(simulation: type[BulletSimulation], check: str) -> None:
+@pytest.mark.parametrize(("broken", "check"), [(broken, check) for broken, checks in BROKEN for check in checks])
+def test_a_broken_adapter_is_caught(broken: type[BulletSimulation | EnginePort], check: str) -> None:
+    simulation = broken
+    if issubclass(broken, EnginePort):
+        simulation = type(broken.__name__, (BulletSimulation,), {"port_type": broken})
     rig = Rig(lambda world: simulation(PROFILES["game"], world, "off", ()), simulation.capabilities)
     with pytest.raises(ConformanceError):
         CHECK[check].run_in(rig)

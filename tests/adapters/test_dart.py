@@ -9,7 +9,7 @@ import pytest
 
 from adapters import open_engine
 from adapters._dart import DartSimulation, _coordinates, _Motion, _quaternions
-from adapters.base import Sleeping
+from adapters.profile import Sleeping
 from scenarios.model import Brick, Quaternion
 from scenarios.planks import plank_of
 

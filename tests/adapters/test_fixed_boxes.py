@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters.box_table import BoxTable, fixed_id, joined
+from adapters.shared.contact_completion import BoxTable, fixed_id, joined
 from scenarios.model import Brick, World
 from stability_core.port import GROUND, Contacts
 

@@ -5,8 +5,8 @@ import pytest
 
 from adapters import open_engine
 from adapters._rapier import PROFILES, RapierSimulation
-from adapters.base import Sleeping
 from adapters.conformance.rig import MASS, PLANK, THICKNESS, advance, frozen_column, pairs, place_on, plank, pose
+from adapters.profile import Sleeping
 from scenarios.model import Brick, World
 from stability_core.port import GROUND
 

@@ -13,7 +13,8 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from adapters.base import Capabilities, Profile, Simulation
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Profile
 from reports.records.trial import TrialRecord
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
@@ -44,10 +45,6 @@ class FakeSimulation(Simulation):
         self.pushed: list[int] = []
         self.pressed: dict[int, Vector] = {}
         self._on_step = on_step
-
-    @staticmethod
-    def _version() -> str:
-        return "1.0"
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self.pose[body] = brick.position, brick.quaternion

@@ -12,7 +12,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from adapters.base import Capabilities, Profile, Simulation
+from adapters.base import Simulation
+from adapters.profile import Capabilities, Profile
 from stability_core.port import Contacts
 
 FIRST_MISDEED = 5
@@ -100,10 +101,6 @@ class RogueSimulation(Simulation):
         self.pose = {}
         self.hoard = []
         self.frames = 0
-
-    @staticmethod
-    def _version() -> str:
-        return "1.0"
 
     def _spawn(self, body, brick) -> None:
         self.pose[body] = np.array(brick.position)

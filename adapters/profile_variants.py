@@ -9,7 +9,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from adapters.base import Knob, Profile, Simulation
+from adapters.base import Simulation
+from adapters.profile import Knob, Profile
 from scenarios.lookup import look_up
 
 _MARK = "@"
@@ -54,11 +55,7 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
 def _with_scale(_: type[Simulation], profile: Profile, scale: float) -> Profile:
     if not (math.isfinite(scale) and scale > 0):
         raise ValueError
-    knobs = {
-        name: replace(knob, value=float(knob.value) * scale) if knob.follows_world else knob
-        for name, knob in profile.knobs.items()
-    }
-    return replace(profile, scale=scale, knobs=knobs)
+    return replace(profile.with_lengths_times(scale), scale=scale)
 
 
 def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Profile:
@@ -67,7 +64,7 @@ def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Pr
 
 def _with_iterations(simulation: type[Simulation], profile: Profile, iterations: float) -> Profile:
     knob = Knob(_whole(iterations), "varied, to see what it brings and what it costs")
-    return replace(profile, knobs={**profile.knobs, simulation.iterations: knob})
+    return profile.with_knobs({simulation.iterations: knob})
 
 
 def _with_forces(_: type[Simulation], profile: Profile, forces: float) -> Profile:

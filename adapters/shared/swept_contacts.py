@@ -17,7 +17,7 @@ import math
 import numba
 import numpy as np
 
-from adapters.near_contacts import CENTER, HALF, PLANK, REACH, TURN, axes_of, face_corners, half_diagonal
+from adapters.shared.box_contacts import CENTER, HALF, PLANK, REACH, TURN, axes_of, face_corners, half_diagonal
 from stability_core.port import FloatArray, IntArray
 
 HORIZON = 2.0

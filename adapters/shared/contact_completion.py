@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from adapters.approaching import approaches, fast_rows
-from adapters.near_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
+from adapters.shared.box_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
+from adapters.shared.swept_contacts import approaches, fast_rows
 from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -147,7 +147,7 @@ class BoxTable:
     ) -> Contacts:
         """Return the contacts, and behind them a point of each pair of bodies that will meet within ``seconds``.
 
-        See ``adapters.approaching``. Separations are positive, and relative velocities are those of the centres.
+        See ``shared.swept_contacts``. Separations are positive, and relative velocities are those of the centres.
 
         Args:
             contacts: of the frame.

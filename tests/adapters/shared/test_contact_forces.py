@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters.box_table import joined
-from adapters.forces import SubstepForces, mean_force
-from adapters.variations import ProfileError
+from adapters.profile_variants import ProfileError
+from adapters.shared.contact_completion import joined
+from adapters.shared.contact_forces import SubstepForces, mean_force
 from scenarios.planks import lay
 from stability_core.checks import check_shapes
 from stability_core.port import Contacts, Masses

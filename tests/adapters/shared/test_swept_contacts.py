@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from adapters.box_table import BoxTable
+from adapters.shared.contact_completion import BoxTable
 from scenarios.geometry import Boxes
 from stability_core.port import Contacts
 

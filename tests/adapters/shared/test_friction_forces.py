@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adapters.friction_forces import with_friction
+from adapters.shared.friction_forces import with_friction
 
 UP = (0.0, 0.0, 1.0)
 

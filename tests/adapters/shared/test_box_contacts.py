@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from adapters import near_contacts
-from adapters.box_table import BoxTable
+from adapters.shared import box_contacts
+from adapters.shared.contact_completion import BoxTable
 from stability_core.port import GROUND, Contacts
 
 HALF = (1.0, 0.5, 0.1)
-NEAR = near_contacts.NEAR * math.hypot(*HALF) / near_contacts.PLANK
+NEAR = box_contacts.NEAR * math.hypot(*HALF) / box_contacts.PLANK
 """Gap [m] up to which two of these boxes nearly touch."""
 UP = (0.0, 0.0, 1.0)
 
@@ -210,7 +210,7 @@ def test_lengths_follow_the_size_of_the_smaller_box_of_a_pair(size):
         live, nothing = np.array([1]), Contacts.empty()
         return len(table.with_near_pairs(nothing, live, 0.45, lambda _, points: 0.0 * points))
 
-    hair = near_contacts.NEAR * size
+    hair = box_contacts.NEAR * size
     assert (corners(0.9 * hair), corners(1.1 * hair)) == (4, 0)
 
 

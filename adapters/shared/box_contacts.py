@@ -1,7 +1,7 @@
 """Where boxes touch or nearly touch, in compiled code: the corners of contact faces, and the pairs that are near.
 
 All in one file, for Numba's cache does not notice a change of a kernel from another one: after a change of what
-``adapters.approaching`` uses of it, clear the cache.
+``adapters.shared.swept_contacts`` uses of it, clear the cache.
 """
 
 from __future__ import annotations

@@ -1,0 +1,159 @@
+"""The hooks that an adapter fills in; the port, the base class and the substep loop call nothing else of an engine.
+
+For every hook:
+
+- The caller has checked the input: ids are of bodies that exist, lengths, poses and forces are finite. Only what a
+  planar engine cannot do is for the adapter to refuse (``ValueError``).
+- Positions [m] and quaternions (w, x, y, z) are those of centres of mass, in the scene's frame; all units are SI.
+- Arrays of ids rise. A hook that returns arrays returns one row per id, in the order of the ids, as float64. The caller
+  may write into them, so that they must be copies, unless the hook's text allows views.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import ClassVar
+
+from adapters.profile import Capabilities, EngineInfo, Profile
+from adapters.shared.bodies import Bodies
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import Contacts, FloatArray, IntArray
+
+
+class EngineHooks(ABC):
+    """What the suite asks of an engine, in the order in which every adapter fills it in."""
+
+    engine: ClassVar[str]
+    capabilities: ClassVar[Capabilities]
+    profiles: ClassVar[Mapping[str, Profile]]
+    iterations: ClassVar[str]
+    """Name of the knob that says how often the solver iterates, at most, in a step."""
+
+    info: EngineInfo
+    world: World
+    bodies: Bodies
+
+    # -- bodies ------------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _spawn(self, body: int, brick: Brick) -> None:
+        """Put in a live body at rest.
+
+        Called at any time between steps. ``body`` is a new id, one above the latest; it is not in ``bodies`` yet.
+        """
+
+    @abstractmethod
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        """Put in a body that only ``_drive`` moves. Called as ``_spawn``."""
+
+    @abstractmethod
+    def _remove(self, body: int) -> None:
+        """Take out a live, frozen or moved body, which is still in ``bodies``.
+
+        Called at any time between steps. ``_contacts`` may be called before the next step and must no longer list it.
+        """
+
+    @abstractmethod
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        """Set the pose of a live, frozen or moved body, and stop it. A frozen body stays frozen."""
+
+    # -- actions -----------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _push(self, body: int, impulse: Vector) -> None:
+        """Strike a live body at its centre of mass with an impulse [N s]. Called at any time between steps."""
+
+    @abstractmethod
+    def _press(self, body: int, force: Vector) -> None:
+        """Let a force [N] act at the centre of mass of a live body in the next substep.
+
+        Called before each substep while the force is not zero, and once with zero when it ends.
+        """
+
+    @abstractmethod
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        """Move a moved body at these velocities [m/s, rad/s] in the next substep of ``seconds``.
+
+        Called before each substep for every moved body, also while its velocities are zero.
+        """
+
+    @abstractmethod
+    def _set_gravity(self, gravity: Vector) -> None:
+        """Let gravity [m/s2] act from the next step on, also on bodies that are woken later.
+
+        Called at any time between steps; ``world`` still holds the gravity of before.
+        """
+
+    # -- time --------------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _step(self, seconds: float) -> None:
+        """Advance the world by one frame. ``SubstepSimulation`` does so in substeps, and asks for ``_substep``."""
+
+    # -- state -------------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return positions (k, 3) and quaternions (k, 4) of any bodies, frozen ones too; k may be 0."""
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        """Return the positions (k, 3) of live or moved bodies alone; overridden where they cost less than poses."""
+        return self._poses(bodies)[0]
+
+    @abstractmethod
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return linear (k, 3) [m/s] and angular (k, 3) [rad/s] velocities of any bodies; k may be 0.
+
+        Frozen bodies have none. Those of moved bodies do not matter: see ``velocities_now``.
+        """
+
+    # -- called by the port ------------------------------------------------------------------------
+
+    @abstractmethod
+    def _freeze(self, body: int) -> None:
+        """Stop a live body, and let nothing move it by a single bit until ``_thaw`` or ``_move``.
+
+        Called at any time between steps, one body at a time; the body is still in ``bodies.live``.
+        """
+
+    @abstractmethod
+    def _thaw(self, body: int) -> None:
+        """Let a frozen body move again, from rest, under its own mass and the present gravity.
+
+        Called at any time between steps, one body at a time; the body is still in ``bodies.frozen``.
+        """
+
+    @abstractmethod
+    def _contacts(self) -> Contacts:
+        """Return every contact of the latest step that touches a live body, and none with a removed one.
+
+        Called between steps while a body is live, also before the first step and after bodies were frozen, woken,
+        moved or removed. Normals point from a to b; the ground is ``GROUND``, fixed boxes are
+        ``contact_completion.fixed_id``; what is not known is NaN. The arrays may be views until the next step.
+        """
+
+    @abstractmethod
+    def _find_contacts(self) -> Contacts:
+        """Return the contacts that the engine finds at the present poses; the simulation must not notice.
+
+        Called between steps while a body is live. Contacts between two frozen bodies may be listed. Relative velocities
+        and forces are not read.
+        """
+
+    # -- the end -----------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _close(self) -> None:
+        """Free the engine's memory. Called once; no other hook is called afterwards."""
+
+    # -- for adapters and the port -----------------------------------------------------------------
+
+    def velocities_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return linear and angular velocities (k, 3) of bodies (k,); of moved ones those at which they are driven."""
+        linear, angular = self._velocities(bodies)
+        if self.bodies.moved:
+            for row, body in enumerate(bodies.tolist()):
+                if body in self.bodies.moved:
+                    linear[row], angular[row] = self.bodies.moved[body]
+        return linear, angular

@@ -1,0 +1,193 @@
+"""The core's view of a simulation: ``EnginePort``, which completes what an engine lists and keeps the books.
+
+The engine lists contacts through its hook ``_contacts``. The port adds what an engine leaves out, the same way for
+every engine and from the boxes' geometry alone:
+
+1. Corners of contact areas, and pairs that nearly touch, unless the engine lists them itself (``near_contacts``).
+2. Contacts of bodies that the host moves with frozen ones: nothing moves either of them, so that no engine lists them.
+3. Pairs that will meet within the next frames, while any body is fast.
+
+Fixed boxes have ids of their own up to here, because their contacts are completed one by one; the core sees ``GROUND``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from adapters.hooks import EngineHooks
+from adapters.shared.bodies import NO_FORCE
+from adapters.shared.contact_completion import BoxTable, joined
+from adapters.shared.live_pairs import of_live
+from adapters.shared.swept_contacts import HORIZON
+from scenarios.model import Vector
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+
+MAX_REST_OVERLAP = 1e-3
+"""Overlap [m] with a moved body in which a brick may have come to rest: engines leave up to 0.4 mm."""
+
+NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
+"""What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
+
+
+class EnginePort:
+    """The core's whole view of a simulation: contacts, masses, sleep, wake."""
+
+    def __init__(self, engine: EngineHooks) -> None:
+        self._engine = engine
+        self._bodies = engine.bodies
+        self._boxes = BoxTable(engine.world.fixed)
+        self._found: Contacts | None = None  # by find_contacts, until the next step
+
+    # -- read and told by the core -----------------------------------------------------------------
+
+    def contacts(self) -> Contacts:
+        """Return every contact that touches a live body after the latest step, or ``find_contacts`` since."""
+        driven, live = self._bodies.driven(), self._bodies.live
+        if not live and not driven:
+            return NO_CONTACTS
+        if self._found is not None:
+            return self._without_fixed_ids(self._of_live(self._found))
+        contacts = self._engine._contacts() if live else NO_CONTACTS
+        if live and not self._engine.capabilities.near_contacts:
+            contacts = self._completed(contacts)
+        if driven:
+            contacts = self._with_driven(contacts, driven)
+        return self._without_fixed_ids(self._with_approaching(contacts))
+
+    def masses(self) -> Masses:
+        """Return the live bodies after the latest step, and the ids removed since the last call."""
+        bodies, mass = self._bodies.live_rows()
+        removed = self._bodies.take_removed()
+        if self._bodies.moved:
+            live, live_mass, bodies = bodies, mass, self._bodies.moving()
+            mass = np.full(len(bodies), np.inf)
+            mass[np.isin(bodies, live)] = live_mass
+        return Masses(bodies, mass, self._engine._positions(bodies) if len(bodies) else NOWHERE, removed)
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are; freezing a frozen body does nothing."""
+        self._bodies.check_known(bodies)
+        for body in bodies:
+            if body in self._bodies.live:
+                if body in self._bodies.steady:
+                    self._engine._press(body, NO_FORCE)
+                self._engine._freeze(body)
+                self._bodies.freeze(body)
+        self._place_boxes(bodies)
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Let frozen bodies move again, from rest; waking a live body does nothing."""
+        self._bodies.check_known(bodies)
+        for body in bodies:
+            if body in self._bodies.frozen:
+                self._engine._thaw(body)
+                self._bodies.unfreeze(body)
+        self._bodies.sort_live()
+
+    # -- called by the simulation ------------------------------------------------------------------
+
+    def add(self, body: int, size: Vector) -> None:
+        """Take a new body of these edges [m] into the table of boxes."""
+        self._boxes.add(body, size)
+
+    def remove(self, body: int) -> None:
+        """Take a body out of the table of boxes."""
+        self._boxes.remove(body)
+
+    def note_move(self, body: int) -> None:
+        """Take notice that the host has moved a body."""
+        if self._found is not None:
+            self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
+        if body in self._bodies.frozen:
+            self._place_boxes([body])
+
+    def find_contacts(self) -> None:
+        """Find the contacts of the present poses: see ``Simulation.find_contacts``."""
+        self._found = None
+        if not self._bodies.live:
+            return
+        found = self._engine._find_contacts()
+        self._place_boxes(self._bodies.bricks)
+        whole = self._with_exact_faces(found)
+        velocity = self._velocities_at(whole.body_b, whole.point) - self._velocities_at(whole.body_a, whole.point)
+        self._found = replace(whole, relative_velocity=velocity, force=None)
+
+    def forget_found(self) -> None:
+        """Return to the contacts of the engine's steps."""
+        self._found = None
+
+    # -- contacts that an engine leaves out --------------------------------------------------------
+
+    def _completed(self, contacts: Contacts) -> Contacts:
+        """Add the corners and the pairs that nearly touch and that the engine did not list."""
+        live = self._place_boxes(self._bodies.live)
+        if self._bodies.moved:
+            self._place_boxes(self._bodies.moved)
+        whole = self._boxes.with_missing_corners(contacts)
+        return self._boxes.with_near_pairs(whole, live, self._engine.world.friction, self._velocities_at)
+
+    def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
+        """Add the contacts of ``driven`` bodies with frozen ones.
+
+        Points, normals and separations are those of the boxes where they are now, as far apart as they come within a
+        frame.
+        """
+        rows = self._place_boxes(driven)
+        linear, angular = self._engine.velocities_now(rows)
+        reach = np.array([math.hypot(*self._bodies.bricks[body].size) / 2 for body in driven])
+        speed = np.linalg.norm(linear, axis=1) + reach * np.linalg.norm(angular, axis=1)
+        way = float(speed.max()) * self._engine.info.frame_s
+        deep, frozen = way + MAX_REST_OVERLAP, self._bodies.frozen
+        found = self._boxes.with_near_pairs(NO_CONTACTS, rows, self._engine.world.friction, self._velocities_at, deep)
+        is_with_frozen = [
+            (a in frozen or b in frozen) and separation <= way
+            for a, b, separation in zip(
+                found.body_a.tolist(), found.body_b.tolist(), found.separation.tolist(), strict=True
+            )
+        ]
+        return joined(contacts, found.chosen(np.array(is_with_frozen, np.bool_)))
+
+    def _with_approaching(self, contacts: Contacts) -> Contacts:
+        """Add the pairs of bodies that will meet within the next frames, if any body is fast."""
+        movers = self._bodies.moving()
+        velocity, _ = self._engine.velocities_now(movers)
+        if not self._boxes.are_fast(movers, velocity):
+            return contacts
+        self._place_boxes(movers.tolist())
+        seconds = HORIZON * self._engine.info.frame_s
+        live, _ = self._bodies.live_rows()
+        return self._boxes.with_approaching(contacts, live, movers, velocity, seconds, self._engine.world.friction)
+
+    def _with_exact_faces(self, contacts: Contacts) -> Contacts:
+        """Replace contacts of pairs that nearly touch by those of their geometry."""
+        return self._boxes.with_exact_faces(contacts, self._bodies.live_rows()[0], self._engine.world.friction)
+
+    def _of_live(self, contacts: Contacts) -> Contacts:
+        """Return the contacts that touch a live body and no removed one."""
+        return of_live(contacts, self._bodies)
+
+    def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
+        """Replace the ids of fixed boxes, which the core does not know, by ``GROUND``."""
+        if not self._engine.world.fixed:
+            return contacts
+        body_a, body_b = np.maximum(contacts.body_a, GROUND), np.maximum(contacts.body_b, GROUND)
+        return replace(contacts, body_a=body_a, body_b=body_b)
+
+    def _place_boxes(self, bodies: Collection[int]) -> IntArray:
+        """Write where ``bodies`` are now into the table of boxes; returns them, shape (k,)."""
+        rows = np.fromiter(bodies, np.int64, len(bodies))
+        self._boxes.place(rows, *self._engine._poses(rows))
+        return rows
+
+    def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
+        """Return velocities (k, 3) [m/s] of bodies (k,) at points (k, 3) [m]; the ground and frozen ones have none."""
+        live, moved = self._bodies.live, self._bodies.moved
+        velocities = np.zeros(points.shape)
+        rows = np.flatnonzero([body in live or body in moved for body in bodies.tolist()])
+        linear, angular = self._engine.velocities_now(bodies[rows])
+        velocities[rows] = linear + np.cross(angular, points[rows] - self._engine._positions(bodies[rows]))
+        return velocities

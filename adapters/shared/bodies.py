@@ -1,0 +1,110 @@
+"""Record of the bodies of a world: which there are, and which of them are live, frozen or moved by the host."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from scenarios.model import Brick, Vector
+from stability_core.port import FloatArray, IntArray
+
+NO_FORCE: Vector = (0.0, 0.0, 0.0)
+NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
+
+
+class Bodies:
+    """Every body has an id that is never used again; it is live, frozen, or moved by the host.
+
+    The collections are the same objects for the life of the world, and may be kept.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        """Ids given out so far."""
+        self.bricks: dict[int, Brick] = {}
+        """Every body as it was spawned, by rising id."""
+        self.live: dict[int, float] = {}
+        """Mass [kg] of every live body, by rising id."""
+        self.frozen: set[int] = set()
+        self.moved: dict[int, tuple[Vector, Vector]] = {}
+        """Velocity [m/s] and spin [rad/s] of the bodies that the host moves."""
+        self.steady: dict[int, Vector] = {}
+        """Force [N] on each body that something presses."""
+        self._removed: list[int] = []
+        self._live_rows: tuple[IntArray, FloatArray] | None = None
+
+    def new_id(self) -> int:
+        """Return the id of the next body."""
+        self.count += 1
+        return self.count - 1
+
+    def add(self, body: int, brick: Brick) -> None:
+        """Record a new body, live or moved."""
+        self.bricks[body] = brick
+        if brick.moved:
+            self.moved[body] = NO_VELOCITY, NO_VELOCITY
+        else:
+            self.live[body] = brick.mass
+        self._live_rows = None
+
+    def remove(self, body: int) -> None:
+        """Forget a body; its id is in the next answer of ``take_removed``."""
+        del self.bricks[body]
+        self.frozen.discard(body)
+        self.live.pop(body, None)
+        self.moved.pop(body, None)
+        self._live_rows = None
+        self._removed.append(body)
+
+    def freeze(self, body: int) -> None:
+        """Record that a live body is frozen."""
+        self.frozen.add(body)
+        del self.live[body]
+        self._live_rows = None
+
+    def unfreeze(self, body: int) -> None:
+        """Record that a frozen body is live again; ``sort_live`` must follow."""
+        self.frozen.remove(body)
+        self.live[body] = self.bricks[body].mass
+
+    def sort_live(self) -> None:
+        """Bring the live bodies into the order of their ids."""
+        rising = sorted(self.live.items())
+        self.live.clear()
+        self.live.update(rising)
+        self._live_rows = None
+
+    def take_removed(self) -> list[int]:
+        """Return the ids that were removed since the last call."""
+        removed, self._removed = self._removed, []
+        return removed
+
+    def check_known(self, bodies: Iterable[int]) -> None:
+        """Raise ``KeyError`` if one of the bodies is not in the world."""
+        unknown = [body for body in bodies if body not in self.bricks]
+        if unknown:
+            raise KeyError(f"unknown body {', '.join(map(str, unknown))}: it was never spawned, or was removed")
+
+    def ids(self) -> IntArray:
+        """Return the ids (n,) of all bodies, rising."""
+        return np.fromiter(self.bricks, np.int64, len(self.bricks))
+
+    def live_rows(self) -> tuple[IntArray, FloatArray]:
+        """Return ids (m,), rising, and masses (m,) [kg] of the live bodies: the same arrays until another is live."""
+        if self._live_rows is None:
+            count = len(self.live)
+            self._live_rows = (
+                np.fromiter(self.live, np.int64, count),
+                np.fromiter(self.live.values(), np.float64, count),
+            )
+        return self._live_rows
+
+    def moving(self) -> IntArray:
+        """Return the ids (k,), rising, of the bodies that may move: live ones and those of the host."""
+        live, _ = self.live_rows()
+        return np.union1d(live, np.fromiter(self.moved, np.int64, len(self.moved))) if self.moved else live
+
+    def driven(self) -> list[int]:
+        """Return the bodies that the host moves now, rising."""
+        return sorted(body for body, (linear, angular) in self.moved.items() if any(linear) or any(angular))
