@@ -30,7 +30,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from adapters.base import Simulation
-from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_files import load_settings
 from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
@@ -45,50 +46,14 @@ _HEAVY = 1e6
 """Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
 step of 1/240 s, before the next step sets it anew."""
 
-_WARM_START: Mapping[str, Knob] = {
-    "warmStartingFactor": Knob(
-        0.85, "Bullet's own value; PyBullet ships 0.1, which forgets the stack's load each step"
-    ),
-    "solverResidualThreshold": Knob(0.0, "the shipped 1e-7 ends the iterations too early for planks of 12 g"),
-}
-
-PROFILES: Mapping[str, Profile] = {
-    profile.name: profile
-    for profile in (
-        Profile("default", "as shipped, on rigid bodies: 50 iterations, four steps of 1/240 s a frame", substeps=4),
-        Profile(
-            "game",
-            "one step a frame, penetration recovered apart from speed",
-            substeps=1,
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
-            knobs={
-                **_WARM_START,
-                "contactERP": Knob(0.4, "a dropped plank is 2 mm deep after one step and back to 0.2 mm after 7"),
-                "splitImpulsePenetrationThreshold": Knob(
-                    0.0,
-                    "the shipped -0.04 m is never reached by a plank: recovery then adds speed and tips an inverted V",
-                ),
-            },
-        ),
-        Profile(
-            "tuned",
-            "four steps of 1/240 s a frame, 200 iterations",
-            substeps=4,
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
-            knobs={
-                **_WARM_START,
-                "numSolverIterations": Knob(200, "25 levels of the 4-stack sink by 0.6 mm; 2.4 mm with the shipped 50"),
-            },
-        ),
-    )
-}
+_SETTINGS = load_settings("bullet")
 
 
 class BulletSimulation(Simulation):
     """A world of PyBullet in DIRECT mode."""
 
     engine: ClassVar[str] = "bullet"
-    profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
     iterations: ClassVar[str] = "numSolverIterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",

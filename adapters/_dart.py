@@ -33,15 +33,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any
 
 import dartpy
 import numpy as np
 
-from adapters._dart_limits import PER_PAIR, contacts_for, raise_limit
+from adapters._dart_limits import contacts_for, raise_limit
 from adapters.base import Simulation
-from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.live_pairs import of_live
@@ -64,20 +64,7 @@ alike."""
 _PLANK_MASS = 0.0119
 """Mass [kg] of the planks for which they were chosen."""
 
-_LIMIT_KNOB: Mapping[str, Knob] = {
-    "max_contacts": Knob(
-        f"{PER_PAIR} for each pair of bodies",
-        "the shipped limit of 1000 in all is too small for 190 cubes: a wall of them has 1,408",
-    ),
-}
-_COMMON_KNOBS: Mapping[str, Knob] = {
-    "collision_detector": Knob(
-        "DART", "4 clean points a pair: the 4-stack sinks a quarter as deep and solves twice as fast as with the others"
-    ),
-    **_LIMIT_KNOB,
-    "matrix_free": Knob(True, "the shipped dense Dantzig solver takes a second a step at 350 contacts"),
-    "matrix_free_min_rows": Knob(1, "the shipped 193 leaves piles of up to 16 face contacts to the dense solver"),
-}
+_SETTINGS = load_settings("dart", {"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS}.__contains__)
 
 RAISED_THRESHOLD = 5.0
 """Factor on the shipped speed thresholds (0.01 m/s, 0.05 rad/s) when sleeping is "raised": 0.05 m/s lies above what
@@ -101,52 +88,7 @@ class DartSimulation(Simulation):
         moved="a joint of prescribed velocity",
         deterministic="no",
     )
-    profiles: ClassVar[Mapping[str, Profile]] = MappingProxyType(
-        {
-            "default": Profile(
-                name="default",
-                description="as shipped: FCL collision, dense Dantzig solver, 1 ms steps rounded to 17 a frame",
-                substeps=17,
-                knobs=_LIMIT_KNOB,
-            ),
-            "game": Profile(
-                name="game",
-                description="matrix-free solver at 240 Hz",
-                substeps=4,
-                knobs={
-                    **_COMMON_KNOBS,
-                    "matrix_free_max_iterations": Knob(
-                        5000, "the shipped 30 end in the dense solver, which costs more than any number of sweeps"
-                    ),
-                    "matrix_free_delta_tolerance": Knob(
-                        3e-7,
-                        "1/400 of a plank's impulse a step on one of 4 points; larger or smaller as the bricks weigh",
-                    ),
-                    "matrix_free_relative_tolerance": Knob(
-                        3e-7, "the shipped 1e-3 N s is eight times that whole impulse: the 4-stack collapses at level 3"
-                    ),
-                },
-                tuned_by="Stillstack, on the 4-stack and the inverted V",
-            ),
-            "tuned": Profile(
-                name="tuned",
-                description="matrix-free solver at 480 Hz, solved to the last digit that pays",
-                substeps=8,
-                knobs={
-                    **_COMMON_KNOBS,
-                    "matrix_free_max_iterations": Knob(
-                        20_000, "stacks of tens of levels need thousands of sweeps from a cold start"
-                    ),
-                    "matrix_free_delta_tolerance": Knob(
-                        1e-7,
-                        "1/600 of a plank's impulse a step on one of 4 points; larger or smaller as the bricks weigh",
-                    ),
-                    "matrix_free_relative_tolerance": Knob(1e-7, "as the delta tolerance: the larger of the two rules"),
-                },
-                tuned_by="Stillstack, on the 4-stack and the inverted V",
-            ),
-        }
-    )
+    profiles = _SETTINGS.profiles
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         super().__init__(profile, world, sleeping, expected)

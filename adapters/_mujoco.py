@@ -28,7 +28,6 @@ import copy
 import logging
 from collections import defaultdict, deque
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import mujoco
@@ -36,7 +35,8 @@ import numpy as np
 
 from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
 from adapters.base import Simulation
-from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.driven_pose import advanced
@@ -52,40 +52,17 @@ _SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEn
 _NOBODY = np.iinfo(np.int64).min
 """Stands for the body of an empty slot."""
 
-_AUTORESET = {"flag.autoreset": Knob("disable", "a diverged world must be seen, not silently put back to its start")}
-
-
-_EXPERT: Mapping[str, Knob] = {
-    **_AUTORESET,
-    "option.cone": Knob("elliptic", "over the shipped pyramid an inverted V slips away"),
-    "option.impratio": Knob(10, "friction ten times as stiff as the normal: soft friction creeps"),
-    CONTACT_STEPS: Knob(2, "time constant of contacts in steps, critically damped: the stiffest that is safe"),
-    "geom.solimp": Knob("0.99 0.999 1e-4 0.5 2", "nearly rigid from 0.1 mm on: a brick at rest sinks 0.03 mm"),
-    "geom.gap": Knob(
-        2.5e-4,
-        "of each of two bricks: points that do not touch yet are listed, without force, if the core counts them: "
-        "bricks frozen while they recover from their drop differ in height by some tenths of a millimetre",
-        follows_world=True,
-    ),
-    "flag.speculative": Knob("enable", "a falling brick must not pass through a plank of 8 mm in one step"),
-}
-"""What makes bricks of 12 g stand; names with a dot are ``element.attribute`` of MuJoCo's XML."""
-
-
-_SLEEP_KNOBS: Mapping[Sleeping, Mapping[str, Knob]] = {
-    "off": {},
-    "native": {"sleep": Knob("allowed", "the engine's own sleeping, at the shipped tolerance of 1 mm/s")},
-    "raised": {
-        "sleep": Knob("allowed", "the engine's own sleeping"),
-        "option.sleep_tolerance": Knob(1e-2, "ten times as shipped: above the sway of a tower, below a real fall"),
-    },
-}
+_SETTINGS = load_settings(
+    "mujoco", lambda name: "." in name or name in (CONTACT_STEPS, "sleep")
+)  # others MuJoCo checks
 
 
 class MujocoSimulation(Simulation):
     """One MuJoCo world."""
 
     engine: ClassVar[str] = "mujoco"
+    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    sleep_knobs = _SETTINGS.sleep_knobs
     iterations: ClassVar[str] = "option.iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points between bricks, 4 on the ground",
@@ -99,31 +76,8 @@ class MujocoSimulation(Simulation):
         moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
     )
-    profiles: ClassVar[Mapping[str, Profile]] = {
-        "default": Profile(
-            "default",
-            "as shipped, with its step of 2 ms rounded down to 1.85 ms to divide the frame",
-            9,
-            knobs=_AUTORESET,
-        ),
-        "game": Profile(
-            "game",
-            "one step a frame, nearly rigid contacts, elliptic friction",
-            1,
-            knobs=_EXPERT,
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
-        ),
-        "tuned": Profile(
-            "tuned",
-            "as game, eight steps a frame: at four, the feet of a V let go together land 0.01 and 0.48 mm deep",
-            8,
-            knobs=_EXPERT,
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
-        ),
-    }
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        profile = replace(profile, knobs={**profile.knobs, **_SLEEP_KNOBS[sleeping]})
         super().__init__(profile, world, sleeping, expected)
         self._shapes: list[Shape] = [_shape(brick) for brick in expected]
         self._slot: dict[int, int] = {}  # of every body

@@ -27,13 +27,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from adapters.base import Simulation
-from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_files import load_settings
 from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
@@ -62,61 +62,15 @@ _SCENE = ("enable_tgs", "bounce_threshold")
 _BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
 _SHAPE = ("contact_offset",)
 
-_THIN = Knob(1e-3, "the shipped 10 mm exceeds a plank: pairs that never touch would cost time", follows_world=True)
-_UNDAMPED = Knob(0.0, "the shipped 0.05 / s is no physics of a brick")
-_SLEEP: Mapping[Sleeping, Mapping[str, Knob]] = {
-    "off": {"sleep_threshold": Knob(0.0, "the engine's own sleeping is off: the extension or nobody freezes")},
-    "native": {},
-    "raised": {"sleep_threshold": Knob(0.05, "[J/kg] ten times as shipped: 0.3 m/s")},
-}
-
-PROFILES: Mapping[str, Profile] = {
-    profile.name: profile
-    for profile in (
-        Profile("default", "as SAPIEN ships it: TGS, 10 iterations, 1/100 s rounded down to 1/120 s", substeps=2),
-        Profile(
-            "unity4",
-            "an emulation of what the paper used: PGS, 6 iterations, one step of 1/50 s",
-            substeps=1,
-            frame_s=0.02,
-            tuned_by="Stillstack, after Unity 4's defaults",
-            knobs={
-                "enable_tgs": Knob(False, "PhysX 3 had PGS only"),
-                "solver_position_iterations": Knob(6, "Unity 4's default solver iteration count"),
-                "contact_offset": Knob(0.01, "Unity 4's default minimum penetration for penalty"),
-                "bounce_threshold": Knob(2.0, "Unity 4's default bounce threshold"),
-            },
-        ),
-        Profile(
-            "game",
-            "one step a frame",
-            substeps=1,
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
-            knobs={"contact_offset": _THIN, "angular_damping": _UNDAMPED},
-        ),
-        Profile(
-            "tuned",
-            "four steps of 1/240 s a frame, 60 iterations of PGS",
-            substeps=4,
-            tuned_by="Stillstack, on the 4-stack and the inverted V",
-            knobs={
-                "contact_offset": _THIN,
-                "angular_damping": _UNDAMPED,
-                "enable_tgs": Knob(
-                    False, "card houses of two and three storeys stand; with TGS at any of 30 or 60 one falls"
-                ),
-                "solver_position_iterations": Knob(60, "25 levels of the 4-stack sink by 1.0 mm; 3.1 mm with 30"),
-            },
-        ),
-    )
-}
+_SETTINGS = load_settings("physx", {*_SCENE, *_BODY, *_SHAPE}.__contains__)
 
 
 class PhysxSimulation(Simulation):
     """A world of PhysX 5."""
 
     engine: ClassVar[str] = "physx"
-    profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    sleep_knobs = _SETTINGS.sleep_knobs
     iterations: ClassVar[str] = "solver_position_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",
@@ -132,7 +86,6 @@ class PhysxSimulation(Simulation):
     )
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        profile = replace(profile, knobs={**profile.knobs, **_SLEEP[sleeping]})
         super().__init__(profile, world, sleeping, expected)
         knobs = {name: knob.value for name, knob in self.info.profile.knobs.items()}
         self._for_bodies = {name: knobs[name] for name in _BODY if name in knobs}

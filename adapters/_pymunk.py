@@ -37,7 +37,8 @@ from pymunk import batch
 
 from adapters._pymunk_arrays import lift_contacts, sort_by_id
 from adapters.base import Simulation
-from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -47,31 +48,7 @@ UNITS_PER_METRE = 1000.0
 _GROUND_SIZE = (20_000.0, 1_000.0)  # [mm]: wider than any scene, and too thick to fall through
 _OFF_PLANE = 1e-9  # [m] and as a quaternion's component: rounding, no more
 
-PROFILES: Mapping[str, Profile] = {
-    "default": Profile(
-        "default", "as shipped, in millimetres; the manual's step of 1/50 s rounded down to one a frame", substeps=1
-    ),
-    "game": Profile(
-        "game",
-        "one step a frame: a dropped plank seats within half a second",
-        substeps=1,
-        knobs={
-            "collision_slop": Knob(0.05, "[mm] seated planks may overlap by 0.2 at most; less makes piles restless"),
-            "iterations": Knob(20, "10 as shipped let an inverted V at 75 deg slip after 0.3 s; costs a tenth more"),
-        },
-        tuned_by="Stillstack, on columns and ladders of planks and the inverted V",
-    ),
-    "tuned": Profile(
-        "tuned",
-        "four converged steps a frame: columns and ladders of 25 levels stand and sink by 0.3 mm",
-        substeps=4,
-        knobs={
-            "collision_slop": Knob(0.01, "[mm] steps of 1/240 s keep contacts without more overlap than this"),
-            "iterations": Knob(100, "30 let a ladder of 25 levels sink by 3.7 mm instead of 0.3"),
-        },
-        tuned_by="Stillstack, on columns and ladders of planks and the inverted V",
-    ),
-}
+_SETTINGS = load_settings("pymunk", lambda name: isinstance(getattr(pymunk.Space, name, None), property))
 
 _SLEEPING: Mapping[Sleeping, Mapping[str, float]] = {
     "off": {},  # Chipmunk ships with sleeping off: its time threshold is infinite
@@ -106,7 +83,7 @@ class PymunkSimulation(Simulation):
     """One Chipmunk space."""
 
     engine = "pymunk"
-    profiles = PROFILES
+    profiles = _SETTINGS.profiles
     iterations = "iterations"
     capabilities = Capabilities(
         contact_points="up to 2 points in the plane, lifted to the ends of the bricks' common depth",

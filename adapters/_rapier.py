@@ -31,14 +31,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 import rapier3d
 
 from adapters.base import Simulation
-from adapters.profile import Capabilities, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, Profile, Sleeping
+from adapters.profile_files import load_settings
 from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
@@ -50,84 +50,15 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 _NEAR = 1e-4
 """Points further apart than this [m] do not touch."""
 
-_THREADS: Mapping[str, Knob] = {"num_threads": Knob(1, "one processor core, as every other engine; and repeatable")}
-
-_SCALE: Mapping[str, Knob] = {
-    "length_unit": Knob(
-        0.1,
-        "tolerances for bodies of a tenth of a metre: with 1 as shipped, contacts predicted 20 mm ahead of a plank of"
-        " 8 mm turn it in mid-air, and on a slope 1 deg too steep it slides 15 mm instead of 52",
-        follows_world=True,
-    ),
-}
-
-
-def _stiffness(frequency: float, reason: str) -> dict[str, Knob]:
-    """Natural frequency [Hz] of contacts between live bricks, and of those on fixed ones."""
-    return {
-        "contact_softness.natural_frequency": Knob(frequency, f"30 as shipped: {reason}"),
-        "static_contact_softness.natural_frequency": Knob(frequency, "60 as shipped: as stiff as between live bricks"),
-    }
-
-
-PROFILES: Mapping[str, Profile] = {
-    profile.name: profile
-    for profile in (
-        Profile(
-            "default",
-            "as shipped, with the length unit of planks: one step a frame, four solver substeps",
-            substeps=1,
-            knobs={**_THREADS, **_SCALE},
-        ),
-        Profile(
-            "game",
-            "one step a frame, 16 solver substeps, stiff contacts",
-            substeps=1,
-            tuned_by="Stillstack, on the 4-stack, the card house and the leaning tower",
-            knobs={
-                **_THREADS,
-                **_SCALE,
-                "num_solver_iterations": Knob(
-                    16, "with 8, and half the frequency, the leaning tower sinks by 3.3 mm instead of 0.8"
-                ),
-                **_stiffness(240.0, "10 levels of the 4-stack sink by 19 mm; now 30 levels by 2.8 mm"),
-            },
-        ),
-        Profile(
-            "tuned",
-            "four steps of 1/240 s a frame, 16 solver substeps each, very stiff contacts",
-            substeps=4,
-            tuned_by="Stillstack, on the 4-stack, the card house and the leaning tower",
-            knobs={
-                **_THREADS,
-                **_SCALE,
-                "num_solver_iterations": Knob(
-                    16, "with 8, and half the frequency, 30 levels of the 4-stack sink by 0.7 mm"
-                ),
-                **_stiffness(960.0, "30 levels of the 4-stack sink by 0.2 mm at a quarter of the substeps' rate"),
-                "normalized_max_corrective_velocity": Knob(
-                    0.3, "3 as shipped: 0.3 m/s, which throws a plank out of 1 mm of overlap in a single frame"
-                ),
-            },
-        ),
-    )
-}
-
-_SLEEP_KNOBS: Mapping[Sleeping, Mapping[str, Knob]] = {
-    "off": {"body.can_sleep": Knob(False, "the engine's own sleeping is off")},
-    "native": {},
-    "raised": {
-        "body.activation.linear_threshold": Knob(0.2, "four times as shipped: 20 mm/s, above the sway of a tower"),
-        "body.activation.angular_threshold": Knob(2.0, "[rad/s] four times as shipped"),
-    },
-}
+_SETTINGS = load_settings("rapier")
 
 
 class RapierSimulation(Simulation):
     """One world of Rapier."""
 
     engine: ClassVar[str] = "rapier"
-    profiles: ClassVar[Mapping[str, Profile]] = PROFILES
+    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    sleep_knobs = _SETTINGS.sleep_knobs
     iterations: ClassVar[str] = "num_solver_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points",
@@ -143,7 +74,6 @@ class RapierSimulation(Simulation):
     )
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        profile = replace(profile, knobs={**profile.knobs, **_SLEEP_KNOBS[sleeping]})
         super().__init__(profile, world, sleeping, expected)
         self._engine = rapier3d.PhysicsWorld(gravity=world.gravity)
         self._handles: dict[int, rapier3d.RigidBodyHandle] = {}
@@ -222,7 +152,7 @@ class RapierSimulation(Simulation):
         _settle_rotation(self._views[body])
 
     def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
-        for name, knob in _SLEEP_KNOBS["raised"].items():
+        for name, knob in self.sleep_knobs["raised"].items():
             setattr(activation, name.rpartition(".")[2], knob.value)
         return activation
 

@@ -45,7 +45,8 @@ class Simulation(EngineHooks):
         self.world = world
         self.expected = tuple(expected)
         self._unfitted = profile
-        self.info = EngineInfo(self.engine, engine_version(self.engine), profile.fitted_to(expected), sleeping)
+        profile = profile.with_knobs(self.sleep_knobs.get(sleeping, {})).fitted_to(expected)
+        self.info = EngineInfo(self.engine, engine_version(self.engine), profile, sleeping)
         self.bodies = Bodies()
         self.bricks, self.frozen = self.bodies.bricks, self.bodies.frozen
         self._port = self.port_type(self)

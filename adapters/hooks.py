@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
-from adapters.profile import Capabilities, EngineInfo, Profile
+from adapters.profile import Capabilities, EngineInfo, Knob, Profile
 from adapters.shared.bodies import Bodies
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
@@ -27,6 +27,8 @@ class EngineHooks(ABC):
     engine: ClassVar[str]
     capabilities: ClassVar[Capabilities]
     profiles: ClassVar[Mapping[str, Profile]]
+    sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
+    """Knobs added to every profile while the engine's own sleeping is off, native or raised."""
     iterations: ClassVar[str]
     """Name of the knob that says how often the solver iterates, at most, in a step."""
 

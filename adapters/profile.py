@@ -19,6 +19,9 @@ REACH_OF_SMALL = 0.5
 0.78 mm that nothing carried between neighbours 0.2 mm apart; with half of the reach they fall. Found by trial, not
 derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
 
+AS_SHIPPED = "as shipped"
+"""Stands for who tuned a profile that nobody tuned."""
+
 Sleeping = Literal["off", "native", "raised"]
 """The engine's own sleeping: off, as shipped, or with its threshold raised."""
 
@@ -45,7 +48,7 @@ class Profile:
     frame_s: float = 1 / 60
     """Length of a frame [s]."""
     knobs: Mapping[str, Knob] = field(default_factory=dict)
-    tuned_by: str = "as shipped"
+    tuned_by: str = AS_SHIPPED
     scale: float = 1.0
     """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
     forces: bool = True

@@ -1,4 +1,4 @@
-"""A digest of Python sources: which version of the code a result, or a compiled kernel, came from."""
+"""A digest of the sources: which version of the code and of the engines' settings a result came from."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters"
 
 
 def sources_digest(folders: Iterable[Path]) -> str:
-    """Digest of all Python files below ``folders``: their names and their content."""
+    """Digest all Python files below ``folders``, and the engines' profiles: their names and their content."""
     digest = hashlib.blake2b(digest_size=8)
     for folder in folders:
-        for path in sorted(folder.rglob("*.py")):
+        for path in sorted([*folder.rglob("*.py"), *folder.glob("profiles/*.toml")]):
             digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from adapters._bullet import PROFILES, BulletSimulation
+from adapters._bullet import BulletSimulation
 from adapters.conformance import CHECKS, ConformanceError, Rig
 from adapters.hooks import EngineHooks
 from adapters.port import EnginePort
@@ -74,7 +74,7 @@ class PenetratingPointsOnly(BulletSimulation):
     capabilities = NOT_COMPLETED
 
     def __init__(self, _profile: Profile, *args: Any) -> None:
-        super().__init__(PROFILES["tuned"], *args)
+        super().__init__(BulletSimulation.profiles["tuned"], *args)
 
 
 class PositiveOverlap(BulletSimulation):
@@ -549,7 +549,7 @@ def test_a_broken_adapter_is_caught(broken: type[BulletSimulation | EnginePort],
     simulation = broken
     if issubclass(broken, EnginePort):
         simulation = type(broken.__name__, (BulletSimulation,), {"port_type": broken})
-    rig = Rig(lambda world: simulation(PROFILES["game"], world, "off", ()), simulation.capabilities)
+    rig = Rig(lambda world: simulation(BulletSimulation.profiles["game"], world, "off", ()), simulation.capabilities)
     with pytest.raises(ConformanceError):
         CHECK[check].run_in(rig)
 

@@ -7,7 +7,7 @@ import pytest
 from pymunk import batch
 
 from adapters import open_engine
-from adapters._pymunk import PROFILES, PymunkSimulation
+from adapters._pymunk import PymunkSimulation
 from adapters._pymunk_arrays import lift_contacts
 from scenarios.model import Brick, Quaternion, Vector, World
 
@@ -196,7 +196,7 @@ def test_freezing_waking_and_removing_in_any_order_keeps_frozen_bricks_in_place(
 # -- settings ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("profile", PymunkSimulation.profiles)
 def test_the_engine_has_the_recorded_settings(profile: str) -> None:
     simulation = opened(profile)
     for setting, knob in simulation.info.profile.knobs.items():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters._rapier import PROFILES, RapierSimulation
+from adapters._rapier import RapierSimulation
 from adapters.conformance.rig import MASS, PLANK, THICKNESS, advance, frozen_column, pairs, place_on, plank, pose
 from adapters.profile import Sleeping
 from scenarios.model import Brick, World
@@ -167,7 +167,7 @@ def test_only_the_pairs_of_live_bricks_are_read() -> None:
 # -- settings ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("profile", RapierSimulation.profiles)
 def test_the_engine_has_the_recorded_settings(profile: str) -> None:
     simulation = opened(profile)
     assert simulation._engine.num_threads == 1

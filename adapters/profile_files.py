@@ -1,0 +1,184 @@
+"""Profiles of an engine from ``adapters/profiles/NAME.toml``: settings with their reasons, and who tuned them.
+
+A file has up to three tables::
+
+    [shared.SET]             # knobs that several profiles have in common
+    KNOB = { value = 0.85, reason = "why it differs from the shipped value, and what was measured" }
+
+    [profiles.NAME]          # default, game, tuned, and any other
+    description = "in a few words"
+    substeps = 4             # engine steps a frame
+    frame_s = 0.02           # length of a frame [s]; 1/60 if left out
+    tuned_by = "who, on which scenes"
+    shared = ["SET"]
+    knobs.KNOB = { value = 60, reason = "...", follows_world = true }
+
+    [sleeping.off]           # knobs added while the engine's own sleeping is off, native or raised
+    KNOB = { value = false, reason = "..." }
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from adapters.profile import AS_SHIPPED, Knob, Profile, Sleeping
+
+FOLDER = Path(__file__).with_name("profiles")
+
+_TABLES = ("shared", "profiles", "sleeping")
+_PROFILE_KEYS = ("description", "substeps", "frame_s", "tuned_by", "shared", "knobs")
+_KNOB_KEYS = ("value", "reason", "follows_world")
+
+Knobs = Mapping[str, Knob]
+
+
+class ProfileFileError(ValueError):
+    """A file of profiles is wrong; the message names the file, the entry and the fix."""
+
+
+@dataclass(frozen=True, slots=True)
+class EngineSettings:
+    """Everything that is set of one engine."""
+
+    profiles: Mapping[str, Profile]
+    sleep_knobs: Mapping[str, Knobs]
+
+
+def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, folder: Path = FOLDER) -> EngineSettings:
+    """Read and check the file of an engine.
+
+    Args:
+        engine: its name.
+        knows: whether there is a knob of this name; for adapters and engines that would ignore a misspelt one.
+        folder: where the files are.
+
+    Raises:
+        ProfileFileError: if it is missing, or something in it is wrong.
+    """
+    path = folder / f"{engine}.toml"
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise ProfileFileError(f"{path}: no such file; every engine has one with its profiles") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ProfileFileError(f"{path}: not TOML: {error}") from error
+    try:
+        settings = _settings(content)
+        _check_known(settings, knows)
+    except ProfileFileError as error:
+        raise ProfileFileError(f"{path}: {error}") from error
+    return settings
+
+
+def _check_known(settings: EngineSettings, knows: Callable[[str], bool]) -> None:
+    profiles = {f"profiles.{name}": profile.knobs for name, profile in settings.profiles.items()}
+    sleeping = {f"sleeping.{mode}": knobs for mode, knobs in settings.sleep_knobs.items()}
+    for where, knobs in (profiles | sleeping).items():
+        for name in knobs:
+            if not knows(name):
+                raise ProfileFileError(f"{where}: the engine has no knob '{name}'; look for a spelling mistake")
+
+
+def _settings(content: Mapping[str, Any]) -> EngineSettings:
+    _check_keys("the file", content, _TABLES)
+    shared = {name: _knobs(f"shared.{name}", knobs) for name, knobs in _table("shared", content).items()}
+    tables = _table("profiles", content)
+    if "default" not in tables:
+        raise ProfileFileError("no [profiles.default]; add the engine as its package ships it")
+    profiles = {name: _profile(name, table, shared) for name, table in tables.items()}
+    unused = set(shared) - {name for table in tables.values() for name in table.get("shared", ())}
+    if unused:
+        raise ProfileFileError(f"shared.{min(unused)} is in no profile; name it in a profile's 'shared', or delete it")
+    sleeping = _table("sleeping", content)
+    _check_keys("sleeping", sleeping, get_args(Sleeping))
+    return EngineSettings(profiles, {mode: _knobs(f"sleeping.{mode}", knobs) for mode, knobs in sleeping.items()})
+
+
+def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
+    where = f"profiles.{name}"
+    _check_table(where, table)
+    _check_keys(where, table, _PROFILE_KEYS)
+    knobs: dict[str, Knob] = {}
+    for chosen in table.get("shared", []):
+        if chosen not in shared:
+            raise ProfileFileError(f"{where}.shared: no [shared.{chosen}]; there is {_listed(shared)}")
+        knobs |= shared[chosen]
+    own = _knobs(f"{where}.knobs", table.get("knobs", {}))
+    tuned_by = table.get("tuned_by", AS_SHIPPED)
+    if name != "default" and not (isinstance(tuned_by, str) and tuned_by != AS_SHIPPED):
+        raise ProfileFileError(f"{where} has no 'tuned_by'; say who chose its settings, and on which scenes")
+    return Profile(
+        name,
+        _text(where, table, "description"),
+        _substeps(where, table),
+        _frame_s(where, table),
+        {**knobs, **own},
+        tuned_by,
+    )
+
+
+def _substeps(where: str, table: Mapping[str, Any]) -> int:
+    substeps = table.get("substeps")
+    if type(substeps) is not int or substeps < 1:
+        raise ProfileFileError(f"{where}.substeps must be a whole number of engine steps a frame, got {substeps!r}")
+    return substeps
+
+
+def _frame_s(where: str, table: Mapping[str, Any]) -> float:
+    frame_s = table.get("frame_s", 1 / 60)
+    if type(frame_s) is not float or not 0.0 < frame_s < 1.0:
+        raise ProfileFileError(f"{where}.frame_s must be a time in seconds, between 0 and 1, got {frame_s!r}")
+    return frame_s
+
+
+def _knobs(where: str, knobs: Any) -> dict[str, Knob]:
+    _check_table(where, knobs)
+    return {name: _knob(f"{where}.{name}", knob) for name, knob in knobs.items()}
+
+
+def _knob(where: str, knob: Any) -> Knob:
+    _check_table(where, knob)
+    _check_keys(where, knob, _KNOB_KEYS)
+    if "value" not in knob:
+        raise ProfileFileError(f"{where} has no 'value'; write {{ value = ..., reason = '...' }}")
+    value, follows_world = knob["value"], knob.get("follows_world", False)
+    if not isinstance(value, (bool, int, float, str)):
+        raise ProfileFileError(f"{where}.value must be a number, a text, true or false, got {value!r}")
+    if type(follows_world) is not bool:
+        raise ProfileFileError(f"{where}.follows_world must be true or false, got {follows_world!r}")
+    if follows_world and type(value) not in (int, float):
+        raise ProfileFileError(f"{where}.follows_world is for lengths; the value is {value!r}")
+    return Knob(value, _text(where, knob, "reason"), follows_world)
+
+
+def _text(where: str, table: Mapping[str, Any], key: str) -> str:
+    text = table.get(key)
+    if not (isinstance(text, str) and text.strip()):
+        why = "why it differs from the shipped value" if key == "reason" else "what is special, in a few words"
+        raise ProfileFileError(f"{where} has no '{key}'; say {why}")
+    return text
+
+
+def _table(name: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
+    table = content.get(name, {})
+    _check_table(name, table)
+    return dict(table)
+
+
+def _check_table(where: str, table: Any) -> None:
+    if not isinstance(table, dict):
+        raise ProfileFileError(f"{where} must be a table, got {table!r}")
+
+
+def _check_keys(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    for key in table:
+        if key not in known:
+            raise ProfileFileError(f"{where}: unknown key '{key}'; keys are {_listed(known)}")
+
+
+def _listed(names: Mapping[str, Any] | tuple[str, ...]) -> str:
+    return ", ".join(names) or "none"
