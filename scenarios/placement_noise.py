@@ -1,9 +1,9 @@
-"""A hand that is not quite steady: seed 0 is exact, every other seed lays each brick a little off.
+"""Placement noise: seed 0 is exact, every other seed perturbs each pose.
 
-Off by a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three standard
-deviations. A draw depends on the
-scene's variant, the seed and the brick's index alone: not on the engine, the order of trials or what fell before. It
-comes straight from a hash, through the inverse of the normal distribution: the same on every machine, with any library.
+The perturbation is a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three
+standard deviations. A draw depends on the scene's variant, the seed and the brick's index alone: not on the engine, the
+order of trials or what fell before. It comes straight from a hash, through the inverse of the normal distribution, so
+that it is the same on every machine, with any library.
 
 A draw that pushes a brick into a neighbour or a fixed box is repeated, so that between planned neighbours that touch
 the noise only opens the joint: seed 0 alone builds it closed. In a row of touching bricks the errors add up, and a
@@ -41,11 +41,11 @@ class NoRoomError(ValueError):
 
 
 def with_placement_noise(scene: Scene, seed: int) -> Scene:
-    """The scene as an unsteady hand builds it; the scene itself for seed 0.
+    """Return the scene with placement noise; the scene itself for seed 0.
 
-    A group moves as one rigid body, turning about its centroid. In a planar scene the hand errs along x only. A draw
-    that would overlap a brick that was laid before in the same level, or anything else that is planned beside the
-    group, is thrown away for the next one.
+    A group moves as one rigid body, turning about its centroid. In a planar scene it moves along x only. A draw that
+    would overlap a brick that was laid before in the same level, or anything else that is planned beside the group, is
+    repeated.
 
     Raises:
         ValueError: if the seed is negative.
@@ -59,13 +59,13 @@ def with_placement_noise(scene: Scene, seed: int) -> Scene:
     actions = []
     for action in scene.actions:
         if isinstance(action, Place):
-            action = replace(action, bricks=_laid_by_hand(scene, seed, action.bricks, laid))
+            action = replace(action, bricks=_perturbed(scene, seed, action.bricks, laid))
             laid.extend(action.bricks)
         actions.append(action)
     return replace(scene, actions=tuple(actions))
 
 
-def _laid_by_hand(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[Brick]) -> tuple[Brick, ...]:
+def _perturbed(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[Brick]) -> tuple[Brick, ...]:
     others = Boxes.of([*laid, *scene.world.fixed])
     must_not_overlap = _beside(scene, group, laid)
     for draw in range(_DRAWS):

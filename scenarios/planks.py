@@ -1,4 +1,4 @@
-"""The toy plank from which the scenes are built, and how a hand lays it flat or leans it.
+"""The toy plank from which the scenes are built, and its poses: laid flat or leaning.
 
 A KAPLA plank is nominally 117.0 x 23.4 x 7.8 mm (15 : 3 : 1) and weighs 11.9 g on average (557 kg/m3, pine).
 A plank's own x is its length, y its width and z its thickness.
@@ -28,7 +28,7 @@ GRAVITY = 9.81
 DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
 """Mean density [kg/m3]."""
 GAP = 2.0e-3
-"""Gap [m] between neighbours of one level: with 0.5 mm an unsteady hand pushes one plank into the next."""
+"""Gap [m] between neighbours of one level: with 0.5 mm placement noise pushes one plank into the next."""
 
 
 def lay(
