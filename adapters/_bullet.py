@@ -25,17 +25,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 
-from adapters.base import Simulation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
-from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.contact_completion import fixed_id
-from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.contact_forces import SubstepForces
+from adapters.shared.live_pairs import live_pairs
 from adapters.shared.quiet_import import silenced_stderr
+from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -48,8 +49,11 @@ step of 1/240 s, before the next step sets it anew."""
 
 _SETTINGS = load_settings("bullet")
 
+_Listed = tuple[int, int, tuple[Any, ...]]
+"""Bodies a and b of a contact, and Bullet's own row."""
 
-class BulletSimulation(Simulation):
+
+class BulletSimulation(SubstepSimulation):
     """A world of PyBullet in DIRECT mode."""
 
     engine: ClassVar[str] = "bullet"
@@ -81,9 +85,7 @@ class BulletSimulation(Simulation):
         self._handles: dict[int, int] = {}
         self._bodies: dict[int, int] = {}
         self._shapes: dict[Vector, int] = {}
-        self._before: Motions | None = None
-        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
-        self._frame_s = 0.0
+        self._configured_s = 0.0
         self._thaws_to_old_gravity: set[int] = set()
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
@@ -204,22 +206,17 @@ class BulletSimulation(Simulation):
             self._thaws_to_old_gravity.remove(body)
             pybullet.setGravity(*self.world.gravity, physicsClientId=self._client)
 
-    def _step(self, seconds: float) -> None:
-        substeps = self.info.profile.substeps
-        if seconds != self._frame_s:
-            self._configure(fixedTimeStep=seconds / substeps)
-            self._frame_s = seconds
-        bodies = self.bodies.moving()
-        before = []
-        self._earlier_forces.clear()
-        for substep in range(substeps):
-            if substep and self.reads_forces:
-                self._earlier_forces.append(self._forces_at(self._listed()))
-            if self.is_observed:
-                before.append((self._positions(bodies), *self.velocities_now(bodies)))
-            self._act_on_bodies(seconds / substeps)
-            pybullet.stepSimulation(self._client)
-        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
+    def _begin_frame(self, substep_s: float) -> None:
+        if substep_s != self._configured_s:
+            self._configure(fixedTimeStep=substep_s)
+            self._configured_s = substep_s
+
+    def _forces_of_substep(self) -> SubstepForces:
+        listed = self._listed()
+        return SubstepForces(*_pairs(listed), _forces(listed))
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Bullet has been told
+        pybullet.stepSimulation(self._client)
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
@@ -239,33 +236,11 @@ class BulletSimulation(Simulation):
         listed = self._listed()
         if not listed:
             return Contacts.empty()
-        pair = self._pairs(listed)
-        numbers = np.array([(*row[5], *row[6], *row[7], row[8]) for row in listed])
+        numbers = np.array([(*row[5], *row[6], *row[7], row[8]) for _, _, row in listed])
         point = (numbers[:, :3] + numbers[:, 3:6]) / 2
         normal = -numbers[:, 6:9]  # Bullet's normal points from b to a
-        body_a, body_b = pair[:, 0], pair[:, 1]
-        return Contacts(
-            body_a,
-            body_b,
-            point,
-            normal,
-            numbers[:, 9],
-            fastest_approach(self._before, body_a, body_b, point, normal),
-            np.full(len(listed), self.world.friction),
-            mean_force(self._forces_at(listed), normal, self._earlier_forces) if self.reads_forces else None,
-        )
-
-    def _pairs(self, listed: Sequence[tuple[Any, ...]]) -> IntArray:
-        """Return bodies a and b of Bullet's own rows, shape (n, 2)."""
-        body_of = self._bodies
-        return np.array([(body_of[row[1]], body_of[row[2]]) for row in listed], np.int64).reshape(-1, 2)
-
-    def _forces_at(self, listed: Sequence[tuple[Any, ...]]) -> SubstepForces:
-        """Return the forces of Bullet's own rows: along the normal, and along the two directions of friction."""
-        body_a, body_b = self._pairs(listed).T
-        numbers = _rows([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for row in listed], 12)
-        directions, sizes = numbers.reshape(-1, 3, 4)[..., :3], numbers.reshape(-1, 3, 4)[..., 3:]
-        return SubstepForces(body_a, body_b, -(sizes * directions).sum(axis=1))
+        force = _forces(listed) if self.reads_forces else None
+        return self._contacts_of_step(_pairs(listed), point, normal, numbers[:, 9], force)
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()
@@ -275,20 +250,14 @@ class BulletSimulation(Simulation):
         finally:
             twin.close()
 
-    def _listed(self) -> list[tuple[Any, ...]]:
-        """Bullet's own rows of every contact that touches a live body, each once."""
-        live, body_of, client = self.bodies.live, self._bodies, self._client
-        if 2 * len(live) > len(self.bricks):
-            every = pybullet.getContactPoints(physicsClientId=client)
-            return [row for row in every if body_of[row[1]] in live or body_of[row[2]] in live]
-        rows: list[tuple[Any, ...]] = []
-        for body in live:
-            handle = self._handles[body]
-            for row in pybullet.getContactPoints(handle, physicsClientId=client):
-                other = body_of[row[2] if row[1] == handle else row[1]]
-                if other < body or other not in live:  # a pair of live bodies is met twice
-                    rows.append(row)
-        return rows
+    def _listed(self) -> list[_Listed]:
+        """Return Bullet's own row of every contact that touches a live body, each once, with bodies a and b."""
+        body_of, handles = self._bodies, self._handles
+        read = partial(pybullet.getContactPoints, physicsClientId=self._client)
+        pairs = live_pairs(
+            self.bodies, read, lambda body: read(handles[body]), lambda row: (body_of[row[1]], body_of[row[2]])
+        )
+        return list(pairs)
 
     def _close(self) -> None:
         pybullet.disconnect(self._client)
@@ -303,6 +272,20 @@ def _to_bullet(quaternion: Quaternion) -> Quaternion:
     """Bullet's order of components is (x, y, z, w)."""
     w, x, y, z = quaternion
     return x, y, z, w
+
+
+def _pairs(listed: Sequence[_Listed]) -> tuple[IntArray, IntArray]:
+    """Return bodies a and b, each of shape (n,)."""
+    pairs = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _forces(listed: Sequence[_Listed]) -> FloatArray:
+    """Return forces (n, 3) [N] on b: along the normal, and along the two directions of friction."""
+    numbers = _rows([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for _, _, row in listed], 12)
+    directions, sizes = numbers.reshape(-1, 3, 4)[..., :3], numbers.reshape(-1, 3, 4)[..., 3:]
+    forces: FloatArray = -(sizes * directions).sum(axis=1)
+    return forces
 
 
 def _rows(rows: list[tuple[float, ...]], width: int) -> FloatArray:

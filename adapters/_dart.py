@@ -32,20 +32,20 @@ Traps:
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import dartpy
 import numpy as np
 
 from adapters._dart_limits import contacts_for, raise_limit
-from adapters.base import Simulation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
-from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import of_live
 from adapters.shared.vectors import rotate
+from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -71,7 +71,7 @@ RAISED_THRESHOLD = 5.0
 a settling stack still moves, and well below one frame of free fall (0.16 m/s)."""
 
 
-class DartSimulation(Simulation):
+class DartSimulation(SubstepSimulation):
     """One DART world; see the module's docstring for how freezing, contacts and friction work."""
 
     engine = "dart"
@@ -100,9 +100,7 @@ class DartSimulation(Simulation):
         self._skeletons: dict[int, Any] = {}
         self._joints: dict[int, Any] = {}
         self._id_of: dict[Any, int] = {}  # collision object -> body, filled as they are first met
-        self._contacts_of_step: Contacts | None = None
-        self._motion: _Motion | None = None
-        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+        self._latest: Contacts | None = None  # of the latest step, once read
         x, y, z = self.ground_half_edges  # a box rather than a plane: box on box gives the best manifolds
         self._add_fixed(GROUND, (2 * x, 2 * y, 2 * z), (0.0, 0.0, -z), UPRIGHT)
         for index, box in enumerate(world.fixed):
@@ -192,7 +190,7 @@ class DartSimulation(Simulation):
         self._joints[body].setCommands(velocities)
 
     def _remove(self, body: int) -> None:
-        self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
+        self._latest = self._read_contacts(self._world.getLastCollisionResult())
         self._id_of = {shape: known for shape, known in self._id_of.items() if known != body}
         self._world.getConstraintSolver().clearLastCollisionResult()
         del self._joints[body]
@@ -227,27 +225,22 @@ class DartSimulation(Simulation):
 
     # -- time --------------------------------------------------------------------------------------
 
-    def _step(self, seconds: float) -> None:
-        substeps = self.info.profile.substeps
-        if self._world.getTimeStep() != seconds / substeps:  # setting it wakes every body that the engine put to sleep
-            self._world.setTimeStep(seconds / substeps)
-        self._earlier_forces.clear()
-        if self.is_observed:
-            rates, bodies = [], self.bodies.moving().tolist()
-            for substep in range(substeps):
-                if substep and self.reads_forces and self.bodies.live:
-                    self._earlier_forces.append(self._forces_of_substep())
-                self._act_on_bodies(seconds / substeps)
-                centers, rates_before = self._coordinates(bodies)[:, 3:], self._rates(bodies)
-                rates.append(rates_before)
-                self._world.step()
-            self._motion = _Motion(tuple(bodies), centers, np.array(rates))
-        else:
-            for _ in range(substeps):
-                self._act_on_bodies(seconds / substeps)
-                self._world.step()
-            self._motion = None
-        self._contacts_of_step = None
+    def _begin_frame(self, substep_s: float) -> None:
+        if self._world.getTimeStep() != substep_s:  # setting it wakes every body that the engine put to sleep
+            self._world.setTimeStep(substep_s)
+
+    def _forces_of_substep(self) -> SubstepForces:
+        contacts = self._world.getLastCollisionResult().getContacts()
+        return SubstepForces(*self._pairs(contacts), _rows([contact.force for contact in contacts], 3))
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - DART has been told
+        self._world.step()
+
+    def _end_frame(self) -> None:
+        self._latest = None
+        if self._before is not None:  # the contacts belong to the poses before the last substep, and so do all arms
+            centers = self._before.position
+            self._before = replace(self._before, position=np.repeat(centers[-1:], len(centers), axis=0))
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         coordinates = self._coordinates(bodies.tolist())
@@ -271,9 +264,9 @@ class DartSimulation(Simulation):
     # -- contacts ----------------------------------------------------------------------------------
 
     def _contacts(self) -> Contacts:
-        if self._contacts_of_step is None:
-            self._contacts_of_step = self._read_contacts(self._world.getLastCollisionResult())
-        return of_live(self._contacts_of_step, self.bodies)
+        if self._latest is None:
+            self._latest = self._read_contacts(self._world.getLastCollisionResult())
+        return of_live(self._latest, self.bodies)
 
     def _find_contacts(self) -> Contacts:
         solver, result = self._world.getConstraintSolver(), dartpy.collision.CollisionResult()
@@ -285,28 +278,18 @@ class DartSimulation(Simulation):
         contacts = result.getContacts()
         if not contacts:
             return Contacts.empty()
-        body_a = np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64)
-        body_b = np.array([self._body_of(contact.collisionObject1) for contact in contacts], np.int64)
+        depth = np.array([contact.penetrationDepth for contact in contacts])
         point = _rows([contact.point for contact in contacts], 3)
         normal = _rows([contact.normal for contact in contacts], 3)
-        depth = np.array([contact.penetrationDepth for contact in contacts])
-        if self._motion is None:
-            velocity = np.full_like(point, np.nan)
-        else:
-            velocity = self._motion.fastest_approach(body_a, body_b, point, normal)
-        force = None
-        if self.reads_forces:
-            last = SubstepForces(body_a, body_b, _rows([contact.force for contact in contacts], 3))
-            force = mean_force(last, normal, self._earlier_forces)
-        friction = np.full(len(depth), self.world.friction)
-        return Contacts(body_a, body_b, point, normal, -depth, velocity, friction, force)
+        force = _rows([contact.force for contact in contacts], 3) if self.reads_forces else None
+        return self._contacts_of_step(self._pairs(contacts), point, normal, -depth, force)
 
-    def _forces_of_substep(self) -> SubstepForces:
-        """Return the forces of the substep that was just made."""
-        contacts = self._world.getLastCollisionResult().getContacts()
-        body_a = np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64)
-        body_b = np.array([self._body_of(contact.collisionObject1) for contact in contacts], np.int64)
-        return SubstepForces(body_a, body_b, _rows([contact.force for contact in contacts], 3))
+    def _pairs(self, contacts: Sequence[Any]) -> tuple[IntArray, IntArray]:
+        """Return bodies a and b of DART's contacts, each of shape (n,)."""
+        return (
+            np.array([self._body_of(contact.collisionObject2) for contact in contacts], np.int64),
+            np.array([self._body_of(contact.collisionObject1) for contact in contacts], np.int64),
+        )
 
     def _body_of(self, collision_object: Any) -> int:
         body = self._id_of.get(collision_object)
@@ -321,33 +304,6 @@ class DartSimulation(Simulation):
         self._joints.clear()
         self._skeletons.clear()
         del self._world
-
-
-@dataclass(frozen=True, slots=True)
-class _Motion:
-    """How the live bodies moved during a frame, as it was before the solver stopped them."""
-
-    bodies: tuple[int, ...]
-    centers: FloatArray
-    """Centres of mass [m] before the last substep, shape (n, 3): the poses that its contacts belong to."""
-    velocities: FloatArray
-    """Angular [rad/s] and linear [m/s] velocities before each substep, shape (substeps, n, 6)."""
-
-    def fastest_approach(self, body_a: IntArray, body_b: IntArray, point: FloatArray, normal: FloatArray) -> FloatArray:
-        """Velocity (m, 3) of b against a at each contact, in the substep in which they came closer fastest."""
-        relative = self._velocities_at(body_b, point) - self._velocities_at(body_a, point)
-        fastest = np.einsum("smi,mi->sm", relative, normal).argmin(axis=0)
-        chosen: FloatArray = relative[fastest, np.arange(len(fastest))]
-        return chosen
-
-    def _velocities_at(self, body: IntArray, point: FloatArray) -> FloatArray:
-        """Velocity of each body's material at its contact point, shape (substeps, m, 3); zero if it does not move."""
-        row_of = {known: row for row, known in enumerate(self.bodies)}
-        rows = np.array([row_of.get(known, len(row_of)) for known in body.tolist()])
-        still = np.zeros((len(self.velocities), 1, 6))
-        velocities = np.concatenate([self.velocities, still], axis=1)[:, rows]
-        arm = point - np.concatenate([self.centers, np.zeros((1, 3))])[rows]
-        return velocities[..., 3:] + np.cross(velocities[..., :3], arm)
 
 
 def _rows(vectors: Sequence[FloatArray], width: int) -> FloatArray:

@@ -34,13 +34,13 @@ import mujoco
 import numpy as np
 
 from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
-from adapters.base import Simulation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.driven_pose import advanced
 from adapters.shared.vectors import cross, dot, rotate
+from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -57,7 +57,7 @@ _SETTINGS = load_settings(
 )  # others MuJoCo checks
 
 
-class MujocoSimulation(Simulation):
+class MujocoSimulation(SubstepSimulation):
     """One MuJoCo world."""
 
     engine: ClassVar[str] = "mujoco"
@@ -86,7 +86,6 @@ class MujocoSimulation(Simulation):
         for slot, shape in enumerate(self._shapes):
             self._free[shape].append(slot)
         self._approaches: list[tuple[IntArray, FloatArray, FloatArray]] = []
-        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
         self._compiled: SlotModel | None = None
 
     # -- slots -------------------------------------------------------------------------------------
@@ -211,17 +210,25 @@ class MujocoSimulation(Simulation):
         self._assign_geoms(slot, body)
         self._rouse_all()
 
-    def _step(self, seconds: float) -> None:
-        model, data, substeps = self._engine.model, self._engine.data, self.info.profile.substeps
-        model.opt.timestep = seconds / substeps
+    def _begin_frame(self, substep_s: float) -> None:
+        self._engine.model.opt.timestep = substep_s
         self._is_current_geom[:] = True
         self._approaches.clear()
-        self._earlier_forces.clear()
-        for substep in range(substeps):
-            if substep and self.is_observed:
-                self._note_approaches()
-            self._act_on_bodies(seconds / substeps)
-            mujoco.mj_step(model, data)
+
+    def _record_ended_substep(self) -> None:
+        found = self._engine.data.contact
+        rows = self._current_rows(found.geom)
+        geoms = found.geom[rows]
+        velocity = self._relative_velocities(geoms, found.pos[rows])
+        self._approaches.append((self._pairs(geoms), dot(velocity, found.frame[rows, :3]), velocity))
+        if self.reads_forces:
+            self._earlier_forces.append(self._forces_at(rows, geoms))
+
+    def _record_motions(self, bodies: IntArray) -> None:
+        """Record nothing: MuJoCo keeps the velocities of its contacts itself."""
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - MuJoCo has been told
+        mujoco.mj_step(self._engine.model, self._engine.data)
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         slots, data = self._slots(bodies), self._engine.data
@@ -303,16 +310,6 @@ class MujocoSimulation(Simulation):
         arms = points[:, None] - data.subtree_com[geoms]
         velocities: FloatArray = twists[:, :, 3:] + cross(twists[:, :, :3], arms)
         return velocities[:, 1] - velocities[:, 0]
-
-    def _note_approaches(self) -> None:
-        """Remember how fast each pair approaches in this substep, and its forces."""
-        found = self._engine.data.contact
-        rows = self._current_rows(found.geom)
-        geoms = found.geom[rows]
-        velocity = self._relative_velocities(geoms, found.pos[rows])
-        self._approaches.append((self._pairs(geoms), dot(velocity, found.frame[rows, :3]), velocity))
-        if self.reads_forces:
-            self._earlier_forces.append(self._forces_at(rows, geoms))
 
     def _forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
         """Return the forces of these rows of MuJoCo's contacts, between ``geoms`` (n, 2), in the latest substep.

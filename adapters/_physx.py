@@ -31,15 +31,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from adapters.base import Simulation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
-from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.contact_completion import fixed_id
-from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.driven_pose import advanced
-from adapters.shared.friction_forces import with_friction
+from adapters.shared.live_pairs import pairs_with_live
 from adapters.shared.quiet_import import silenced_stderr
+from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -65,7 +64,7 @@ _SHAPE = ("contact_offset",)
 _SETTINGS = load_settings("physx", {*_SCENE, *_BODY, *_SHAPE}.__contains__)
 
 
-class PhysxSimulation(Simulation):
+class PhysxSimulation(SubstepSimulation):
     """A world of PhysX 5."""
 
     engine: ClassVar[str] = "physx"
@@ -102,9 +101,6 @@ class PhysxSimulation(Simulation):
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
         self._rows = np.empty(0, np.int64)
         self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies, in double precision
-        self._before: Motions | None = None
-        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
-        self._substep_s = 0.0
         half_edges = self.ground_half_edges
         self._add_fixed(GROUND, half_edges, (0.0, 0.0, -half_edges[2]), UPRIGHT)
         for index, box in enumerate(world.fixed):
@@ -200,27 +196,30 @@ class PhysxSimulation(Simulation):
         self._components[body].kinematic = False
         self._stop(self._components[body])
 
-    def _step(self, seconds: float) -> None:
-        substeps = self.info.profile.substeps
-        self._substep_s = self._system.timestep = seconds / substeps
-        bodies = self.bodies.moving()
-        before = []
-        self._earlier_forces.clear()
-        for substep in range(substeps):
-            if substep and self.reads_forces and self.bodies.live:
-                self._earlier_forces.append(self._forces_of_substep())
-            if self.is_observed and self.bodies.live:
-                before.append(self._state(bodies))
-            self._act_on_bodies(self._substep_s)
-            self._add_gravity_change()
-            self._system.step()
+    def _begin_frame(self, substep_s: float) -> None:
+        self._system.timestep = substep_s
+
+    def _forces_of_substep(self) -> SubstepForces:
+        body_a: list[int] = []
+        body_b: list[int] = []
+        impulses: list[FloatArray] = []
+        for a, b, points in self._listed():
+            body_a += [a] * len(points)
+            body_b += [b] * len(points)
+            impulses += [point.impulse for point in points]
+        force = np.array(impulses, np.float64).reshape(-1, 3) / self._substep_s
+        return SubstepForces(np.array(body_a, np.int64), np.array(body_b, np.int64), force)
+
+    def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        state = self._state(bodies)
+        return state[:, 4:7], *self.as_driven(bodies, state[:, 7:10], state[:, 10:])
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - PhysX has been told
+        self._add_gravity_change()
+        self._system.step()
+
+    def _end_frame(self) -> None:
         self._removed_components.clear()
-        self._before = None
-        if before:
-            states = np.array(before)
-            for body, velocities in self.bodies.moved.items():
-                states[:, bodies == body, 7:] = np.concatenate(velocities)
-            self._before = Motions(bodies, states[..., 4:7], states[..., 7:10], states[..., 10:])
 
     def _state(self, bodies: IntArray) -> FloatArray:
         """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
@@ -268,54 +267,23 @@ class PhysxSimulation(Simulation):
                     rows.append((*point.position.tolist(), *normal, separation, *impulse))
         if not rows:
             return Contacts.empty()
-        pairs = np.array(body_a), np.array(body_b)
         numbers = np.array(rows)
-        position, normal = numbers[:, :3], numbers[:, 3:6]
-        force = None
-        if self.reads_forces and self._substep_s:
-            last = SubstepForces(*pairs, numbers[:, 7:] / self._substep_s)
-            force = self._with_friction(pairs, normal, mean_force(last, normal, self._earlier_forces))
-        return Contacts(
-            *pairs,
-            position,
-            normal,
-            numbers[:, 6],
-            fastest_approach(self._before, *pairs, position, normal),
-            np.full(len(rows), self.world.friction),
-            force,
-        )
-
-    def _with_friction(self, pairs: tuple[IntArray, IntArray], normal: FloatArray, force: FloatArray) -> FloatArray:
-        """Add friction, of which SAPIEN tells nothing, to the mean normal forces (n, 3) [N] of the frame."""
-        if self._before is None:
-            return force
-        seconds = self._substep_s * self.info.profile.substeps
-        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
-        return with_friction(pairs, normal, force, np.full(len(force), self.world.friction), bodies, borne)
+        force = numbers[:, 7:] / self._substep_s if self.reads_forces and self._substep_s else None
+        pairs = np.array(body_a), np.array(body_b)
+        return self._with_friction(self._contacts_of_step(pairs, numbers[:, :3], numbers[:, 3:6], numbers[:, 6], force))
 
     def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
         """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
-        live, body_of = self.bodies.live, self._bodies.get  # None for a brick that was removed since the step
-        for contact in self._system.get_contacts():
+        body_of = self._bodies.get  # None for a brick that was removed since the step
+
+        def ids_of(contact: Any) -> tuple[int | None, int | None]:
             first, second = contact.bodies
-            a, b = body_of(second), body_of(first)
-            if a is None or b is None or (a not in live and b not in live):
-                continue
+            return body_of(second), body_of(first)
+
+        for a, b, contact in pairs_with_live(self._system.get_contacts(), ids_of, self.bodies):
             points = contact.points
             if points:
                 yield a, b, points
-
-    def _forces_of_substep(self) -> SubstepForces:
-        """Return the forces of the substep that was just made."""
-        body_a: list[int] = []
-        body_b: list[int] = []
-        impulses: list[FloatArray] = []
-        for a, b, points in self._listed():
-            body_a += [a] * len(points)
-            body_b += [b] * len(points)
-            impulses += [point.impulse for point in points]
-        force = np.array(impulses, np.float64).reshape(-1, 3) / self._substep_s
-        return SubstepForces(np.array(body_a, np.int64), np.array(body_b, np.int64), force)
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()

@@ -36,10 +36,10 @@ import pymunk
 from pymunk import batch
 
 from adapters._pymunk_arrays import lift_contacts, sort_by_id
-from adapters.base import Simulation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
+from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -79,7 +79,7 @@ _STATE = (
 )
 
 
-class PymunkSimulation(Simulation):
+class PymunkSimulation(SubstepSimulation):
     """One Chipmunk space."""
 
     engine = "pymunk"
@@ -112,7 +112,7 @@ class PymunkSimulation(Simulation):
         self._bodies: dict[int, pymunk.Body] = {}
         self._new_statics: list[int] = []
         self._latest_state: FloatArray | None = None
-        self._before = np.empty((0, 1, 3))  # velocities before each substep of the latest frame, by id
+        self._velocities_before: list[FloatArray] = []  # each substep of the latest frame, by id, shape (n, 3)
         self._buffer = batch.Buffer()
         self._engine_ids = np.empty(0, np.int64)  # sorted; they are addresses, in no order of their own
         self._ids = np.empty(0, np.int64)  # ours, in the order of the engine's
@@ -199,16 +199,16 @@ class PymunkSimulation(Simulation):
         self._space.reindex_shapes_for_body(planar)
         self._latest_state = None
 
-    def _step(self, seconds: float) -> None:
+    def _begin_frame(self, substep_s: float) -> None:  # noqa: ARG002
         self._forget_static_pairs()
-        substeps = self.info.profile.substeps
-        self._before = np.empty((substeps if self.is_observed else 0, self._rows, 3))
-        for substep in range(substeps):
-            self._act_on_bodies(seconds / substeps)
-            if self.is_observed:
-                self._before[substep] = self._state[:, 3:]
-            self._space.step(seconds / substeps)
-            self._latest_state = None
+        self._velocities_before.clear()
+
+    def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - all that there are, which costs one call
+        self._velocities_before.append(self._state[:, 3:])
+
+    def _substep(self, seconds: float) -> None:
+        self._space.step(seconds)
+        self._latest_state = None
 
     def _forget_static_pairs(self) -> None:
         """Throw away the arbiters of newly frozen bodies, which the engine would keep, and list, for ever.
@@ -299,9 +299,10 @@ class PymunkSimulation(Simulation):
         """Contacts of these arbiters, as ``lift_contacts`` takes them."""
         is_live = np.zeros(self._rows, np.bool_)
         is_live[list(self.bodies.live)] = True
+        before = np.array(self._velocities_before) if self._velocities_before else np.empty((0, self._rows, 3))
         pairs, points, normals, separations, velocities = lift_contacts(
             self._engine_ids, self._ids, arbiters, numbers, is_live, self._fixed_rows,
-            state, self._before, self._depths, UNITS_PER_METRE,
+            state, before, self._depths, UNITS_PER_METRE,
         )  # fmt: skip
         friction = np.full(len(pairs), self.world.friction)
         return Contacts(pairs[:, 0], pairs[:, 1], points, normals, separations, velocities, friction)

@@ -36,14 +36,13 @@ from typing import ClassVar
 import numpy as np
 import rapier3d
 
-from adapters.base import Simulation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
-from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.contact_completion import fixed_id
-from adapters.shared.contact_forces import SubstepForces, mean_force
-from adapters.shared.friction_forces import with_friction
+from adapters.shared.contact_forces import SubstepForces
+from adapters.shared.live_pairs import live_pairs
 from adapters.shared.vectors import dot, rotate
+from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
@@ -53,7 +52,7 @@ _NEAR = 1e-4
 _SETTINGS = load_settings("rapier")
 
 
-class RapierSimulation(Simulation):
+class RapierSimulation(SubstepSimulation):
     """One world of Rapier."""
 
     engine: ClassVar[str] = "rapier"
@@ -82,9 +81,6 @@ class RapierSimulation(Simulation):
         self._body_of: dict[rapier3d.ColliderHandle, int] = {}
         self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
         self._turning: set[int] = set()  # moved bodies that turned in the latest substep
-        self._before: Motions | None = None
-        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
-        self._substep_s = 0.0
         self._has_diverged = False
         for name, knob in self.info.profile.knobs.items():
             self._configure(name, knob.value)
@@ -187,24 +183,21 @@ class RapierSimulation(Simulation):
     def _stop(view: rapier3d.RigidBody) -> None:
         view.linvel = view.angvel = rapier3d.Vec3.zeros()
 
-    def _step(self, seconds: float) -> None:
+    def _begin_frame(self, substep_s: float) -> None:
         if not self.bodies.live:
             for body in sorted(self._still_active):
                 self._replace_by_fixed(body)
-        substeps = self.info.profile.substeps
-        self._engine.integration_parameters.dt = self._substep_s = seconds / substeps
-        bodies = self.bodies.moving()
-        before = []
-        self._earlier_forces.clear()
-        for substep in range(substeps):
-            if substep and self.reads_forces and self.bodies.live:
-                self._earlier_forces.append(self._forces_of_substep())
-            if self.is_observed and self.bodies.live:
-                before.append((self._positions(bodies), *self.velocities_now(bodies)))
-            self._act_on_bodies(self._substep_s)
-            self._engine.step()
-            self._has_diverged |= not self._engine.quarantine.is_empty()
-        self._before = Motions(bodies, *map(np.stack, zip(*before, strict=True))) if before else None
+        self._engine.integration_parameters.dt = substep_s
+
+    def _forces_of_substep(self) -> SubstepForces:
+        listed = list(self._live_pairs(self._engine.narrow_phase))
+        body_a, body_b = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2).T
+        impulses = _rows([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
+        return SubstepForces(body_a, body_b, impulses / self._substep_s)
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Rapier has been told
+        self._engine.step()
+        self._has_diverged |= not self._engine.quarantine.is_empty()
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         views = self._views
@@ -256,37 +249,11 @@ class RapierSimulation(Simulation):
         normals, points_a, points_b = self._in_world(pairs, local)
         separations = dot(points_b - points_a, normals)
         near = np.flatnonzero(separations <= _NEAR * self.scale)
-        body_a, body_b = pairs[near].T
         point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
-        force = None
-        if self.reads_forces and self._substep_s:
-            last = SubstepForces(body_a, body_b, normal * impulses[near, None] / self._substep_s)
-            force = self._with_friction((body_a, body_b), normal, mean_force(last, normal, self._earlier_forces))
-        return Contacts(
-            body_a,
-            body_b,
-            point,
-            normal,
-            separations[near],
-            fastest_approach(self._before, body_a, body_b, point, normal),
-            np.full(len(near), self.world.friction),
-            force,
-        )
-
-    def _with_friction(self, pairs: tuple[IntArray, IntArray], normal: FloatArray, force: FloatArray) -> FloatArray:
-        """Add friction, of which Rapier tells nothing, to the mean normal forces (n, 3) [N] of the frame."""
-        if self._before is None:
-            return force
-        seconds = self._substep_s * self.info.profile.substeps
-        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
-        return with_friction(pairs, normal, force, np.full(len(force), self.world.friction), bodies, borne)
-
-    def _forces_of_substep(self) -> SubstepForces:
-        """Return the forces of the substep that was just made."""
-        listed = list(self._live_pairs(self._engine.narrow_phase))
-        body_a, body_b = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2).T
-        impulses = _rows([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
-        return SubstepForces(body_a, body_b, impulses / self._substep_s)
+        has_forces = self.reads_forces and self._substep_s
+        force = normal * impulses[near, None] / self._substep_s if has_forces else None
+        body_a, body_b = pairs[near].T
+        return self._with_friction(self._contacts_of_step((body_a, body_b), point, normal, separations[near], force))
 
     def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray, FloatArray]:
         """Rapier's own points of every contact that touches a live body, far ones too.
@@ -306,22 +273,14 @@ class RapierSimulation(Simulation):
         return np.array(pairs, np.int64), _rows(rows, 9), np.array(impulses, np.float64)
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
-        """Every pair of colliders close to each other that touches a live body, each once, with its bodies' ids."""
-        live, body_of = self.bodies.live, self._body_of
-        if 2 * len(live) > len(self.bricks):
-            for pair in narrow_phase.contact_pairs():
-                a, b = body_of.get(pair.collider1), body_of.get(pair.collider2)
-                if a is not None and b is not None and (a in live or b in live):
-                    yield a, b, pair
-            return
-        for body in live:
-            for pair in narrow_phase.contact_pairs_with(self._colliders[body]):
-                a, b = body_of.get(pair.collider1), body_of.get(pair.collider2)
-                if a is None or b is None:
-                    continue
-                other = b if a == body else a
-                if other < body or other not in live:  # a pair of live bodies is met twice
-                    yield a, b, pair
+        """Return every pair of colliders close to each other that touches a live body, each once, with its bodies."""
+        body_of, colliders = self._body_of, self._colliders
+        return live_pairs(
+            self.bodies,
+            narrow_phase.contact_pairs,
+            lambda body: narrow_phase.contact_pairs_with(colliders[body]),
+            lambda pair: (body_of.get(pair.collider1), body_of.get(pair.collider2)),
+        )
 
     def _in_world(self, pairs: IntArray, local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Normals, points on a and points on b [m] in the world's frame, each (n, 3), of what ``_listed`` returns."""

@@ -79,8 +79,8 @@ class Simulation(EngineHooks):
 
     @property
     def reads_forces(self) -> bool:
-        """True if contact forces must be recorded: the port has been handed out, and the profile asks for them."""
-        return self.is_observed and self.info.profile.forces
+        """True if contact forces must be recorded: the port was handed out, and engine and profile have them."""
+        return self.is_observed and self.info.profile.forces and self.capabilities.forces != "no"
 
     def spawn(self, brick: Brick) -> int:
         """Put a brick at rest into the world, live or moved by the host; returns its id.
@@ -217,21 +217,6 @@ class Simulation(EngineHooks):
         self._close()
 
     # -- for adapters ------------------------------------------------------------------------------
-
-    def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
-        """Return the live ones of ``bodies`` (k,), and the sum of contact forces [N] on each over a step, by momentum.
-
-        Args:
-            bodies: rising ids, shape (k,).
-            before: their velocities [m/s] at the start of the step, shape (k, 3).
-            seconds: length of the step.
-        """
-        rows = np.flatnonzero([body in self.bodies.live for body in bodies.tolist()])
-        live = bodies[rows]
-        mass = np.array([self.bodies.live[body] for body in live.tolist()])[:, None]
-        steady = np.array([self.bodies.steady.get(body, NO_FORCE) for body in live.tolist()]).reshape(-1, 3)
-        gained = (self._velocities(live)[0] - before[rows]) / seconds
-        return live, mass * (gained - np.array(self.world.gravity)) - steady
 
     def _act_on_bodies(self, seconds: float) -> None:
         """Let steady forces act, and driven bodies move, in the engine's next substep; adapters call it before each.

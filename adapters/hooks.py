@@ -91,7 +91,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _step(self, seconds: float) -> None:
-        """Advance the world by one frame. ``SubstepSimulation`` does so in substeps, and asks for ``_substep``."""
+        """Advance the world by one frame. ``SubstepSimulation`` does so in substeps, by hooks of its own."""
 
     # -- state -------------------------------------------------------------------------------------
 
@@ -153,7 +153,10 @@ class EngineHooks(ABC):
 
     def velocities_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return linear and angular velocities (k, 3) of bodies (k,); of moved ones those at which they are driven."""
-        linear, angular = self._velocities(bodies)
+        return self.as_driven(bodies, *self._velocities(bodies))
+
+    def as_driven(self, bodies: IntArray, linear: FloatArray, angular: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Write into the velocities (k, 3) of bodies (k,) those at which the host moves some of them; return both."""
         if self.bodies.moved:
             for row, body in enumerate(bodies.tolist()):
                 if body in self.bodies.moved:

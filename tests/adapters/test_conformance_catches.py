@@ -65,7 +65,7 @@ class OnePointAPair(BulletSimulation):
     capabilities = NOT_COMPLETED
 
     def _listed(self) -> list[tuple[Any, ...]]:
-        return list({row[1:3]: row for row in super()._listed()}.values())
+        return list({pair[:2]: pair for pair in super()._listed()}.values())
 
 
 class PenetratingPointsOnly(BulletSimulation):
@@ -191,12 +191,13 @@ class NoContactsWithFrozen(BulletSimulation):
     capabilities = NOT_COMPLETED
 
     def _listed(self) -> list[tuple[Any, ...]]:
-        return [row for row in super()._listed() if not {self._bodies[row[1]], self._bodies[row[2]]} & self.frozen]
+        return [pair for pair in super()._listed() if not {*pair[:2]} & self.frozen]
 
 
 class FrozenPairsListed(BulletSimulation):
     def _listed(self) -> list[tuple[Any, ...]]:
-        return list(pybullet.getContactPoints(physicsClientId=self._client))
+        every = pybullet.getContactPoints(physicsClientId=self._client)
+        return [(self._bodies[row[1]], self._bodies[row[2]], row) for row in every]
 
 
 class FlickeringContacts(BulletSimulation):

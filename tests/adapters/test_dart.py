@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters._dart import DartSimulation, _coordinates, _Motion, _quaternions
+from adapters._dart import DartSimulation, _coordinates, _quaternions
 from adapters.profile import Sleeping
 from scenarios.model import Brick, Quaternion
 from scenarios.planks import plank_of
@@ -152,19 +152,6 @@ def test_the_solver_is_asked_for_as_many_digits_whatever_the_bricks_weigh(scale:
     assert options.mDeltaTolerance == pytest.approx(1e-7 * larger)
     assert options.mRelativeDeltaTolerance == pytest.approx(1e-7 * larger)
     simulation.close()
-
-
-def test_fastest_approach_is_that_of_the_substep_in_which_the_bodies_closed_in_fastest() -> None:
-    """A body that falls at 1, then 2, then 0.5 m/s on the ground came down at 2 m/s, whichever way the pair is named;
-    its spin of 3 rad/s about y moves a point 0.1 m out along x by 0.3 m/s, downward."""
-    rates = np.zeros((3, 1, 6))
-    rates[:, 0, 5] = [-1.0, -2.0, -0.5]
-    rates[:, 0, 1] = 3.0
-    motion = _Motion((7,), np.array([[0.0, 0.0, 0.1]]), rates)
-    body, ground = np.array([7]), np.array([-1])
-    point, up = np.array([[0.1, 0.0, 0.1]]), np.array([[0.0, 0.0, 1.0]])
-    np.testing.assert_allclose(motion.fastest_approach(ground, body, point, up), [[0.0, 0.0, -2.3]], atol=1e-12)
-    np.testing.assert_allclose(motion.fastest_approach(body, ground, point, -up), [[0.0, 0.0, 2.3]], atol=1e-12)
 
 
 HALF = math.sqrt(0.5)

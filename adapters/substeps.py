@@ -1,0 +1,133 @@
+"""The frame of every engine that an adapter steps itself: substeps, and what the core reads of each of them.
+
+The core wants to know how fast bodies approached before the solver stopped them, and the mean forces of the frame. Most
+engines report neither, so that motions are recorded before each substep, and forces after it; both only while the port
+is read and a body is live.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.profile import Profile, Sleeping
+from adapters.shared.approach import Motions, fastest_approach
+from adapters.shared.bodies import NO_FORCE
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.friction_forces import with_friction
+from scenarios.model import Brick, World
+from stability_core.port import Contacts, FloatArray, IntArray
+
+
+class SubstepSimulation(Simulation):
+    """A simulation whose engine is stepped substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, world, sleeping, expected)
+        self._substep_s = 0.0  # of the latest frame
+        self._recorded: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+        self._before: Motions | None = None
+        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+
+    def _step(self, seconds: float) -> None:
+        self._substep_s = seconds / self.info.profile.substeps
+        self._begin_frame(self._substep_s)
+        is_read = self.is_observed and bool(self.bodies.live)
+        bodies = self.bodies.moving()
+        self._earlier_forces.clear()
+        self._recorded.clear()
+        for substep in range(self.info.profile.substeps):
+            if is_read and substep:
+                self._record_ended_substep()
+            self._act_on_bodies(self._substep_s)
+            if is_read:
+                self._record_motions(bodies)
+            self._substep(self._substep_s)
+        self._before = Motions(bodies, *map(np.stack, zip(*self._recorded, strict=True))) if self._recorded else None
+        self._end_frame()
+
+    # -- hooks, in the order in which a frame calls them -------------------------------------------
+
+    def _begin_frame(self, substep_s: float) -> None:
+        """Prepare a frame, such as the engine's step [s]. Called once before its first substep."""
+
+    def _record_ended_substep(self) -> None:
+        """Record what ``_contacts`` reads of the substep that ended: called after each but the last, while read."""
+        if self.reads_forces:
+            self._earlier_forces.append(self._forces_of_substep())
+
+    def _forces_of_substep(self) -> SubstepForces:
+        """Return the contact forces of the substep that ended, of pairs that touch a live body.
+
+        Called while ``reads_forces``; an engine without forces has none to return. The arrays must be copies.
+        """
+        raise NotImplementedError(f"{self.engine} reports forces, by its capabilities: fill in _forces_of_substep")
+
+    def _record_motions(self, bodies: IntArray) -> None:
+        """Record how ``bodies`` (k,) move before the substep that follows: called before each, while read."""
+        self._recorded.append(self._motions_now(bodies))
+
+    def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return positions, velocities and spins (k, 3); overridden where one call reads them all."""
+        return self._positions(bodies), *self.velocities_now(bodies)
+
+    @abstractmethod
+    def _substep(self, seconds: float) -> None:
+        """Let the engine make one step. Steady forces and driven bodies have been set for it."""
+
+    def _end_frame(self) -> None:
+        """Finish a frame. Called once after its last substep, with ``_before`` filled in."""
+
+    # -- for _contacts -----------------------------------------------------------------------------
+
+    def _contacts_of_step(
+        self,
+        pairs: tuple[IntArray, IntArray],
+        point: FloatArray,
+        normal: FloatArray,
+        separation: FloatArray,
+        force: FloatArray | None,
+    ) -> Contacts:
+        """Return the contacts of the latest step, with approach speeds, and the mean of the frame's forces.
+
+        Args:
+            pairs: bodies a and b, each of shape (n,).
+            point: contact points [m], shape (n, 3).
+            normal: unit normals from a to b, shape (n, 3).
+            separation: gaps [m], shape (n,).
+            force: forces [N] of the last substep on bodies b, shape (n, 3); None if forces are not read.
+        """
+        if force is not None:
+            force = mean_force(SubstepForces(*pairs, force), normal, self._earlier_forces)
+        approach = fastest_approach(self._before, *pairs, point, normal)
+        friction = np.full(len(point), self.world.friction)
+        return Contacts(*pairs, point, normal, separation, approach, friction, force)
+
+    def _with_friction(self, contacts: Contacts) -> Contacts:
+        """Add friction, for an engine that reports normal forces only: what the bodies' change of momentum leaves."""
+        if contacts.force is None or self._before is None:
+            return contacts
+        seconds = self._substep_s * self.info.profile.substeps
+        bodies, borne = self._borne_forces(self._before.body, self._before.linear[0], seconds)
+        pairs = contacts.body_a, contacts.body_b
+        force = with_friction(pairs, contacts.normal, contacts.force, contacts.friction, bodies, borne)
+        return replace(contacts, force=force)
+
+    def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
+        """Return the live ones of ``bodies`` (k,), and the sum of contact forces [N] on each over a step, by momentum.
+
+        Args:
+            bodies: rising ids, shape (k,).
+            before: their velocities [m/s] at the start of the step, shape (k, 3).
+            seconds: length of the step.
+        """
+        rows = np.flatnonzero([body in self.bodies.live for body in bodies.tolist()])
+        live = bodies[rows]
+        mass = np.array([self.bodies.live[body] for body in live.tolist()])[:, None]
+        steady = np.array([self.bodies.steady.get(body, NO_FORCE) for body in live.tolist()]).reshape(-1, 3)
+        gained = (self._velocities(live)[0] - before[rows]) / seconds
+        return live, mass * (gained - np.array(self.world.gravity)) - steady
