@@ -36,6 +36,7 @@ from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
 from adapters.shared.quiet_import import silenced_stderr
+from adapters.shared.vectors import half_edges, rows_of, scalar_last
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -89,41 +90,16 @@ class BulletSimulation(SubstepSimulation):
         self._thaws_to_old_gravity: set[int] = set()
         pybullet.setGravity(*world.gravity, physicsClientId=self._client)
         self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
-        half_edges = self.ground_half_edges
-        ground = self._create(half_edges, 0.0, (0.0, 0.0, -half_edges[2]), (1.0, 0.0, 0.0, 0.0))
+        ground_half = self.ground_half_edges
+        ground = self._create(ground_half, 0.0, (0.0, 0.0, -ground_half[2]), (1.0, 0.0, 0.0, 0.0))
         self._bodies[ground] = GROUND
         for index, box in enumerate(world.fixed):
-            self._bodies[self._create(_half(box.size), 0.0, box.position, box.quaternion)] = fixed_id(index)
+            self._bodies[self._create(half_edges(box.size), 0.0, box.position, box.quaternion)] = fixed_id(index)
 
-    def _configure(self, **parameters: float | str) -> None:
-        pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self._client)
-
-    def _create(self, half_extents: Vector, mass: float, position: Vector, quaternion: Quaternion) -> int:
-        shape = self._shapes.get(half_extents)
-        if shape is None:
-            shape = pybullet.createCollisionShape(
-                pybullet.GEOM_BOX, halfExtents=half_extents, physicsClientId=self._client
-            )
-            self._shapes[half_extents] = shape
-        handle: int = pybullet.createMultiBody(
-            baseMass=mass,
-            baseCollisionShapeIndex=shape,
-            basePosition=position,
-            baseOrientation=_to_bullet(quaternion),
-            useMaximalCoordinates=True,
-            physicsClientId=self._client,
-        )
-        pybullet.changeDynamics(
-            handle,
-            -1,
-            lateralFriction=math.sqrt(self.world.friction),
-            activationState=self._awake,
-            physicsClientId=self._client,
-        )
-        return handle
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        handle = self._create(_half(brick.size), brick.mass, brick.position, brick.quaternion)
+        handle = self._create(half_edges(brick.size), brick.mass, brick.position, brick.quaternion)
         self._handles[body] = handle
         self._bodies[handle] = body
 
@@ -133,23 +109,20 @@ class BulletSimulation(SubstepSimulation):
             if other <= GROUND or other in self.bodies.moved or other in self.frozen:
                 self._let_collide(self._handles[body], handle, False)
 
-    def _let_collide(self, handle: int, other: int, do: bool) -> None:
-        """Say whether two of Bullet's bodies collide; what it remembers of their contact is dropped."""
-        pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self._client)
-
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
-        handle = self._handles[body]
-        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
-        x, y, z = self.world.gravity
-        lift = (-_HEAVY * x, -_HEAVY * y, -_HEAVY * z)
-        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
-        pybullet.resetBaseVelocity(handle, linear, angular, self._client)
-
     def _remove(self, body: int) -> None:
         self._thaws_to_old_gravity.discard(body)
         handle = self._handles.pop(body)
         del self._bodies[handle]
         pybullet.removeBody(handle, physicsClientId=self._client)
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        handle = self._handles[body]
+        if body not in self.frozen:
+            self._rouse(handle)
+        pybullet.resetBasePositionAndOrientation(handle, position, scalar_last(quaternion), self._client)
+        self._stop(handle)
+
+    # -- actions --------------------------------------------------------------------------------------
 
     def _push(self, body: int, impulse: Vector) -> None:
         handle = self._handles[body]
@@ -166,25 +139,51 @@ class BulletSimulation(SubstepSimulation):
         place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
         pybullet.applyExternalForce(handle, -1, force, place, frame, self._client)
 
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        handle = self._handles[body]
+        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
+        x, y, z = self.world.gravity
+        lift = (-_HEAVY * x, -_HEAVY * y, -_HEAVY * z)
+        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
+        pybullet.resetBaseVelocity(handle, linear, angular, self._client)
+
     def _set_gravity(self, gravity: Vector) -> None:
         for body in self.bodies.live:
             self._rouse(self._handles[body])
         pybullet.setGravity(*gravity, physicsClientId=self._client)
         self._thaws_to_old_gravity |= set(self.frozen)
 
-    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        handle = self._handles[body]
-        if body not in self.frozen:
-            self._rouse(handle)
-        pybullet.resetBasePositionAndOrientation(handle, position, _to_bullet(quaternion), self._client)
-        self._stop(handle)
+    # -- time -----------------------------------------------------------------------------------------
 
-    def _rouse(self, handle: int) -> None:
-        """End the engine's own sleep: a new velocity alone does not."""
-        pybullet.changeDynamics(handle, -1, activationState=self._awake, physicsClientId=self._client)
+    def _begin_frame(self, substep_s: float) -> None:
+        if substep_s != self._configured_s:
+            self._configure(fixedTimeStep=substep_s)
+            self._configured_s = substep_s
 
-    def _stop(self, handle: int) -> None:
-        pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self._client)
+    def _forces_of_substep(self) -> SubstepForces:
+        listed = self._listed()
+        return SubstepForces(*_pairs(listed), _forces(listed))
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Bullet has been told
+        pybullet.stepSimulation(self._client)
+
+    # -- state ----------------------------------------------------------------------------------------
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
+        rows = rows_of([sum(read(handles[body], client), ()) for body in bodies.tolist()], 7)
+        return rows[:, :3], rows[:, [6, 3, 4, 5]]
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
+        return rows_of([read(handles[body], client)[0] for body in bodies.tolist()], 3)
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        read, client, handles = pybullet.getBaseVelocity, self._client, self._handles
+        rows = rows_of([sum(read(handles[body], client), ()) for body in bodies.tolist()], 6)
+        return rows[:, :3], rows[:, 3:]
+
+    # -- called by the port ---------------------------------------------------------------------------
 
     def _freeze(self, body: int) -> None:
         handle = self._handles[body]
@@ -206,32 +205,6 @@ class BulletSimulation(SubstepSimulation):
             self._thaws_to_old_gravity.remove(body)
             pybullet.setGravity(*self.world.gravity, physicsClientId=self._client)
 
-    def _begin_frame(self, substep_s: float) -> None:
-        if substep_s != self._configured_s:
-            self._configure(fixedTimeStep=substep_s)
-            self._configured_s = substep_s
-
-    def _forces_of_substep(self) -> SubstepForces:
-        listed = self._listed()
-        return SubstepForces(*_pairs(listed), _forces(listed))
-
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Bullet has been told
-        pybullet.stepSimulation(self._client)
-
-    def _positions(self, bodies: IntArray) -> FloatArray:
-        read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
-        return _rows([read(handles[body], client)[0] for body in bodies.tolist()], 3)
-
-    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        read, client, handles = pybullet.getBasePositionAndOrientation, self._client, self._handles
-        rows = _rows([sum(read(handles[body], client), ()) for body in bodies.tolist()], 7)
-        return rows[:, :3], rows[:, [6, 3, 4, 5]]
-
-    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        read, client, handles = pybullet.getBaseVelocity, self._client, self._handles
-        rows = _rows([sum(read(handles[body], client), ()) for body in bodies.tolist()], 6)
-        return rows[:, :3], rows[:, 3:]
-
     def _contacts(self) -> Contacts:
         listed = self._listed()
         if not listed:
@@ -250,6 +223,51 @@ class BulletSimulation(SubstepSimulation):
         finally:
             twin.close()
 
+    # -- the end --------------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        pybullet.disconnect(self._client)
+
+    # -- helpers --------------------------------------------------------------------------------------
+
+    def _configure(self, **parameters: float | str) -> None:
+        pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self._client)
+
+    def _create(self, half_extents: Vector, mass: float, position: Vector, quaternion: Quaternion) -> int:
+        shape = self._shapes.get(half_extents)
+        if shape is None:
+            shape = pybullet.createCollisionShape(
+                pybullet.GEOM_BOX, halfExtents=half_extents, physicsClientId=self._client
+            )
+            self._shapes[half_extents] = shape
+        handle: int = pybullet.createMultiBody(
+            baseMass=mass,
+            baseCollisionShapeIndex=shape,
+            basePosition=position,
+            baseOrientation=scalar_last(quaternion),
+            useMaximalCoordinates=True,
+            physicsClientId=self._client,
+        )
+        pybullet.changeDynamics(
+            handle,
+            -1,
+            lateralFriction=math.sqrt(self.world.friction),
+            activationState=self._awake,
+            physicsClientId=self._client,
+        )
+        return handle
+
+    def _let_collide(self, handle: int, other: int, do: bool) -> None:
+        """Say whether two of Bullet's bodies collide; what it remembers of their contact is dropped."""
+        pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self._client)
+
+    def _rouse(self, handle: int) -> None:
+        """End the engine's own sleep: a new velocity alone does not."""
+        pybullet.changeDynamics(handle, -1, activationState=self._awake, physicsClientId=self._client)
+
+    def _stop(self, handle: int) -> None:
+        pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self._client)
+
     def _listed(self) -> list[_Listed]:
         """Return Bullet's own row of every contact that touches a live body, each once, with bodies a and b."""
         body_of, handles = self._bodies, self._handles
@@ -258,20 +276,6 @@ class BulletSimulation(SubstepSimulation):
             self.bodies, read, lambda body: read(handles[body]), lambda row: (body_of[row[1]], body_of[row[2]])
         )
         return list(pairs)
-
-    def _close(self) -> None:
-        pybullet.disconnect(self._client)
-
-
-def _half(size: Vector) -> Vector:
-    x, y, z = size
-    return x / 2, y / 2, z / 2
-
-
-def _to_bullet(quaternion: Quaternion) -> Quaternion:
-    """Bullet's order of components is (x, y, z, w)."""
-    w, x, y, z = quaternion
-    return x, y, z, w
 
 
 def _pairs(listed: Sequence[_Listed]) -> tuple[IntArray, IntArray]:
@@ -282,12 +286,7 @@ def _pairs(listed: Sequence[_Listed]) -> tuple[IntArray, IntArray]:
 
 def _forces(listed: Sequence[_Listed]) -> FloatArray:
     """Return forces (n, 3) [N] on b: along the normal, and along the two directions of friction."""
-    numbers = _rows([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for _, _, row in listed], 12)
+    numbers = rows_of([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for _, _, row in listed], 12)
     directions, sizes = numbers.reshape(-1, 3, 4)[..., :3], numbers.reshape(-1, 3, 4)[..., 3:]
     forces: FloatArray = -(sizes * directions).sum(axis=1)
     return forces
-
-
-def _rows(rows: list[tuple[float, ...]], width: int) -> FloatArray:
-    """Rows as an array of shape (n, width), also for n = 0."""
-    return np.array(rows, np.float64).reshape(len(rows), width)

@@ -31,44 +31,27 @@ Traps:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import dartpy
 import numpy as np
 
+from adapters._dart_coordinates import coordinates_of, quaternions_of
 from adapters._dart_limits import contacts_for, raise_limit
+from adapters._dart_settings import KNOBS, allow_sleep, configure
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import of_live
-from adapters.shared.vectors import rotate
+from adapters.shared.vectors import rotate, rows_of
 from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
-_MATRIX_FREE_OPTIONS = {
-    "matrix_free": "mEnabled",
-    "matrix_free_min_rows": "mMinRows",
-    "matrix_free_max_iterations": "mMaxIterations",
-    "matrix_free_delta_tolerance": "mDeltaTolerance",
-    "matrix_free_relative_tolerance": "mRelativeDeltaTolerance",
-}
-"""Knob -> field of ``MatrixFreeContactSolverOptions``."""
-
-_IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
-"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier or lighter bricks they are larger or smaller
-alike."""
-_PLANK_MASS = 0.0119
-"""Mass [kg] of the planks for which they were chosen."""
-
-_SETTINGS = load_settings("dart", {"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS}.__contains__)
-
-RAISED_THRESHOLD = 5.0
-"""Factor on the shipped speed thresholds (0.01 m/s, 0.05 rad/s) when sleeping is "raised": 0.05 m/s lies above what
-a settling stack still moves, and well below one frame of free fall (0.16 m/s)."""
+_SETTINGS = load_settings("dart", KNOBS.__contains__)
 
 
 class DartSimulation(SubstepSimulation):
@@ -94,7 +77,8 @@ class DartSimulation(SubstepSimulation):
         super().__init__(profile, world, sleeping, expected)
         self._world = dartpy.simulation.World()
         self._world.setGravity(list(world.gravity))
-        self._configure({name: knob.value for name, knob in profile.knobs.items()}, sleeping)
+        configure(self._world, {name: knob.value for name, knob in profile.knobs.items()}, expected)
+        allow_sleep(self._world, sleeping)
         self._room = 0  # bricks for whose contacts DART's limit is raised
         self._make_room(len(expected))
         self._skeletons: dict[int, Any] = {}
@@ -106,44 +90,127 @@ class DartSimulation(SubstepSimulation):
         for index, box in enumerate(world.fixed):
             self._add_fixed(fixed_id(index), box.size, box.position, box.quaternion)
 
-    def _configure(self, knobs: Mapping[str, float | int | str | bool], sleeping: Sleeping) -> None:
-        if "collision_detector" in knobs:
-            detectors = dartpy.simulation.CollisionDetectorType
-            self._world.setCollisionDetector(getattr(detectors, str(knobs["collision_detector"])))
-        solver = self._world.getConstraintSolver()
-        options = solver.getMatrixFreeContactSolverOptions()
-        for knob, option in _MATRIX_FREE_OPTIONS.items():
-            if knob in knobs:
-                setattr(options, option, knobs[knob])
-        for knob in _IMPULSE_TOLERANCES:
-            if knob in knobs:
-                setattr(options, _MATRIX_FREE_OPTIONS[knob], float(knobs[knob]) * self._mass_in_planks())
-        solver.setMatrixFreeContactSolverOptions(options)
+    # -- bodies ---------------------------------------------------------------------------------------
 
-        deactivation = self._world.getDeactivationOptions()
-        deactivation.mEnabled = sleeping != "off"
-        if sleeping == "raised":
-            deactivation.mLinearSpeedThreshold *= RAISED_THRESHOLD
-            deactivation.mAngularSpeedThreshold *= RAISED_THRESHOLD
-        self._world.setDeactivationOptions(deactivation)
+    def _spawn(self, body: int, brick: Brick) -> None:
+        skeleton = dartpy.dynamics.Skeleton(str(body))
+        joint, node = skeleton.createFreeJointAndBodyNodePair()
+        shape = self._add_shape(node, brick.size)
+        inertia = dartpy.dynamics.Inertia()
+        inertia.setMass(brick.mass)
+        inertia.setMoment(shape.computeInertia(brick.mass))
+        node.setInertia(inertia)
+        joint.setPositions(coordinates_of(brick.position, brick.quaternion))
+        self._make_room(len(self._skeletons) + 1)  # bricks may come that were not expected
+        self._world.addSkeleton(skeleton)
+        self._skeletons[body] = skeleton
+        self._joints[body] = joint
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._spawn(body, brick)
+        self._joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
+
+    def _remove(self, body: int) -> None:
+        self._latest = self._read_contacts(self._world.getLastCollisionResult())
+        self._id_of = {shape: known for shape, known in self._id_of.items() if known != body}
+        self._world.getConstraintSolver().clearLastCollisionResult()
+        del self._joints[body]
+        self._world.removeSkeleton(self._skeletons.pop(body))
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        joint = self._joints[body]
+        joint.setPositions(coordinates_of(position, quaternion))
+        joint.resetVelocities()
+
+    # -- actions --------------------------------------------------------------------------------------
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        joint = self._joints[body]
+        velocities = joint.getVelocities()
+        velocities[3:] += np.array(impulse) / self.bricks[body].mass
+        joint.setVelocities(velocities)
+
+    def _press(self, body: int, force: Vector) -> None:
+        node = self._skeletons[body].getBodyNode(0)
+        node.addExtForce(list(force))
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        velocities = np.array((*angular, *linear))
+        self._joints[body].setVelocities(velocities)  # contacts of the step are solved against it
+        self._joints[body].setCommands(velocities)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._world.setGravity(list(gravity))
+        self._world.setTimeStep(self._world.getTimeStep())  # wakes every body that the engine put to sleep
+
+    # -- time -----------------------------------------------------------------------------------------
+
+    def _begin_frame(self, substep_s: float) -> None:
+        if self._world.getTimeStep() != substep_s:  # setting it wakes every body that the engine put to sleep
+            self._world.setTimeStep(substep_s)
+
+    def _forces_of_substep(self) -> SubstepForces:
+        contacts = self._world.getLastCollisionResult().getContacts()
+        return SubstepForces(*self._pairs(contacts), rows_of([contact.force for contact in contacts], 3))
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - DART has been told
+        self._world.step()
+
+    def _end_frame(self) -> None:
+        self._latest = None
+        if self._before is not None:  # the contacts belong to the poses before the last substep, and so do all arms
+            centers = self._before.position
+            self._before = replace(self._before, position=np.repeat(centers[-1:], len(centers), axis=0))
+
+    # -- state ----------------------------------------------------------------------------------------
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        coordinates = self._coordinates(bodies.tolist())
+        return coordinates[:, 3:], quaternions_of(coordinates[:, :3])
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._coordinates(bodies.tolist())[:, 3:]
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        rates = self._rates(bodies.tolist())
+        return rates[:, 3:], rates[:, :3]
+
+    # -- called by the port ---------------------------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        self._joints[body].resetVelocities()
+        self._skeletons[body].setMobile(False)
+
+    def _thaw(self, body: int) -> None:
+        self._joints[body].resetVelocities()
+        self._skeletons[body].setMobile(True)
+
+    def _contacts(self) -> Contacts:
+        if self._latest is None:
+            self._latest = self._read_contacts(self._world.getLastCollisionResult())
+        return of_live(self._latest, self.bodies)
+
+    def _find_contacts(self) -> Contacts:
+        solver, result = self._world.getConstraintSolver(), dartpy.collision.CollisionResult()
+        solver.getCollisionGroup().collide(solver.getCollisionOption(), result)
+        return self._read_contacts(result)
+
+    # -- the end --------------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        # From the leaves to the root: a wrapper that outlives its world brings the process down.
+        self._id_of.clear()
+        self._joints.clear()
+        self._skeletons.clear()
+        del self._world
+
+    # -- helpers --------------------------------------------------------------------------------------
 
     def _make_room(self, bricks: int) -> None:
         """Raise DART's limit on contacts to what so many bricks can have."""
         if bricks > self._room:
             self._room = max(bricks, 2 * self._room)
             raise_limit(self._world.getConstraintSolver(), contacts_for(self._room))
-
-    def _mass_in_planks(self) -> float:
-        """Return the mass that the impulse tolerances suit, over that of a plank.
-
-        - The lightest expected brick is heavier than a plank: that brick. Blocks of 4 kg, solved to the 1e-7 N s of
-          planks of 12 g, take all iterations, and then the dense solver.
-        - The heaviest one is lighter than a plank: that brick. Planks of 12 mg, whose weight is 5e-7 N s a step, fall
-          through the ground if solved to 3e-7 N s.
-        - Otherwise a plank: pieces of planks are few.
-        """
-        masses = [brick.mass for brick in self.expected if not brick.moved] or [_PLANK_MASS]
-        return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)
 
     def _add_fixed(self, body: int, size: Vector, position: Vector, quaternion: Quaternion) -> None:
         """Add the ground or a fixed box, which contacts name ``body``."""
@@ -164,114 +231,13 @@ class DartSimulation(SubstepSimulation):
         node.createDynamicsAspect().setFrictionCoeff(self.world.friction)
         return shape
 
-    # -- bodies ------------------------------------------------------------------------------------
-
-    def _spawn(self, body: int, brick: Brick) -> None:
-        skeleton = dartpy.dynamics.Skeleton(str(body))
-        joint, node = skeleton.createFreeJointAndBodyNodePair()
-        shape = self._add_shape(node, brick.size)
-        inertia = dartpy.dynamics.Inertia()
-        inertia.setMass(brick.mass)
-        inertia.setMoment(shape.computeInertia(brick.mass))
-        node.setInertia(inertia)
-        joint.setPositions(_coordinates(brick.position, brick.quaternion))
-        self._make_room(len(self._skeletons) + 1)  # bricks may come that were not expected
-        self._world.addSkeleton(skeleton)
-        self._skeletons[body] = skeleton
-        self._joints[body] = joint
-
-    def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._spawn(body, brick)
-        self._joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
-
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
-        velocities = np.array((*angular, *linear))
-        self._joints[body].setVelocities(velocities)  # contacts of the step are solved against it
-        self._joints[body].setCommands(velocities)
-
-    def _remove(self, body: int) -> None:
-        self._latest = self._read_contacts(self._world.getLastCollisionResult())
-        self._id_of = {shape: known for shape, known in self._id_of.items() if known != body}
-        self._world.getConstraintSolver().clearLastCollisionResult()
-        del self._joints[body]
-        self._world.removeSkeleton(self._skeletons.pop(body))
-
-    def _push(self, body: int, impulse: Vector) -> None:
-        joint = self._joints[body]
-        velocities = joint.getVelocities()
-        velocities[3:] += np.array(impulse) / self.bricks[body].mass
-        joint.setVelocities(velocities)
-
-    def _press(self, body: int, force: Vector) -> None:
-        node = self._skeletons[body].getBodyNode(0)
-        node.addExtForce(list(force))
-
-    def _set_gravity(self, gravity: Vector) -> None:
-        self._world.setGravity(list(gravity))
-        self._world.setTimeStep(self._world.getTimeStep())  # wakes every body that the engine put to sleep
-
-    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        joint = self._joints[body]
-        joint.setPositions(_coordinates(position, quaternion))
-        joint.resetVelocities()
-
-    def _freeze(self, body: int) -> None:
-        self._joints[body].resetVelocities()
-        self._skeletons[body].setMobile(False)
-
-    def _thaw(self, body: int) -> None:
-        self._joints[body].resetVelocities()
-        self._skeletons[body].setMobile(True)
-
-    # -- time --------------------------------------------------------------------------------------
-
-    def _begin_frame(self, substep_s: float) -> None:
-        if self._world.getTimeStep() != substep_s:  # setting it wakes every body that the engine put to sleep
-            self._world.setTimeStep(substep_s)
-
-    def _forces_of_substep(self) -> SubstepForces:
-        contacts = self._world.getLastCollisionResult().getContacts()
-        return SubstepForces(*self._pairs(contacts), _rows([contact.force for contact in contacts], 3))
-
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - DART has been told
-        self._world.step()
-
-    def _end_frame(self) -> None:
-        self._latest = None
-        if self._before is not None:  # the contacts belong to the poses before the last substep, and so do all arms
-            centers = self._before.position
-            self._before = replace(self._before, position=np.repeat(centers[-1:], len(centers), axis=0))
-
-    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        coordinates = self._coordinates(bodies.tolist())
-        return coordinates[:, 3:], _quaternions(coordinates[:, :3])
-
-    def _positions(self, bodies: IntArray) -> FloatArray:
-        return self._coordinates(bodies.tolist())[:, 3:]
-
-    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        rates = self._rates(bodies.tolist())
-        return rates[:, 3:], rates[:, :3]
-
     def _coordinates(self, bodies: Iterable[int]) -> FloatArray:
         """Free joints' coordinates (n, 6): rotation vectors [rad], then positions [m], in world axes."""
-        return _rows([self._joints[body].getPositions() for body in bodies], 6)
+        return rows_of([self._joints[body].getPositions() for body in bodies], 6)
 
     def _rates(self, bodies: Iterable[int]) -> FloatArray:
         """Free joints' velocities (n, 6): angular [rad/s], then linear [m/s], in world axes."""
-        return _rows([self._joints[body].getVelocities() for body in bodies], 6)
-
-    # -- contacts ----------------------------------------------------------------------------------
-
-    def _contacts(self) -> Contacts:
-        if self._latest is None:
-            self._latest = self._read_contacts(self._world.getLastCollisionResult())
-        return of_live(self._latest, self.bodies)
-
-    def _find_contacts(self) -> Contacts:
-        solver, result = self._world.getConstraintSolver(), dartpy.collision.CollisionResult()
-        solver.getCollisionGroup().collide(solver.getCollisionOption(), result)
-        return self._read_contacts(result)
+        return rows_of([self._joints[body].getVelocities() for body in bodies], 6)
 
     def _read_contacts(self, result: Any) -> Contacts:
         """All contacts of a collision, those of frozen bodies and of bodies removed since included."""
@@ -279,9 +245,9 @@ class DartSimulation(SubstepSimulation):
         if not contacts:
             return Contacts.empty()
         depth = np.array([contact.penetrationDepth for contact in contacts])
-        point = _rows([contact.point for contact in contacts], 3)
-        normal = _rows([contact.normal for contact in contacts], 3)
-        force = _rows([contact.force for contact in contacts], 3) if self.reads_forces else None
+        point = rows_of([contact.point for contact in contacts], 3)
+        normal = rows_of([contact.normal for contact in contacts], 3)
+        force = rows_of([contact.force for contact in contacts], 3) if self.reads_forces else None
         return self._contacts_of_step(self._pairs(contacts), point, normal, -depth, force)
 
     def _pairs(self, contacts: Sequence[Any]) -> tuple[IntArray, IntArray]:
@@ -297,31 +263,3 @@ class DartSimulation(SubstepSimulation):
             body = int(collision_object.getShapeFrame().getSkeleton().getName())
             self._id_of[collision_object] = body
         return body
-
-    def _close(self) -> None:
-        # From the leaves to the root: a wrapper that outlives its world brings the process down.
-        self._id_of.clear()
-        self._joints.clear()
-        self._skeletons.clear()
-        del self._world
-
-
-def _rows(vectors: Sequence[FloatArray], width: int) -> FloatArray:
-    """Vectors as the rows of an array, which keeps its width when there are none."""
-    return np.array(vectors, np.float64).reshape(-1, width)
-
-
-def _coordinates(position: Vector, quaternion: Quaternion) -> FloatArray:
-    """A free joint's coordinates (6,): rotation vector [rad], then position [m]."""
-    shorter_way = np.array(quaternion) * (1 if quaternion[0] >= 0 else -1)
-    axis = shorter_way[1:]
-    sine = np.linalg.norm(axis)
-    if sine > 0:
-        axis *= 2 * np.arctan2(sine, shorter_way[0]) / sine
-    return np.concatenate([axis, position])
-
-
-def _quaternions(rotation_vectors: FloatArray) -> FloatArray:
-    """Rotation vectors (n, 3) [rad] as quaternions (n, 4), (w, x, y, z)."""
-    half = np.linalg.norm(rotation_vectors, axis=1, keepdims=True) / 2
-    return np.hstack([np.cos(half), rotation_vectors / 2 * np.sinc(half / np.pi)])

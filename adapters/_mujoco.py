@@ -33,13 +33,14 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
+from adapters._mujoco_approaches import Approaches
 from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.driven_pose import advanced
-from adapters.shared.vectors import cross, dot, rotate
+from adapters.shared.vectors import cross, rotate
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -85,10 +86,158 @@ class MujocoSimulation(SubstepSimulation):
         self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
         for slot, shape in enumerate(self._shapes):
             self._free[shape].append(slot)
-        self._approaches: list[tuple[IntArray, FloatArray, FloatArray]] = []
+        self._approaches = Approaches()
         self._compiled: SlotModel | None = None
 
-    # -- slots -------------------------------------------------------------------------------------
+    # -- bodies ---------------------------------------------------------------------------------------
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        slot = self._occupy_slot(body, brick)
+        self._let_live(slot)
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._places[body] = np.array(brick.position), np.array(brick.quaternion)
+        slot = self._occupy_slot(body, brick)  # which may compile the engine anew
+        self._engine.unpark_moved(slot)
+
+    def _remove(self, body: int) -> None:
+        if body in self.frozen:
+            self._engine.hide_ghost(self._slot[body])
+        slot = self._slot.pop(body)
+        self._retire(slot)
+        self._assign_geoms(slot, _NOBODY)
+        self._free[self._shapes[slot]].append(slot)
+        self._rouse_all()
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        slot = self._slot[body]
+        self._engine.set_pose(slot, position, quaternion)
+        if body in self.frozen:
+            self._engine.show_ghost(slot)
+        if body in self.bodies.moved:
+            self._places[body] = np.array(position), np.array(quaternion)
+        self._assign_geoms(slot, body)
+        self._rouse_all()
+
+    # -- actions --------------------------------------------------------------------------------------
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        slot = self._slot[body]
+        self._engine.velocities[slot, :3] += np.asarray(impulse) / self.bricks[body].mass
+        self._engine.rouse(slot)
+
+    def _press(self, body: int, force: Vector) -> None:
+        self._engine.data.xfrc_applied[1 + self._slot[body], :3] = force
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        slot = self._slot[body]
+        position, quaternion = self._places[body]
+        self._engine.poses[slot, :3], self._engine.poses[slot, 3:] = position, quaternion
+        self._places[body] = advanced(position, quaternion, np.array(linear), np.array(angular), seconds)
+        self._engine.velocities[slot, :3] = linear
+        inverse = self._engine.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
+        self._engine.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        if self._compiled is not None:
+            self._compiled.model.opt.gravity = gravity
+            self._rouse_all()
+
+    # -- time -----------------------------------------------------------------------------------------
+
+    def _begin_frame(self, substep_s: float) -> None:
+        self._engine.model.opt.timestep = substep_s
+        self._is_current_geom[:] = True
+        self._approaches.clear()
+
+    def _record_ended_substep(self) -> None:
+        found = self._engine.data.contact
+        rows = self._current_rows(found.geom)
+        geoms = found.geom[rows]
+        velocity = self._relative_velocities(geoms, found.pos[rows])
+        self._approaches.add(geoms, found.frame[rows, :3], velocity)
+        if self.reads_forces:
+            self._earlier_forces.append(self._forces_at(rows, geoms))
+
+    def _record_motions(self, bodies: IntArray) -> None:
+        """Record nothing: MuJoCo keeps the velocities of its contacts itself."""
+
+    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - MuJoCo has been told
+        mujoco.mj_step(self._engine.model, self._engine.data)
+
+    # -- state ----------------------------------------------------------------------------------------
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        slots, data = self._slots(bodies), self._engine.data
+        poses = self._engine.poses[slots]
+        frozen = [row for row, body in enumerate(bodies.tolist()) if body in self.frozen]
+        poses[frozen, :3] = data.mocap_pos[slots[frozen]]
+        poses[frozen, 3:] = data.mocap_quat[slots[frozen]]
+        return poses[:, :3], poses[:, 3:]
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._engine.poses[self._slots(bodies), :3]  # of live bodies, whose ghosts are elsewhere
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        rows = self._engine.velocities[self._slots(bodies)]
+        return rows[:, :3], rotate(self._poses(bodies)[1], rows[:, 3:])
+
+    # -- called by the port ---------------------------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        if not self._engine.has_ghosts:
+            self._compile(ghosts=True)
+        slot = self._slot[body]
+        self._engine.show_ghost(slot)
+        self._retire(slot)
+
+    def _thaw(self, body: int) -> None:
+        slot = self._slot[body]
+        self._engine.hide_ghost(slot)
+        self._let_live(slot)
+
+    def _contacts(self) -> Contacts:
+        found = self._engine.data.contact
+        rows = self._current_rows(found.geom)
+        geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
+        velocity = self._relative_velocities(geoms, found.pos[rows])
+        speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
+        if len(speculative):  # a force before touch; the engine invents the distance that makes it stop the brick
+            separation[speculative] = np.nan
+            velocity[speculative] += self._fall(geoms[speculative])
+        body_a, body_b = self._body_of_geom[geoms].T
+        return Contacts(
+            body_a,
+            body_b,
+            found.pos[rows],
+            normals,
+            separation,
+            self._approaches.fastest(geoms, normals, velocity),
+            found.friction[rows, 0],
+            mean_force(self._forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None,
+        )
+
+    def _find_contacts(self) -> Contacts:
+        model, data = self._engine.model, copy.copy(self._engine.data)
+        flags = model.opt.enableflags
+        model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        model.opt.enableflags = flags
+        found = data.contact
+        rows = np.flatnonzero(self._is_live_geom[found.geom].any(axis=1))
+        points, normals = found.pos[rows], found.frame[rows, :3]
+        body_a, body_b = self._body_of_geom[found.geom[rows]].T
+        unknown = np.full_like(points, np.nan)
+        return Contacts(body_a, body_b, points, normals, found.dist[rows], unknown, found.friction[rows, 0])
+
+    # -- the end --------------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        self._compiled = None
+
+    # -- helpers --------------------------------------------------------------------------------------
 
     @property
     def _engine(self) -> SlotModel:
@@ -150,17 +299,6 @@ class MujocoSimulation(SubstepSimulation):
     def _slots(self, bodies: IntArray) -> IntArray:
         return np.array([self._slot[body] for body in bodies.tolist()], np.int64)
 
-    # -- driven by the harness ---------------------------------------------------------------------
-
-    def _spawn(self, body: int, brick: Brick) -> None:
-        slot = self._occupy_slot(body, brick)
-        self._let_live(slot)
-
-    def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._places[body] = np.array(brick.position), np.array(brick.quaternion)
-        slot = self._occupy_slot(body, brick)  # which may compile the engine anew
-        self._engine.unpark_moved(slot)
-
     def _occupy_slot(self, body: int, brick: Brick) -> int:
         """Put a brick into a slot that fits; returns the slot, still parked."""
         slot = self._take_slot(_shape(brick))
@@ -168,135 +306,6 @@ class MujocoSimulation(SubstepSimulation):
         self._slot[body] = slot
         self._assign_geoms(slot, body)
         return slot
-
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
-        slot = self._slot[body]
-        position, quaternion = self._places[body]
-        self._engine.poses[slot, :3], self._engine.poses[slot, 3:] = position, quaternion
-        self._places[body] = advanced(position, quaternion, np.array(linear), np.array(angular), seconds)
-        self._engine.velocities[slot, :3] = linear
-        inverse = self._engine.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
-        self._engine.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
-
-    def _remove(self, body: int) -> None:
-        if body in self.frozen:
-            self._engine.hide_ghost(self._slot[body])
-        slot = self._slot.pop(body)
-        self._retire(slot)
-        self._assign_geoms(slot, _NOBODY)
-        self._free[self._shapes[slot]].append(slot)
-        self._rouse_all()
-
-    def _push(self, body: int, impulse: Vector) -> None:
-        slot = self._slot[body]
-        self._engine.velocities[slot, :3] += np.asarray(impulse) / self.bricks[body].mass
-        self._engine.rouse(slot)
-
-    def _press(self, body: int, force: Vector) -> None:
-        self._engine.data.xfrc_applied[1 + self._slot[body], :3] = force
-
-    def _set_gravity(self, gravity: Vector) -> None:
-        if self._compiled is not None:
-            self._compiled.model.opt.gravity = gravity
-            self._rouse_all()
-
-    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        slot = self._slot[body]
-        self._engine.set_pose(slot, position, quaternion)
-        if body in self.frozen:
-            self._engine.show_ghost(slot)
-        if body in self.bodies.moved:
-            self._places[body] = np.array(position), np.array(quaternion)
-        self._assign_geoms(slot, body)
-        self._rouse_all()
-
-    def _begin_frame(self, substep_s: float) -> None:
-        self._engine.model.opt.timestep = substep_s
-        self._is_current_geom[:] = True
-        self._approaches.clear()
-
-    def _record_ended_substep(self) -> None:
-        found = self._engine.data.contact
-        rows = self._current_rows(found.geom)
-        geoms = found.geom[rows]
-        velocity = self._relative_velocities(geoms, found.pos[rows])
-        self._approaches.append((self._pairs(geoms), dot(velocity, found.frame[rows, :3]), velocity))
-        if self.reads_forces:
-            self._earlier_forces.append(self._forces_at(rows, geoms))
-
-    def _record_motions(self, bodies: IntArray) -> None:
-        """Record nothing: MuJoCo keeps the velocities of its contacts itself."""
-
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - MuJoCo has been told
-        mujoco.mj_step(self._engine.model, self._engine.data)
-
-    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        slots, data = self._slots(bodies), self._engine.data
-        poses = self._engine.poses[slots]
-        frozen = [row for row, body in enumerate(bodies.tolist()) if body in self.frozen]
-        poses[frozen, :3] = data.mocap_pos[slots[frozen]]
-        poses[frozen, 3:] = data.mocap_quat[slots[frozen]]
-        return poses[:, :3], poses[:, 3:]
-
-    def _positions(self, bodies: IntArray) -> FloatArray:
-        return self._engine.poses[self._slots(bodies), :3]  # of live bodies, whose ghosts are elsewhere
-
-    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        rows = self._engine.velocities[self._slots(bodies)]
-        return rows[:, :3], rotate(self._poses(bodies)[1], rows[:, 3:])
-
-    def _close(self) -> None:
-        self._compiled = None
-
-    # -- driven by the core, through the port ------------------------------------------------------
-
-    def _freeze(self, body: int) -> None:
-        if not self._engine.has_ghosts:
-            self._compile(ghosts=True)
-        slot = self._slot[body]
-        self._engine.show_ghost(slot)
-        self._retire(slot)
-
-    def _thaw(self, body: int) -> None:
-        slot = self._slot[body]
-        self._engine.hide_ghost(slot)
-        self._let_live(slot)
-
-    def _contacts(self) -> Contacts:
-        found = self._engine.data.contact
-        rows = self._current_rows(found.geom)
-        geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
-        velocity = self._relative_velocities(geoms, found.pos[rows])
-        speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
-        if len(speculative):  # a force before touch; the engine invents the distance that makes it stop the brick
-            separation[speculative] = np.nan
-            velocity[speculative] += self._fall(geoms[speculative])
-        body_a, body_b = self._body_of_geom[geoms].T
-        return Contacts(
-            body_a,
-            body_b,
-            found.pos[rows],
-            normals,
-            separation,
-            self._fastest_approaches(geoms, normals, velocity),
-            found.friction[rows, 0],
-            mean_force(self._forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None,
-        )
-
-    def _find_contacts(self) -> Contacts:
-        model, data = self._engine.model, copy.copy(self._engine.data)
-        flags = model.opt.enableflags
-        model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_collision(model, data)
-        model.opt.enableflags = flags
-        found = data.contact
-        rows = np.flatnonzero(self._is_live_geom[found.geom].any(axis=1))
-        points, normals = found.pos[rows], found.frame[rows, :3]
-        body_a, body_b = self._body_of_geom[found.geom[rows]].T
-        unknown = np.full_like(points, np.nan)
-        return Contacts(body_a, body_b, points, normals, found.dist[rows], unknown, found.friction[rows, 0])
 
     def _current_rows(self, geoms: IntArray) -> IntArray:
         """The rows of contacts that touch a live body, where both bodies still are where they were."""
@@ -331,22 +340,6 @@ class MujocoSimulation(SubstepSimulation):
             forces[solved, 1:] = found.friction[rows[solved], :2] * (edges[:, ::2] - edges[:, 1::2])
         in_world = np.einsum("ni,nij->nj", forces, found.frame[rows].reshape(-1, 3, 3))
         return SubstepForces(body_a, body_b, in_world)
-
-    def _fastest_approaches(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
-        """``velocity``, or that of the pair in an earlier substep where it approached faster."""
-        pairs, speed = self._pairs(geoms), dot(velocity, normals)
-        for earlier_pairs, earlier_speed, earlier_velocity in self._approaches:
-            order = np.lexsort((earlier_speed, earlier_pairs))  # of each pair, the fastest approach comes first
-            first = np.searchsorted(earlier_pairs[order], pairs)
-            known = np.flatnonzero(first < len(order))
-            match = order[first[known]]
-            faster = (earlier_pairs[match] == pairs[known]) & (earlier_speed[match] < speed[known])
-            rows, match = known[faster], match[faster]
-            speed[rows], velocity[rows] = earlier_speed[match], earlier_velocity[match]
-        return velocity
-
-    def _pairs(self, geoms: IntArray) -> IntArray:
-        return geoms[:, 0] * np.int64(self._engine.geoms) + geoms[:, 1]
 
     def _fall(self, geoms: IntArray) -> FloatArray:
         """What gravity adds to relative velocities (n, 3) [m/s] in one substep: those of bodies yet to touch."""

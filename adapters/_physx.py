@@ -31,6 +31,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from adapters._physx_state import BodyStates
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
@@ -38,6 +39,7 @@ from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.driven_pose import advanced
 from adapters.shared.live_pairs import pairs_with_live
 from adapters.shared.quiet_import import silenced_stderr
+from adapters.shared.vectors import half_edges
 from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -49,10 +51,6 @@ with silenced_stderr(), warnings.catch_warnings():
 
 FARTHEST = 1e-3
 """Points farther apart than this [m] are not read: twice what the core takes for touch."""
-
-STATE_ALONE, POSITION_ALONE = 50, 15
-"""What a body asked alone costs, in bodies of the packed block, of which each in the world costs 0.2 us: 10 us for its
-state, 3 us for its position."""
 
 _INSTANT = 1e-6
 """Step [s] of a twin whose contacts are wanted: too short for its solver to press a gap shut."""
@@ -99,82 +97,38 @@ class PhysxSimulation(SubstepSimulation):
         self._components: dict[int, Any] = {}
         self._removed_components: list[Any] = []  # since the latest step
         self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
-        self._rows = np.empty(0, np.int64)
+        self._states = BodyStates(self._system, self._components, self._bodies)
         self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies, in double precision
-        half_edges = self.ground_half_edges
-        self._add_fixed(GROUND, half_edges, (0.0, 0.0, -half_edges[2]), UPRIGHT)
+        ground_half = self.ground_half_edges
+        self._add_fixed(GROUND, ground_half, (0.0, 0.0, -ground_half[2]), UPRIGHT)
         for index, box in enumerate(world.fixed):
-            self._add_fixed(fixed_id(index), _half(box.size), box.position, box.quaternion)
+            self._add_fixed(fixed_id(index), half_edges(box.size), box.position, box.quaternion)
 
-    def _add(self, component: Any, half_edges: Vector, position: Vector, quaternion: Quaternion) -> None:
-        shape = physx.PhysxCollisionShapeBox(half_edges, self._material)
-        for name, value in self._for_shapes.items():
-            setattr(shape, name, value)
-        component.attach(shape)
-        entity = sapien.Entity()
-        entity.add_component(component)
-        entity.pose = sapien.Pose(position, quaternion)
-        self._scene.add_entity(entity)
-
-    def _add_fixed(self, body: int, half_edges: Vector, position: Vector, quaternion: Quaternion) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
-        component = physx.PhysxRigidStaticComponent()
-        self._add(component, half_edges, position, quaternion)
-        self._bodies[component] = body
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
         x, y, z = brick.size
         component = physx.PhysxRigidDynamicComponent()
-        self._add(component, _half(brick.size), brick.position, brick.quaternion)
+        self._add(component, half_edges(brick.size), brick.position, brick.quaternion)
         component.mass = brick.mass
         component.inertia = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
         for name, value in self._for_bodies.items():
             setattr(component, name, value)
         self._components[body] = component
         self._bodies[component] = body
-        self._count_rows()
+        self._states.count_rows()
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
         self._spawn(body, brick)
         self._components[body].kinematic = True
         self._places[body] = np.array(brick.position), np.array(brick.quaternion)
 
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
-        place = advanced(*self._places[body], np.array(linear), np.array(angular), seconds)
-        self._places[body] = place
-        self._components[body].kinematic_target = sapien.Pose(*place)
-
     def _remove(self, body: int) -> None:
         component = self._components.pop(body)
         del self._bodies[component]
         self._scene.remove_entity(component.entity)
         self._removed_components.append(component)
-        self._count_rows()
-
-    def _count_rows(self) -> None:
-        """Where each body stands in the packed state, by id: SAPIEN's order."""
-        listed = [self._bodies[component] for component in self._system.rigid_dynamic_components]
-        self._rows = np.full(max(listed, default=-1) + 1, -1)
-        self._rows[listed] = np.arange(len(listed))
-
-    def _push(self, body: int, impulse: Vector) -> None:
-        component = self._components[body]
-        component.wake_up()
-        component.linear_velocity = component.linear_velocity + np.array(impulse) / self.bricks[body].mass
-
-    def _press(self, body: int, force: Vector) -> None:
-        self._components[body].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
-
-    def _set_gravity(self, gravity: Vector) -> None:
-        self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
-        for body in self.bodies.live:
-            self._components[body].wake_up()
-
-    def _add_gravity_change(self) -> None:
-        """Let the difference from the gravity of the system, which SAPIEN cannot change, act in the next substep."""
-        if self._gravity_change.any():
-            for body, mass in self.bodies.live.items():
-                self._components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
+        self._states.count_rows()
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         component = self._components[body]
@@ -184,17 +138,27 @@ class PhysxSimulation(SubstepSimulation):
         elif body not in self.frozen:
             self._stop(component)
 
-    @staticmethod
-    def _stop(component: Any) -> None:
-        component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
+    # -- actions --------------------------------------------------------------------------------------
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        component = self._components[body]
         component.wake_up()
+        component.linear_velocity = component.linear_velocity + np.array(impulse) / self.bricks[body].mass
 
-    def _freeze(self, body: int) -> None:
-        self._components[body].kinematic = True
+    def _press(self, body: int, force: Vector) -> None:
+        self._components[body].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
 
-    def _thaw(self, body: int) -> None:
-        self._components[body].kinematic = False
-        self._stop(self._components[body])
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
+        place = advanced(*self._places[body], np.array(linear), np.array(angular), seconds)
+        self._places[body] = place
+        self._components[body].kinematic_target = sapien.Pose(*place)
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
+        for body in self.bodies.live:
+            self._components[body].wake_up()
+
+    # -- time -----------------------------------------------------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
         self._system.timestep = substep_s
@@ -211,7 +175,7 @@ class PhysxSimulation(SubstepSimulation):
         return SubstepForces(np.array(body_a, np.int64), np.array(body_b, np.int64), force)
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        state = self._state(bodies)
+        state = self._states.read(bodies)
         return state[:, 4:7], *self.as_driven(bodies, state[:, 7:10], state[:, 10:])
 
     def _substep(self, seconds: float) -> None:  # noqa: ARG002 - PhysX has been told
@@ -221,36 +185,27 @@ class PhysxSimulation(SubstepSimulation):
     def _end_frame(self) -> None:
         self._removed_components.clear()
 
-    def _state(self, bodies: IntArray) -> FloatArray:
-        """Quaternion (w, x, y, z), position [m], velocity [m/s] and angular velocity [rad/s], shape (n, 13)."""
-        if 0 < len(bodies) * STATE_ALONE < len(self._components):
-            return self._state_one_by_one(bodies)
-        packed = np.frombuffer(self._system.pack(), np.float32).reshape(-1, 13)
-        state: FloatArray = packed[self._rows[bodies]].astype(np.float64)
-        return state
-
-    def _state_one_by_one(self, bodies: IntArray) -> FloatArray:
-        """The same numbers as in the packed block, which holds every frozen body as well."""
-        vectors: list[FloatArray] = []
-        for body in bodies.tolist():
-            component = self._components[body]
-            pose = component.entity_pose
-            vectors += (pose.q, pose.p, component.linear_velocity, component.angular_velocity)
-        return np.concatenate(vectors, dtype=np.float64).reshape(-1, 13)
-
-    def _positions(self, bodies: IntArray) -> FloatArray:
-        if len(bodies) * POSITION_ALONE < len(self._components):
-            poses = [self._components[body].entity_pose.p for body in bodies.tolist()]
-            return np.array(poses, np.float64).reshape(-1, 3)
-        return self._state(bodies)[:, 4:7]
+    # -- state ----------------------------------------------------------------------------------------
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._state(bodies)
+        state = self._states.read(bodies)
         return state[:, 4:7], state[:, :4]
 
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return self._states.positions(bodies)
+
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._state(bodies)
+        state = self._states.read(bodies)
         return state[:, 7:10], state[:, 10:13]
+
+    # -- called by the port ---------------------------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        self._components[body].kinematic = True
+
+    def _thaw(self, body: int) -> None:
+        self._components[body].kinematic = False
+        self._stop(self._components[body])
 
     def _contacts(self) -> Contacts:
         body_a: list[int] = []
@@ -272,6 +227,50 @@ class PhysxSimulation(SubstepSimulation):
         pairs = np.array(body_a), np.array(body_b)
         return self._with_friction(self._contacts_of_step(pairs, numbers[:, :3], numbers[:, 3:6], numbers[:, 6], force))
 
+    def _find_contacts(self) -> Contacts:
+        twin = self._twin()
+        try:
+            twin._system.timestep = _INSTANT
+            twin._system.step()
+            return twin._contacts()
+        finally:
+            twin.close()
+
+    # -- the end --------------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        self._components.clear()
+        self._scene.clear()
+
+    # -- helpers --------------------------------------------------------------------------------------
+
+    def _add(self, component: Any, half: Vector, position: Vector, quaternion: Quaternion) -> None:
+        shape = physx.PhysxCollisionShapeBox(half, self._material)
+        for name, value in self._for_shapes.items():
+            setattr(shape, name, value)
+        component.attach(shape)
+        entity = sapien.Entity()
+        entity.add_component(component)
+        entity.pose = sapien.Pose(position, quaternion)
+        self._scene.add_entity(entity)
+
+    def _add_fixed(self, body: int, half: Vector, position: Vector, quaternion: Quaternion) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        component = physx.PhysxRigidStaticComponent()
+        self._add(component, half, position, quaternion)
+        self._bodies[component] = body
+
+    def _add_gravity_change(self) -> None:
+        """Let the difference from the gravity of the system, which SAPIEN cannot change, act in the next substep."""
+        if self._gravity_change.any():
+            for body, mass in self.bodies.live.items():
+                self._components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
+
+    @staticmethod
+    def _stop(component: Any) -> None:
+        component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
+        component.wake_up()
+
     def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
         """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
         body_of = self._bodies.get  # None for a brick that was removed since the step
@@ -285,15 +284,6 @@ class PhysxSimulation(SubstepSimulation):
             if points:
                 yield a, b, points
 
-    def _find_contacts(self) -> Contacts:
-        twin = self._twin()
-        try:
-            twin._system.timestep = _INSTANT
-            twin._system.step()
-            return twin._contacts()
-        finally:
-            twin.close()
-
     def _separation(self, separation: float, *, is_pressed: bool) -> float | None:
         """Of a point [m] that touches or nearly does; a point that the solver let bear is closed. None for others."""
         if separation <= 0.0:
@@ -301,12 +291,3 @@ class PhysxSimulation(SubstepSimulation):
         if is_pressed:
             return 0.0
         return separation if separation <= FARTHEST * self.scale else None
-
-    def _close(self) -> None:
-        self._components.clear()
-        self._scene.clear()
-
-
-def _half(size: Vector) -> Vector:
-    x, y, z = size
-    return x / 2, y / 2, z / 2

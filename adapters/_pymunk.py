@@ -36,6 +36,7 @@ import pymunk
 from pymunk import batch
 
 from adapters._pymunk_arrays import lift_contacts, sort_by_id
+from adapters._pymunk_plane import UNITS_PER_METRE, in_plane, lift, moment, planar_gravity
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
@@ -43,10 +44,7 @@ from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
-UNITS_PER_METRE = 1000.0
-
 _GROUND_SIZE = (20_000.0, 1_000.0)  # [mm]: wider than any scene, and too thick to fall through
-_OFF_PLANE = 1e-9  # [m] and as a quaternion's component: rounding, no more
 
 _SETTINGS = load_settings("pymunk", lambda name: isinstance(getattr(pymunk.Space, name, None), property))
 
@@ -103,7 +101,7 @@ class PymunkSimulation(SubstepSimulation):
         super().__init__(profile, world, sleeping, expected)
         self.info = replace(self.info, unit_scale=UNITS_PER_METRE)
         self._space = pymunk.Space()
-        self._space.gravity = _planar_gravity(world.gravity)
+        self._space.gravity = planar_gravity(world.gravity)
         for setting, knob in profile.knobs.items():
             setattr(self._space, setting, knob.value)
         for setting, value in _SLEEPING[sleeping].items():
@@ -123,8 +121,137 @@ class PymunkSimulation(SubstepSimulation):
         self._add_fixed(GROUND, (width, thickness), (0.0, -thickness / 2), 0.0)
         for index, box in enumerate(world.fixed):
             size = box.size[0] * UNITS_PER_METRE, box.size[2] * UNITS_PER_METRE
-            self._add_fixed(fixed_id(index), size, *_in_plane(box.position, box.quaternion))
+            self._add_fixed(fixed_id(index), size, *in_plane(box.position, box.quaternion))
         self._contacts()  # none yet: this loads the compiled code before any frame is timed
+
+    # -- bodies ---------------------------------------------------------------------------------------
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        self._insert(body, brick, pymunk.Body(brick.mass, moment(brick)))
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._insert(body, brick, pymunk.Body(body_type=pymunk.Body.KINEMATIC))
+
+    def _remove(self, body: int) -> None:
+        planar = self._bodies.pop(body)
+        self._space.remove(*planar.shapes, planar)
+        stays = self._ids != body
+        self._engine_ids, self._ids = self._engine_ids[stays], self._ids[stays]
+        self._latest_state = None
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        planar = self._bodies[body]
+        planar.position, planar.angle = in_plane(position, quaternion)
+        _halt(planar)
+        self._space.reindex_shapes_for_body(planar)
+        self._latest_state = None
+
+    # -- actions --------------------------------------------------------------------------------------
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        x, y, z = impulse
+        if y != 0.0:
+            raise ValueError(f"pymunk is planar: an impulse must lie in the x-z plane, got {impulse} N s")
+        planar = self._bodies[body]
+        planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
+        self._latest_state = None
+
+    def _press(self, body: int, force: Vector) -> None:
+        x, _, z = force
+        planar = self._bodies[body]
+        planar.apply_force_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        planar = self._bodies[body]
+        planar.velocity = linear[0] * UNITS_PER_METRE, linear[2] * UNITS_PER_METRE
+        planar.angular_velocity = -angular[1]
+        self._latest_state = None
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        self._space.gravity = planar_gravity(gravity)
+
+    # -- time -----------------------------------------------------------------------------------------
+
+    def _begin_frame(self, substep_s: float) -> None:  # noqa: ARG002
+        self._forget_static_pairs()
+        self._velocities_before.clear()
+
+    def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - all that there are, which costs one call
+        self._velocities_before.append(self._state[:, 3:])
+
+    def _substep(self, seconds: float) -> None:
+        self._space.step(seconds)
+        self._latest_state = None
+
+    # -- state ----------------------------------------------------------------------------------------
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        state = self._state[bodies]
+        half = -state[:, 2] / 2
+        quaternions = np.zeros((len(bodies), 4))
+        quaternions[:, 0], quaternions[:, 2] = np.cos(half), np.sin(half)
+        return lift(state[:, :2] / UNITS_PER_METRE), quaternions
+
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        return lift(self._state[bodies, :2] / UNITS_PER_METRE)
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        state = self._state[bodies]
+        angular = np.zeros((len(bodies), 3))
+        angular[:, 1] = -state[:, 5]
+        return lift(state[:, 3:5] / UNITS_PER_METRE), angular
+
+    # -- called by the port ---------------------------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        planar = self._bodies[body]
+        _halt(planar)
+        planar.body_type = pymunk.Body.STATIC
+        self._new_statics.append(body)
+        self._latest_state = None
+
+    def _thaw(self, body: int) -> None:
+        planar, brick = self._bodies[body], self.bricks[body]
+        planar.body_type = pymunk.Body.DYNAMIC
+        planar.mass, planar.moment = brick.mass, moment(brick)
+
+    def _contacts(self) -> Contacts:
+        state = self._state  # read first: it passes through the same buffer
+        self._buffer.clear()
+        batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
+        arbiters, numbers = self._buffered(3, 12)
+        return self._lifted(arbiters, numbers, state)
+
+    def _find_contacts(self) -> Contacts:
+        """Ask Chipmunk about each live brick; its points and distances are those of a step."""
+        arbiters: list[tuple[int, int, int]] = []
+        numbers: list[list[float]] = []
+        asked: set[pymunk.Shape] = set()
+        for body in self.bodies.live:
+            planar = self._bodies[body]
+            (shape,) = planar.shapes
+            asked.add(shape)
+            for found in self._space.shape_query(shape):
+                other = found.shape
+                if other is None or other.body is None or other in asked:  # a pair of live bricks is met twice
+                    continue
+                touch = found.contact_point_set
+                arbiters.append((planar.id, other.body.id, len(touch.points)))
+                row = [*touch.normal]
+                for point in touch.points:
+                    row += [*point.point_a, *point.point_b, point.distance]
+                numbers.append(row + [0.0] * (12 - len(row)))
+        if not numbers:
+            return Contacts.empty()
+        return self._lifted(np.array(arbiters, np.int64), np.array(numbers), self._state)
+
+    # -- the end --------------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        self._bodies.clear()
+        del self._space, self._buffer
+
+    # -- helpers --------------------------------------------------------------------------------------
 
     def _add_fixed(self, body: int, size: tuple[float, float], place: tuple[float, float], angle: float) -> None:
         """Add the ground or a fixed box, which contacts name ``body``; lengths in engine units."""
@@ -143,21 +270,9 @@ class PymunkSimulation(SubstepSimulation):
         shape.friction = math.sqrt(self.world.friction)
         self._space.add(body, shape)
 
-    def _spawn(self, body: int, brick: Brick) -> None:
-        self._insert(body, brick, pymunk.Body(brick.mass, _moment(brick)))
-
-    def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._insert(body, brick, pymunk.Body(body_type=pymunk.Body.KINEMATIC))
-
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
-        planar = self._bodies[body]
-        planar.velocity = linear[0] * UNITS_PER_METRE, linear[2] * UNITS_PER_METRE
-        planar.angular_velocity = -angular[1]
-        self._latest_state = None
-
     def _insert(self, body: int, brick: Brick, planar: pymunk.Body) -> None:
         """Add the engine's body for a brick."""
-        place = _in_plane(brick.position, brick.quaternion)
+        place = in_plane(brick.position, brick.quaternion)
         planar.position, planar.angle = place
         self._add(planar, (brick.size[0] * UNITS_PER_METRE, brick.size[2] * UNITS_PER_METRE))
         self._bodies[body] = planar
@@ -167,47 +282,6 @@ class PymunkSimulation(SubstepSimulation):
         depths[-self._fixed_rows :] = self._depths[-self._fixed_rows :]
         depths[body] = brick.size[1]
         self._depths = depths
-        self._latest_state = None
-
-    def _remove(self, body: int) -> None:
-        planar = self._bodies.pop(body)
-        self._space.remove(*planar.shapes, planar)
-        stays = self._ids != body
-        self._engine_ids, self._ids = self._engine_ids[stays], self._ids[stays]
-        self._latest_state = None
-
-    def _push(self, body: int, impulse: Vector) -> None:
-        x, y, z = impulse
-        if y != 0.0:
-            raise ValueError(f"pymunk is planar: an impulse must lie in the x-z plane, got {impulse} N s")
-        planar = self._bodies[body]
-        planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
-        self._latest_state = None
-
-    def _press(self, body: int, force: Vector) -> None:
-        x, _, z = force
-        planar = self._bodies[body]
-        planar.apply_force_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
-
-    def _set_gravity(self, gravity: Vector) -> None:
-        self._space.gravity = _planar_gravity(gravity)
-
-    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        planar = self._bodies[body]
-        planar.position, planar.angle = _in_plane(position, quaternion)
-        _halt(planar)
-        self._space.reindex_shapes_for_body(planar)
-        self._latest_state = None
-
-    def _begin_frame(self, substep_s: float) -> None:  # noqa: ARG002
-        self._forget_static_pairs()
-        self._velocities_before.clear()
-
-    def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - all that there are, which costs one call
-        self._velocities_before.append(self._state[:, 3:])
-
-    def _substep(self, seconds: float) -> None:
-        self._space.step(seconds)
         self._latest_state = None
 
     def _forget_static_pairs(self) -> None:
@@ -249,52 +323,6 @@ class PymunkSimulation(SubstepSimulation):
             np.frombuffer(self._buffer.float_buf()).reshape(-1, floats),
         )
 
-    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._state[bodies]
-        half = -state[:, 2] / 2
-        quaternions = np.zeros((len(bodies), 4))
-        quaternions[:, 0], quaternions[:, 2] = np.cos(half), np.sin(half)
-        return _lift(state[:, :2] / UNITS_PER_METRE), quaternions
-
-    def _positions(self, bodies: IntArray) -> FloatArray:
-        return _lift(self._state[bodies, :2] / UNITS_PER_METRE)
-
-    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._state[bodies]
-        angular = np.zeros((len(bodies), 3))
-        angular[:, 1] = -state[:, 5]
-        return _lift(state[:, 3:5] / UNITS_PER_METRE), angular
-
-    def _contacts(self) -> Contacts:
-        state = self._state  # read first: it passes through the same buffer
-        self._buffer.clear()
-        batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
-        arbiters, numbers = self._buffered(3, 12)
-        return self._lifted(arbiters, numbers, state)
-
-    def _find_contacts(self) -> Contacts:
-        """Ask Chipmunk about each live brick; its points and distances are those of a step."""
-        arbiters: list[tuple[int, int, int]] = []
-        numbers: list[list[float]] = []
-        asked: set[pymunk.Shape] = set()
-        for body in self.bodies.live:
-            planar = self._bodies[body]
-            (shape,) = planar.shapes
-            asked.add(shape)
-            for found in self._space.shape_query(shape):
-                other = found.shape
-                if other is None or other.body is None or other in asked:  # a pair of live bricks is met twice
-                    continue
-                touch = found.contact_point_set
-                arbiters.append((planar.id, other.body.id, len(touch.points)))
-                row = [*touch.normal]
-                for point in touch.points:
-                    row += [*point.point_a, *point.point_b, point.distance]
-                numbers.append(row + [0.0] * (12 - len(row)))
-        if not numbers:
-            return Contacts.empty()
-        return self._lifted(np.array(arbiters, np.int64), np.array(numbers), self._state)
-
     def _lifted(self, arbiters: IntArray, numbers: FloatArray, state: FloatArray) -> Contacts:
         """Contacts of these arbiters, as ``lift_contacts`` takes them."""
         is_live = np.zeros(self._rows, np.bool_)
@@ -307,64 +335,9 @@ class PymunkSimulation(SubstepSimulation):
         friction = np.full(len(pairs), self.world.friction)
         return Contacts(pairs[:, 0], pairs[:, 1], points, normals, separations, velocities, friction)
 
-    def _freeze(self, body: int) -> None:
-        planar = self._bodies[body]
-        _halt(planar)
-        planar.body_type = pymunk.Body.STATIC
-        self._new_statics.append(body)
-        self._latest_state = None
-
-    def _thaw(self, body: int) -> None:
-        planar, brick = self._bodies[body], self.bricks[body]
-        planar.body_type = pymunk.Body.DYNAMIC
-        planar.mass, planar.moment = brick.mass, _moment(brick)
-
-    def _close(self) -> None:
-        self._bodies.clear()
-        del self._space, self._buffer
-
-
-def _planar_gravity(gravity: Vector) -> tuple[float, float]:
-    """Return gravity in engine units.
-
-    Raises:
-        ValueError: if it leaves the engine's plane.
-    """
-    x, y, z = gravity
-    if y != 0.0:
-        raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {gravity} m/s2")
-    return x * UNITS_PER_METRE, z * UNITS_PER_METRE
-
-
-def _moment(brick: Brick) -> float:
-    """Moment of inertia [kg mm2] about y."""
-    return brick.mass * (brick.size[0] ** 2 + brick.size[2] ** 2) / 12 * UNITS_PER_METRE**2
-
-
-def _in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, float], float]:
-    """Position [mm] and angle [rad] in the engine's plane.
-
-    Raises:
-        ValueError: if the pose leaves the plane.
-    """
-    x, y, z = position
-    w, i, j, k = quaternion
-    if abs(y) > _OFF_PLANE:
-        raise ValueError(f"pymunk is planar: put the brick's centre at y = 0, got y = {y} m")
-    if max(abs(i), abs(k)) > _OFF_PLANE:
-        raise ValueError(f"pymunk is planar: turn bricks about the y axis only, got quaternion {quaternion}")
-    return (x * UNITS_PER_METRE, z * UNITS_PER_METRE), -2 * math.atan2(j, w)
-
 
 def _halt(planar: pymunk.Body) -> None:
     """Stop a body, and drop the push out of its overlaps that would move it in its next step."""
     planar.velocity = 0.0, 0.0
     planar.angular_velocity = 0.0
     pymunk.Body.update_position(planar, 0.0)
-
-
-def _lift(planar: FloatArray) -> FloatArray:
-    """Vectors (n, 2) of the engine's plane as vectors (n, 3)."""
-    vectors = np.zeros((len(planar), 3))
-    vectors[:, ::2] = planar
-    return vectors

@@ -29,19 +29,19 @@ finite is silently put back and the body disabled: poses are then reported as Na
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
 import rapier3d
 
+from adapters._rapier_rotation import settle_rotation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
-from adapters.shared.vectors import dot, rotate
+from adapters.shared.vectors import dot, half_edges, rotate, rows_of, scalar_last
 from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -92,65 +92,15 @@ class RapierSimulation(SubstepSimulation):
         self._fixed_centers = np.array([*(box.position for box in reversed(world.fixed)), ground_center])
         self._fixed_turns = np.array([*(box.quaternion for box in reversed(world.fixed)), UPRIGHT])
 
-    def _configure(self, name: str, value: float | int | str | bool) -> None:
-        """Set what belongs to the world; what belongs to a body is set as it is spawned."""
-        parameters = self._engine.integration_parameters
-        owner, _, attribute = name.rpartition(".")
-        if name == "num_threads":
-            self._engine.set_num_threads(int(value))
-        elif not owner:
-            setattr(parameters, name, value)
-        elif not name.startswith("body."):
-            coefficients = getattr(parameters, owner)  # a copy: set back whole
-            setattr(coefficients, attribute, value)
-            setattr(parameters, owner, coefficients)
-
-    def _fixed_collider(self, box: Brick) -> rapier3d.ColliderBuilder:
-        half_x, half_y, half_z = (edge / 2 for edge in box.size)
-        collider = rapier3d.Collider.cuboid(half_x, half_y, half_z).friction(self.world.friction)
-        return collider.position((box.position, _to_rapier(box.quaternion)))
-
-    # -- driven by the harness ---------------------------------------------------------------------
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        free = rapier3d.RigidBody.dynamic().position((brick.position, _to_rapier(brick.quaternion)))
+        free = rapier3d.RigidBody.dynamic().position((brick.position, scalar_last(brick.quaternion)))
         self._insert(body, brick, free)
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        moved = rapier3d.RigidBody.kinematic_velocity_based().position((brick.position, _to_rapier(brick.quaternion)))
+        moved = rapier3d.RigidBody.kinematic_velocity_based().position((brick.position, scalar_last(brick.quaternion)))
         self._insert(body, brick, moved)
-
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
-        view = self._views[body]
-        view.linvel, view.angvel = rapier3d.Vec3(*linear), rapier3d.Vec3(*angular)
-        if any(angular) or body in self._turning:
-            collider = self._engine.colliders[self._colliders[body]]
-            collider.shape = collider.shape  # makes Rapier find the contacts anew
-            (self._turning.add if any(angular) else self._turning.discard)(body)
-
-    def _insert(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
-        """Add the body that ``builder`` describes to Rapier's world, with the brick's box."""
-        half_x, half_y, half_z = (edge / 2 for edge in brick.size)
-        box = rapier3d.Collider.cuboid(half_x, half_y, half_z).mass(brick.mass).friction(self.world.friction)
-        handle = self._engine.add_body(builder.can_sleep(self.info.sleeping != "off"), [box])
-        view = self._engine.rigid_bodies[handle]
-        if self.info.sleeping == "raised":
-            view.activation = self._raised(view.activation)
-        (collider,) = view.colliders
-        self._handles[body], self._views[body], self._colliders[body] = handle, view, collider
-        self._body_of[collider] = body
-
-    def _replace_by_fixed(self, body: int) -> None:
-        """Replace a frozen body by a fixed copy at the same pose, which Rapier does not visit in each step."""
-        position = self._views[body].position
-        self._remove(body)
-        self._insert(body, self.bricks[body], rapier3d.RigidBody.fixed().position(position))
-        _settle_rotation(self._views[body])
-
-    def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
-        for name, knob in self.sleep_knobs["raised"].items():
-            setattr(activation, name.rpartition(".")[2], knob.value)
-        return activation
 
     def _remove(self, body: int) -> None:
         self._still_active.discard(body)
@@ -158,6 +108,16 @@ class RapierSimulation(SubstepSimulation):
         del self._views[body]
         del self._body_of[self._colliders.pop(body)]
         self._engine.remove_body(self._handles.pop(body))
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        view = self._views[body]
+        view.position = rapier3d.Isometry3(position, scalar_last(quaternion))
+        self._stop(view)
+        view.wake_up()
+        if body in self.frozen:
+            settle_rotation(view)
+
+    # -- actions --------------------------------------------------------------------------------------
 
     def _push(self, body: int, impulse: Vector) -> None:
         self._views[body].apply_impulse(impulse)
@@ -167,21 +127,19 @@ class RapierSimulation(SubstepSimulation):
         view.reset_forces(True)
         view.add_force(force, True)
 
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        view = self._views[body]
+        view.linvel, view.angvel = rapier3d.Vec3(*linear), rapier3d.Vec3(*angular)
+        if any(angular) or body in self._turning:
+            collider = self._engine.colliders[self._colliders[body]]
+            collider.shape = collider.shape  # makes Rapier find the contacts anew
+            (self._turning.add if any(angular) else self._turning.discard)(body)
+
     def _set_gravity(self, gravity: Vector) -> None:
         self._engine.gravity = rapier3d.Vec3(*gravity)
         self._engine.wake_up_all()
 
-    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        view = self._views[body]
-        view.position = rapier3d.Isometry3(position, _to_rapier(quaternion))
-        self._stop(view)
-        view.wake_up()
-        if body in self.frozen:
-            _settle_rotation(view)
-
-    @staticmethod
-    def _stop(view: rapier3d.RigidBody) -> None:
-        view.linvel = view.angvel = rapier3d.Vec3.zeros()
+    # -- time -----------------------------------------------------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
         if not self.bodies.live:
@@ -192,40 +150,38 @@ class RapierSimulation(SubstepSimulation):
     def _forces_of_substep(self) -> SubstepForces:
         listed = list(self._live_pairs(self._engine.narrow_phase))
         body_a, body_b = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2).T
-        impulses = _rows([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
+        impulses = rows_of([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
         return SubstepForces(body_a, body_b, impulses / self._substep_s)
 
     def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Rapier has been told
         self._engine.step()
         self._has_diverged |= not self._engine.quarantine.is_empty()
 
-    def _positions(self, bodies: IntArray) -> FloatArray:
-        views = self._views
-        return _rows([views[body].translation.to_tuple() for body in bodies.tolist()], 3)
+    # -- state ----------------------------------------------------------------------------------------
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         views = [self._views[body] for body in bodies.tolist()]
-        rows = _rows([view.translation.to_tuple() + view.rotation.to_tuple() for view in views], 7)
+        rows = rows_of([view.translation.to_tuple() + view.rotation.to_tuple() for view in views], 7)
         if self._has_diverged:
             rows[:] = np.nan
         return rows[:, :3], rows[:, [6, 3, 4, 5]]
 
+    def _positions(self, bodies: IntArray) -> FloatArray:
+        views = self._views
+        return rows_of([views[body].translation.to_tuple() for body in bodies.tolist()], 3)
+
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         views = [self._views[body] for body in bodies.tolist()]
-        rows = _rows([view.linvel.to_tuple() + view.angvel.to_tuple() for view in views], 6)
+        rows = rows_of([view.linvel.to_tuple() + view.angvel.to_tuple() for view in views], 6)
         return rows[:, :3], rows[:, 3:]
 
-    def _close(self) -> None:
-        self._views.clear()
-        del self._engine
-
-    # -- driven by the core, through the port ------------------------------------------------------
+    # -- called by the port ---------------------------------------------------------------------------
 
     def _freeze(self, body: int) -> None:
         view = self._views[body]
         self._stop(view)  # a fixed body that still has a velocity flies on
         view.body_type = rapier3d.RigidBodyType.FIXED
-        _settle_rotation(view)
+        settle_rotation(view)
         self._still_active.add(body)
 
     def _thaw(self, body: int) -> None:
@@ -241,6 +197,58 @@ class RapierSimulation(SubstepSimulation):
         copied = rapier3d.PhysicsWorld.restore(self._engine.snapshot())  # its colliders have the same handles
         copied.detect_collisions()
         return self._read_contacts(copied.narrow_phase)
+
+    # -- the end --------------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        self._views.clear()
+        del self._engine
+
+    # -- helpers --------------------------------------------------------------------------------------
+
+    def _configure(self, name: str, value: float | int | str | bool) -> None:
+        """Set what belongs to the world; what belongs to a body is set as it is spawned."""
+        parameters = self._engine.integration_parameters
+        owner, _, attribute = name.rpartition(".")
+        if name == "num_threads":
+            self._engine.set_num_threads(int(value))
+        elif not owner:
+            setattr(parameters, name, value)
+        elif not name.startswith("body."):
+            coefficients = getattr(parameters, owner)  # a copy: set back whole
+            setattr(coefficients, attribute, value)
+            setattr(parameters, owner, coefficients)
+
+    def _fixed_collider(self, box: Brick) -> rapier3d.ColliderBuilder:
+        collider = rapier3d.Collider.cuboid(*half_edges(box.size)).friction(self.world.friction)
+        return collider.position((box.position, scalar_last(box.quaternion)))
+
+    def _insert(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
+        """Add the body that ``builder`` describes to Rapier's world, with the brick's box."""
+        box = rapier3d.Collider.cuboid(*half_edges(brick.size)).mass(brick.mass).friction(self.world.friction)
+        handle = self._engine.add_body(builder.can_sleep(self.info.sleeping != "off"), [box])
+        view = self._engine.rigid_bodies[handle]
+        if self.info.sleeping == "raised":
+            view.activation = self._raised(view.activation)
+        (collider,) = view.colliders
+        self._handles[body], self._views[body], self._colliders[body] = handle, view, collider
+        self._body_of[collider] = body
+
+    def _replace_by_fixed(self, body: int) -> None:
+        """Replace a frozen body by a fixed copy at the same pose, which Rapier does not visit in each step."""
+        position = self._views[body].position
+        self._remove(body)
+        self._insert(body, self.bricks[body], rapier3d.RigidBody.fixed().position(position))
+        settle_rotation(self._views[body])
+
+    def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
+        for name, knob in self.sleep_knobs["raised"].items():
+            setattr(activation, name.rpartition(".")[2], knob.value)
+        return activation
+
+    @staticmethod
+    def _stop(view: rapier3d.RigidBody) -> None:
+        view.linvel = view.angvel = rapier3d.Vec3.zeros()
 
     def _read_contacts(self, narrow_phase: rapier3d.NarrowPhase) -> Contacts:
         pairs, local, impulses = self._listed(narrow_phase)
@@ -270,7 +278,7 @@ class RapierSimulation(SubstepSimulation):
                     pairs.append((body_a, body_b))
                     rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
                     impulses.append(point.impulse)
-        return np.array(pairs, np.int64), _rows(rows, 9), np.array(impulses, np.float64)
+        return np.array(pairs, np.int64), rows_of(rows, 9), np.array(impulses, np.float64)
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Return every pair of colliders close to each other that touches a live body, each once, with its bodies."""
@@ -295,36 +303,3 @@ class RapierSimulation(SubstepSimulation):
             positions[a] + rotate(quaternions[a], local[:, 3:6]),
             positions[b] + rotate(quaternions[b], local[:, 6:]),
         )
-
-
-def _to_rapier(quaternion: Quaternion) -> Quaternion:
-    """Rapier's order of components is (x, y, z, w)."""
-    w, x, y, z = quaternion
-    return x, y, z, w
-
-
-def _settle_rotation(view: rapier3d.RigidBody) -> None:
-    """Bring a body's quaternion to where Rapier's scaling to unit length no longer changes a bit of it.
-
-    Most are there after one scaling. Scaling alone may go round in a circle, so that a component is nudged by its last
-    bit between attempts, each in its turn.
-    """
-    components = itertools.cycle(range(4))
-    while (scaled := _scaled_once(view)) is not None:
-        nudged = np.array(scaled, np.float32)
-        component = next(components)
-        nudged[component] = np.nextafter(nudged[component], np.float32(0.0))
-        view.rotation = nudged.tolist()
-
-
-def _scaled_once(view: rapier3d.RigidBody) -> Quaternion | None:
-    """The quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
-    before = view.rotation.to_tuple()
-    view.rotation = before  # type: ignore[assignment] # the setter takes tuples, which it scales
-    after = view.rotation.to_tuple()
-    return None if after == before else after
-
-
-def _rows(rows: Sequence[tuple[float, ...]], width: int) -> FloatArray:
-    """Rows as an array of shape (n, width), also for n = 0."""
-    return np.array(rows, np.float64).reshape(len(rows), width)

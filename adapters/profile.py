@@ -74,7 +74,11 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """What an engine's API gives to the core; the capability table is made from these."""
+    """What an engine's API gives to the core, as its adapter describes it; the capability table is made from these.
+
+    The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``planar`` and, in one process,
+    ``deterministic``. What the other fields describe shows in no array: how it works, not what it says, is checked.
+    """
 
     contact_points: str
     """What is reported for one pair, such as "up to 4 points"."""

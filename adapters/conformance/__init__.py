@@ -67,6 +67,7 @@ class Check:
 
 CHECKS: tuple[Check, ...] = (
     Check(housekeeping.refuses_bad_input),
+    Check(housekeeping.refuses_what_leaves_its_plane, capable=lambda capabilities: capabilities.planar),
     Check(housekeeping.keeps_poses_and_ids),
     Check(housekeeping.moves_a_live_brick),
     Check(housekeeping.repeats_bit_for_bit, capable=lambda capabilities: capabilities.deterministic != "no"),
@@ -95,6 +96,7 @@ CHECKS: tuple[Check, ...] = (
     Check(forces.carries_a_resting_brick, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.carries_each_level, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.resists_a_steady_push, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.reports_no_forces, capable=lambda capabilities: capabilities.forces == "no"),
     Check(forces.forgets_forces_without_a_step),
     Check(freezing.stays_frozen),
     Check(freezing.freezes_in_flight),

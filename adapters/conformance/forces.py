@@ -93,6 +93,16 @@ def resists_a_steady_push(rig: Rig) -> None:
         require_between(0.0, error, PRECISION, f"error of the force over the weight of a brick pushed on {where}")
 
 
+def reports_no_forces(rig: Rig) -> None:
+    """An engine that says it reports no forces leaves ``Contacts.force`` out."""
+    simulation = rig.open()
+    body = place_on(simulation, 0)
+    advance(simulation, 1.0)
+    contacts = touching(simulation.port.contacts(), body)
+    require(len(contacts) > 0, "a brick at rest has no contact")
+    require(contacts.force is None, "forces are reported, against what the capabilities say")
+
+
 def forgets_forces_without_a_step(rig: Rig) -> None:
     """``find_contacts`` reports contacts without forces, because no step has solved them."""
     simulation = rig.open()

@@ -45,6 +45,24 @@ def refuses_bad_input(rig: Rig) -> None:
     require(bodies == [body], f"after refused input the world holds the bodies {bodies}, must be [{body}]")
 
 
+def refuses_what_leaves_its_plane(rig: Rig) -> None:
+    """A planar engine refuses bricks, impulses, forces, velocities and gravity that leave the x-z plane."""
+    simulation = rig.open()
+    body = simulation.spawn(plank())
+    lift = simulation.spawn(replace(plank(x=1.0), moved=True))
+    aside, turned = (0.0, 0.1, 0.0), (math.cos(0.1), math.sin(0.1), 0.0, 0.0)
+    for what, action in {
+        "a brick beside the plane": lambda: simulation.spawn(replace(plank(x=0.5), position=(0.5, 0.1, 0.1))),
+        "a brick turned out of the plane": lambda: simulation.spawn(replace(plank(x=0.5), quaternion=turned)),
+        "a move out of the plane": lambda: simulation.move(body, aside, (1.0, 0.0, 0.0, 0.0)),
+        "an impulse out of the plane": lambda: simulation.push(body, aside),
+        "a force out of the plane": lambda: simulation.apply_force(body, aside),
+        "a velocity out of the plane": lambda: simulation.drive(lift, aside),
+        "gravity out of the plane": lambda: simulation.set_gravity(aside),
+    }.items():
+        _require_error(ValueError, action, what)
+
+
 def keeps_poses_and_ids(rig: Rig) -> None:
     """Poses come back as they were given, by rising id; ids are never used again."""
     simulation = rig.open()

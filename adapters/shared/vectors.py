@@ -1,9 +1,12 @@
-"""Vectors of three by the row, for the few contacts of a frame."""
+"""Vectors and quaternions: by the row, for the few contacts of a frame, and one by one, as engines take them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from scenarios.model import Quaternion, Vector
 from stability_core.port import FloatArray
 
 _LEVI_CIVITA = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 0, 1)
@@ -24,3 +27,20 @@ def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
     scalar, axis = quaternions[:, :1], quaternions[:, 1:]
     twice = 2 * cross(axis, vectors)
     return vectors + scalar * twice + cross(axis, twice)
+
+
+def rows_of(vectors: Sequence[Sequence[float] | FloatArray], width: int) -> FloatArray:
+    """Return vectors as the rows of an array, shape (n, width), also for n = 0."""
+    return np.array(vectors, np.float64).reshape(len(vectors), width)
+
+
+def half_edges(size: Vector) -> Vector:
+    """Return half of a box's edges."""
+    x, y, z = size
+    return x / 2, y / 2, z / 2
+
+
+def scalar_last(quaternion: Quaternion) -> Quaternion:
+    """Return a quaternion (w, x, y, z) as (x, y, z, w)."""
+    w, x, y, z = quaternion
+    return x, y, z, w

@@ -38,7 +38,11 @@ def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
         (name, *(_told(field, {**engine["capabilities"], "version": engine["version"]}) for engine in engines.values()))
         for name, field in _PROPERTIES
     ]
-    note = "What the extension has to work with; the suite's conformance checks hold every adapter to its column."
+    note = (
+        "What the extension has to work with, as each adapter describes it. The conformance checks (`bench check`) "
+        "measure what can be measured: points that nearly touch, separation, contact forces, planar or not, and "
+        "repetition in one process."
+    )
     return Table("What the engines show", ("", *engines), tuple(rows), (note,), folds=True, id="capabilities")
 
 

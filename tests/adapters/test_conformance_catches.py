@@ -445,6 +445,18 @@ class SmoothOnceAsked(BulletSimulation):
         return found
 
 
+class ClaimsToBePlanar(BulletSimulation):
+    capabilities = replace(BulletSimulation.capabilities, planar=True)
+
+
+class ForcesAgainstItsWord(BulletSimulation):
+    capabilities = replace(BulletSimulation.capabilities, forces="no")
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, force=np.zeros(contacts.point.shape))
+
+
 class FoundFacesOfTheEngine(OnePointAPair):
     port_type = LeavesFacesToTheEngine
 
@@ -539,6 +551,8 @@ BROKEN: list[tuple[type[BulletSimulation | EnginePort], list[str]]] = [
     (DrivenStoppedByFrozen, ["shows_what_it_moves_below_frozen_bricks"]),
     (NothingAhead, ["lists_what_is_about_to_strike"]),
     (EverythingAhead, ["does_not_list_what_passes_by"]),
+    (ClaimsToBePlanar, ["refuses_what_leaves_its_plane"]),
+    (ForcesAgainstItsWord, ["reports_no_forces"]),
     (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),

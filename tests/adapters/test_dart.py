@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
-from adapters._dart import DartSimulation, _coordinates, _quaternions
+from adapters._dart import DartSimulation
+from adapters._dart_coordinates import coordinates_of, quaternions_of
 from adapters.profile import Sleeping
 from scenarios.model import Brick, Quaternion
 from scenarios.planks import plank_of
@@ -163,6 +164,6 @@ HALF = math.sqrt(0.5)
 )
 def test_rotation_vectors_keep_the_orientation(quaternion: Quaternion) -> None:
     """There and back to rounding, up to the sign that leaves a rotation the same; half a turn and no turn included."""
-    back = _quaternions(_coordinates((0.0, 0.0, 0.0), quaternion)[None, :3])[0]
+    back = quaternions_of(coordinates_of((0.0, 0.0, 0.0), quaternion)[None, :3])[0]
     assert abs(back @ np.array(quaternion)) == pytest.approx(1.0, abs=1e-12)
     assert np.linalg.norm(back) == pytest.approx(1.0, abs=1e-12)

@@ -1,0 +1,24 @@
+"""Coordinates of DART's free joints: a rotation vector [rad], then a position [m], in world axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenarios.model import Quaternion, Vector
+from stability_core.port import FloatArray
+
+
+def coordinates_of(position: Vector, quaternion: Quaternion) -> FloatArray:
+    """A free joint's coordinates (6,): rotation vector [rad], then position [m]."""
+    shorter_way = np.array(quaternion) * (1 if quaternion[0] >= 0 else -1)
+    axis = shorter_way[1:]
+    sine = np.linalg.norm(axis)
+    if sine > 0:
+        axis *= 2 * np.arctan2(sine, shorter_way[0]) / sine
+    return np.concatenate([axis, position])
+
+
+def quaternions_of(rotation_vectors: FloatArray) -> FloatArray:
+    """Rotation vectors (n, 3) [rad] as quaternions (n, 4), (w, x, y, z)."""
+    half = np.linalg.norm(rotation_vectors, axis=1, keepdims=True) / 2
+    return np.hstack([np.cos(half), rotation_vectors / 2 * np.sinc(half / np.pi)])

@@ -1,0 +1,32 @@
+"""A rotation that Rapier's scaling to unit length leaves as it is, so that a frozen body does not turn by a bit."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import rapier3d
+
+from scenarios.model import Quaternion
+
+
+def settle_rotation(view: rapier3d.RigidBody) -> None:
+    """Bring a body's quaternion to where Rapier's scaling to unit length no longer changes a bit of it.
+
+    Most are there after one scaling. Scaling alone may go round in a circle, so that a component is nudged by its last
+    bit between attempts, each in its turn.
+    """
+    components = itertools.cycle(range(4))
+    while (scaled := _scaled_once(view)) is not None:
+        nudged = np.array(scaled, np.float32)
+        component = next(components)
+        nudged[component] = np.nextafter(nudged[component], np.float32(0.0))
+        view.rotation = nudged.tolist()
+
+
+def _scaled_once(view: rapier3d.RigidBody) -> Quaternion | None:
+    """The quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
+    before = view.rotation.to_tuple()
+    view.rotation = before  # type: ignore[assignment] # the setter takes tuples, which it scales
+    after = view.rotation.to_tuple()
+    return None if after == before else after
