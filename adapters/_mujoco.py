@@ -34,28 +34,29 @@ import mujoco
 import numpy as np
 
 from adapters._mujoco_approaches import Approaches
-from adapters._mujoco_slots import CONTACT_STEPS, HEAVY, Shape, SlotModel
+from adapters._mujoco_geoms import NOBODY, Geoms
+from adapters._mujoco_slots import CONTACT_STEPS, Shape, SlotModel, shape_of
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
-from adapters.shared.contact_completion import fixed_id
-from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.contact_forces import mean_force
 from adapters.shared.driven_pose import advanced
-from adapters.shared.vectors import cross, rotate
+from adapters.shared.vectors import rotate
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector, World
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+from stability_core.port import Contacts, FloatArray, IntArray
 
 mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
 _SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
 """Flags with which MuJoCo leaves out sleeping pairs, or lists distances that it did not measure."""
 
-_NOBODY = np.iinfo(np.int64).min
-"""Stands for the body of an empty slot."""
 
-_SETTINGS = load_settings(
-    "mujoco", lambda name: "." in name or name in (CONTACT_STEPS, "sleep")
-)  # others MuJoCo checks
+def _knows(knob: str) -> bool:
+    """Tell whether there is a knob of this name; MuJoCo itself refuses an unknown attribute of its XML."""
+    return "." in knob or knob in (CONTACT_STEPS, "sleep")
+
+
+_SETTINGS = load_settings("mujoco", _knows)
 
 
 class MujocoSimulation(SubstepSimulation):
@@ -80,7 +81,7 @@ class MujocoSimulation(SubstepSimulation):
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         super().__init__(profile, world, sleeping, expected)
-        self._shapes: list[Shape] = [_shape(brick) for brick in expected]
+        self._shapes: list[Shape] = [shape_of(brick) for brick in expected]
         self._slot: dict[int, int] = {}  # of every body
         self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies
         self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
@@ -92,8 +93,7 @@ class MujocoSimulation(SubstepSimulation):
     # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        slot = self._occupy_slot(body, brick)
-        self._let_live(slot)
+        self._let_live(self._occupy_slot(body, brick))
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
         self._places[body] = np.array(brick.position), np.array(brick.quaternion)
@@ -105,7 +105,7 @@ class MujocoSimulation(SubstepSimulation):
             self._engine.hide_ghost(self._slot[body])
         slot = self._slot.pop(body)
         self._retire(slot)
-        self._assign_geoms(slot, _NOBODY)
+        self._geoms.assign(slot, NOBODY)
         self._free[self._shapes[slot]].append(slot)
         self._rouse_all()
 
@@ -116,7 +116,7 @@ class MujocoSimulation(SubstepSimulation):
             self._engine.show_ghost(slot)
         if body in self.bodies.moved:
             self._places[body] = np.array(position), np.array(quaternion)
-        self._assign_geoms(slot, body)
+        self._geoms.assign(slot, body)
         self._rouse_all()
 
     # -- actions --------------------------------------------------------------------------------------
@@ -147,17 +147,17 @@ class MujocoSimulation(SubstepSimulation):
 
     def _begin_frame(self, substep_s: float) -> None:
         self._engine.model.opt.timestep = substep_s
-        self._is_current_geom[:] = True
+        self._geoms.begin_frame()
         self._approaches.clear()
 
     def _record_ended_substep(self) -> None:
         found = self._engine.data.contact
-        rows = self._current_rows(found.geom)
+        rows = self._geoms.current_rows(found.geom)
         geoms = found.geom[rows]
-        velocity = self._relative_velocities(geoms, found.pos[rows])
+        velocity = self._geoms.relative_velocities(geoms, found.pos[rows])
         self._approaches.add(geoms, found.frame[rows, :3], velocity)
         if self.reads_forces:
-            self._earlier_forces.append(self._forces_at(rows, geoms))
+            self._earlier_forces.append(self._geoms.forces_at(rows, geoms))
 
     def _record_motions(self, bodies: IntArray) -> None:
         """Record nothing: MuJoCo keeps the velocities of its contacts itself."""
@@ -198,14 +198,14 @@ class MujocoSimulation(SubstepSimulation):
 
     def _contacts(self) -> Contacts:
         found = self._engine.data.contact
-        rows = self._current_rows(found.geom)
+        rows = self._geoms.current_rows(found.geom)
         geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
-        velocity = self._relative_velocities(geoms, found.pos[rows])
+        velocity = self._geoms.relative_velocities(geoms, found.pos[rows])
         speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
         if len(speculative):  # a force before touch; the engine invents the distance that makes it stop the brick
             separation[speculative] = np.nan
-            velocity[speculative] += self._fall(geoms[speculative])
-        body_a, body_b = self._body_of_geom[geoms].T
+            velocity[speculative] += self._geoms.fall(geoms[speculative])
+        body_a, body_b = self._geoms.bodies_of(geoms)
         return Contacts(
             body_a,
             body_b,
@@ -214,7 +214,9 @@ class MujocoSimulation(SubstepSimulation):
             separation,
             self._approaches.fastest(geoms, normals, velocity),
             found.friction[rows, 0],
-            mean_force(self._forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None,
+            mean_force(self._geoms.forces_at(rows, geoms), normals, self._earlier_forces)
+            if self.reads_forces
+            else None,
         )
 
     def _find_contacts(self) -> Contacts:
@@ -226,9 +228,9 @@ class MujocoSimulation(SubstepSimulation):
         mujoco.mj_collision(model, data)
         model.opt.enableflags = flags
         found = data.contact
-        rows = np.flatnonzero(self._is_live_geom[found.geom].any(axis=1))
+        rows = self._geoms.live_rows(found.geom)
         points, normals = found.pos[rows], found.frame[rows, :3]
-        body_a, body_b = self._body_of_geom[found.geom[rows]].T
+        body_a, body_b = self._geoms.bodies_of(found.geom[rows])
         unknown = np.full_like(points, np.nan)
         return Contacts(body_a, body_b, points, normals, found.dist[rows], unknown, found.friction[rows, 0])
 
@@ -252,13 +254,9 @@ class MujocoSimulation(SubstepSimulation):
                 old.hide_ghost(self._slot[body])
             new.copy_state(old)
         self._compiled = new
-        self._body_of_geom = np.full(new.geoms, _NOBODY)
-        self._body_of_geom[0] = GROUND
-        self._body_of_geom[new.first_fixed :] = [fixed_id(index) for index in range(len(self.world.fixed))]
-        self._is_live_geom = np.zeros(new.geoms, bool)
-        self._is_current_geom = np.ones(new.geoms, bool)
+        self._geoms = Geoms(new)
         for body, slot in self._slot.items():
-            self._assign_geoms(slot, body)
+            self._geoms.assign(slot, body)
             if body in self.frozen:
                 new.show_ghost(slot)
             elif body in self.bodies.moved:
@@ -276,20 +274,13 @@ class MujocoSimulation(SubstepSimulation):
                 self._compile(ghosts=self._compiled.has_ghosts)
         return self._free[shape].popleft()
 
-    def _assign_geoms(self, slot: int, body: int) -> None:
-        """Say whose a slot's geoms are. What they touched until now is no contact of the body in its new place."""
-        # the brick's and, if there is one, the ghost's
-        geoms = slice(1 + slot, self._engine.first_fixed, self._engine.slots)
-        self._body_of_geom[geoms] = body
-        self._is_current_geom[geoms] = False
-
     def _let_live(self, slot: int) -> None:
         self._engine.unpark(slot)
-        self._is_live_geom[1 + slot] = True
+        self._geoms.set_live(slot, True)
 
     def _retire(self, slot: int) -> None:
         self._engine.park(slot)
-        self._is_live_geom[1 + slot] = False
+        self._geoms.set_live(slot, False)
 
     def _rouse_all(self) -> None:
         for body, slot in self._slot.items():
@@ -301,54 +292,8 @@ class MujocoSimulation(SubstepSimulation):
 
     def _occupy_slot(self, body: int, brick: Brick) -> int:
         """Put a brick into a slot that fits; returns the slot, still parked."""
-        slot = self._take_slot(_shape(brick))
+        slot = self._take_slot(shape_of(brick))
         self._engine.set_pose(slot, brick.position, brick.quaternion)
         self._slot[body] = slot
-        self._assign_geoms(slot, body)
+        self._geoms.assign(slot, body)
         return slot
-
-    def _current_rows(self, geoms: IntArray) -> IntArray:
-        """The rows of contacts that touch a live body, where both bodies still are where they were."""
-        kept = self._is_live_geom[geoms].any(axis=1) & self._is_current_geom[geoms].all(axis=1)
-        return np.flatnonzero(kept)
-
-    def _relative_velocities(self, geoms: IntArray, points: FloatArray) -> FloatArray:
-        """Velocities (n, 3) [m/s] of the second geom against the first, at the start of the latest substep."""
-        data = self._engine.data
-        twists = data.cvel[geoms]  # angular, then linear at the centre of mass
-        arms = points[:, None] - data.subtree_com[geoms]
-        velocities: FloatArray = twists[:, :, 3:] + cross(twists[:, :, :3], arms)
-        return velocities[:, 1] - velocities[:, 0]
-
-    def _forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
-        """Return the forces of these rows of MuJoCo's contacts, between ``geoms`` (n, 2), in the latest substep.
-
-        A contact has three rows of constraint forces under the elliptic cone: along the normal and the two tangents.
-        Under the pyramid it has a pair of edges for each tangent, n + mu t and n - mu t.
-        """
-        data = self._engine.data
-        found = data.contact
-        body_a, body_b = self._body_of_geom[geoms].T
-        forces = np.zeros((len(rows), 3))
-        address = found.efc_address[rows]
-        solved = np.flatnonzero(address >= 0)
-        if self._engine.model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC:
-            forces[solved] = data.efc_force[address[solved, None] + np.arange(3)]
-        else:
-            edges = data.efc_force[address[solved, None] + np.arange(4)]
-            forces[solved, 0] = edges.sum(axis=1)
-            forces[solved, 1:] = found.friction[rows[solved], :2] * (edges[:, ::2] - edges[:, 1::2])
-        in_world = np.einsum("ni,nij->nj", forces, found.frame[rows].reshape(-1, 3, 3))
-        return SubstepForces(body_a, body_b, in_world)
-
-    def _fall(self, geoms: IntArray) -> FloatArray:
-        """What gravity adds to relative velocities (n, 3) [m/s] in one substep: those of bodies yet to touch."""
-        falls = self._is_live_geom[geoms].astype(np.float64)
-        option = self._engine.model.opt
-        gained: FloatArray = option.gravity * option.timestep
-        return (falls[:, 1:] - falls[:, :1]) * gained
-
-
-def _shape(brick: Brick) -> Shape:
-    """Return what a slot must be like for a brick."""
-    return brick.size, HEAVY if brick.moved else brick.mass

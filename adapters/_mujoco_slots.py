@@ -8,7 +8,7 @@ from typing import TypeAlias
 import mujoco
 
 from adapters.profile import Profile
-from scenarios.model import Quaternion, Vector, World
+from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import FloatArray
 
 Shape: TypeAlias = tuple[Vector, float]
@@ -27,6 +27,11 @@ _NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
 collide with live bricks only."""
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
+
+
+def shape_of(brick: Brick) -> Shape:
+    """Return what a slot must be like for a brick."""
+    return brick.size, HEAVY if brick.moved else brick.mass
 
 
 class SlotModel:

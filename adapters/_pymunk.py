@@ -33,10 +33,10 @@ from dataclasses import replace
 
 import numpy as np
 import pymunk
-from pymunk import batch
 
-from adapters._pymunk_arrays import lift_contacts, sort_by_id
-from adapters._pymunk_plane import UNITS_PER_METRE, in_plane, lift, moment, planar_gravity
+from adapters._pymunk_arrays import lift_contacts
+from adapters._pymunk_plane import UNITS_PER_METRE, halt, in_plane, lift, moment, planar_gravity
+from adapters._pymunk_reader import SpaceReader
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
@@ -55,26 +55,6 @@ _SLEEPING: Mapping[Sleeping, Mapping[str, float]] = {
     # About twice that guess at 60 steps a second (163 mm/s): users raise it where a pile never comes to rest.
     "raised": {"sleep_time_threshold": 0.5, "idle_speed_threshold": 300.0},
 }
-
-_ARBITER = (
-    batch.ArbiterFields.BODY_A_ID
-    | batch.ArbiterFields.BODY_B_ID
-    | batch.ArbiterFields.NORMAL
-    | batch.ArbiterFields.CONTACT_COUNT
-    | batch.ArbiterFields.POINT_A_1
-    | batch.ArbiterFields.POINT_B_1
-    | batch.ArbiterFields.DISTANCE_1
-    | batch.ArbiterFields.POINT_A_2
-    | batch.ArbiterFields.POINT_B_2
-    | batch.ArbiterFields.DISTANCE_2
-)
-_STATE = (
-    batch.BodyFields.BODY_ID
-    | batch.BodyFields.POSITION
-    | batch.BodyFields.ANGLE
-    | batch.BodyFields.VELOCITY
-    | batch.BodyFields.ANGULAR_VELOCITY
-)
 
 
 class PymunkSimulation(SubstepSimulation):
@@ -109,13 +89,10 @@ class PymunkSimulation(SubstepSimulation):
 
         self._bodies: dict[int, pymunk.Body] = {}
         self._new_statics: list[int] = []
-        self._latest_state: FloatArray | None = None
         self._velocities_before: list[FloatArray] = []  # each substep of the latest frame, by id, shape (n, 3)
-        self._buffer = batch.Buffer()
-        self._engine_ids = np.empty(0, np.int64)  # sorted; they are addresses, in no order of their own
-        self._ids = np.empty(0, np.int64)  # ours, in the order of the engine's
         self._fixed_rows = 1 + len(world.fixed)
         """Rows of the ground and the fixed boxes, behind those of the bodies, where negative ids find them."""
+        self._reader = SpaceReader(self._space, self._fixed_rows)
         self._depths = np.array([*(box.size[1] for box in reversed(world.fixed)), np.inf])  # [m]
         width, thickness = (edge * self.scale for edge in _GROUND_SIZE)
         self._add_fixed(GROUND, (width, thickness), (0.0, -thickness / 2), 0.0)
@@ -135,16 +112,14 @@ class PymunkSimulation(SubstepSimulation):
     def _remove(self, body: int) -> None:
         planar = self._bodies.pop(body)
         self._space.remove(*planar.shapes, planar)
-        stays = self._ids != body
-        self._engine_ids, self._ids = self._engine_ids[stays], self._ids[stays]
-        self._latest_state = None
+        self._reader.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         planar = self._bodies[body]
         planar.position, planar.angle = in_plane(position, quaternion)
-        _halt(planar)
+        halt(planar)
         self._space.reindex_shapes_for_body(planar)
-        self._latest_state = None
+        self._reader.note_change()
 
     # -- actions --------------------------------------------------------------------------------------
 
@@ -154,7 +129,7 @@ class PymunkSimulation(SubstepSimulation):
             raise ValueError(f"pymunk is planar: an impulse must lie in the x-z plane, got {impulse} N s")
         planar = self._bodies[body]
         planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
-        self._latest_state = None
+        self._reader.note_change()
 
     def _press(self, body: int, force: Vector) -> None:
         x, _, z = force
@@ -165,7 +140,7 @@ class PymunkSimulation(SubstepSimulation):
         planar = self._bodies[body]
         planar.velocity = linear[0] * UNITS_PER_METRE, linear[2] * UNITS_PER_METRE
         planar.angular_velocity = -angular[1]
-        self._latest_state = None
+        self._reader.note_change()
 
     def _set_gravity(self, gravity: Vector) -> None:
         self._space.gravity = planar_gravity(gravity)
@@ -177,26 +152,26 @@ class PymunkSimulation(SubstepSimulation):
         self._velocities_before.clear()
 
     def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - all that there are, which costs one call
-        self._velocities_before.append(self._state[:, 3:])
+        self._velocities_before.append(self._reader.state()[:, 3:])
 
     def _substep(self, seconds: float) -> None:
         self._space.step(seconds)
-        self._latest_state = None
+        self._reader.note_change()
 
     # -- state ----------------------------------------------------------------------------------------
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._state[bodies]
+        state = self._reader.state()[bodies]
         half = -state[:, 2] / 2
         quaternions = np.zeros((len(bodies), 4))
         quaternions[:, 0], quaternions[:, 2] = np.cos(half), np.sin(half)
         return lift(state[:, :2] / UNITS_PER_METRE), quaternions
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        return lift(self._state[bodies, :2] / UNITS_PER_METRE)
+        return lift(self._reader.state()[bodies, :2] / UNITS_PER_METRE)
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._state[bodies]
+        state = self._reader.state()[bodies]
         angular = np.zeros((len(bodies), 3))
         angular[:, 1] = -state[:, 5]
         return lift(state[:, 3:5] / UNITS_PER_METRE), angular
@@ -205,10 +180,10 @@ class PymunkSimulation(SubstepSimulation):
 
     def _freeze(self, body: int) -> None:
         planar = self._bodies[body]
-        _halt(planar)
+        halt(planar)
         planar.body_type = pymunk.Body.STATIC
         self._new_statics.append(body)
-        self._latest_state = None
+        self._reader.note_change()
 
     def _thaw(self, body: int) -> None:
         planar, brick = self._bodies[body], self.bricks[body]
@@ -216,40 +191,18 @@ class PymunkSimulation(SubstepSimulation):
         planar.mass, planar.moment = brick.mass, moment(brick)
 
     def _contacts(self) -> Contacts:
-        state = self._state  # read first: it passes through the same buffer
-        self._buffer.clear()
-        batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
-        arbiters, numbers = self._buffered(3, 12)
-        return self._lifted(arbiters, numbers, state)
+        state = self._reader.state()  # read first: it passes through the same buffer
+        return self._lifted(*self._reader.arbiters(), state)
 
     def _find_contacts(self) -> Contacts:
-        """Ask Chipmunk about each live brick; its points and distances are those of a step."""
-        arbiters: list[tuple[int, int, int]] = []
-        numbers: list[list[float]] = []
-        asked: set[pymunk.Shape] = set()
-        for body in self.bodies.live:
-            planar = self._bodies[body]
-            (shape,) = planar.shapes
-            asked.add(shape)
-            for found in self._space.shape_query(shape):
-                other = found.shape
-                if other is None or other.body is None or other in asked:  # a pair of live bricks is met twice
-                    continue
-                touch = found.contact_point_set
-                arbiters.append((planar.id, other.body.id, len(touch.points)))
-                row = [*touch.normal]
-                for point in touch.points:
-                    row += [*point.point_a, *point.point_b, point.distance]
-                numbers.append(row + [0.0] * (12 - len(row)))
-        if not numbers:
-            return Contacts.empty()
-        return self._lifted(np.array(arbiters, np.int64), np.array(numbers), self._state)
+        found = self._reader.query(self._bodies[body] for body in self.bodies.live)
+        return self._lifted(*found, self._reader.state()) if len(found[0]) else Contacts.empty()
 
     # -- the end --------------------------------------------------------------------------------------
 
     def _close(self) -> None:
         self._bodies.clear()
-        del self._space, self._buffer
+        del self._space, self._reader
 
     # -- helpers --------------------------------------------------------------------------------------
 
@@ -258,12 +211,7 @@ class PymunkSimulation(SubstepSimulation):
         planar = pymunk.Body(body_type=pymunk.Body.STATIC)
         planar.position, planar.angle = place, angle
         self._add(planar, size)
-        self._note_id(planar, body)
-
-    def _note_id(self, planar: pymunk.Body, body: int) -> None:
-        rank = np.searchsorted(self._engine_ids, planar.id)
-        self._engine_ids = np.insert(self._engine_ids, rank, planar.id)
-        self._ids = np.insert(self._ids, rank, body)
+        self._reader.add(planar, body)
 
     def _add(self, body: pymunk.Body, size: tuple[float, float]) -> None:
         shape = pymunk.Poly.create_box(body, size)
@@ -276,13 +224,12 @@ class PymunkSimulation(SubstepSimulation):
         planar.position, planar.angle = place
         self._add(planar, (brick.size[0] * UNITS_PER_METRE, brick.size[2] * UNITS_PER_METRE))
         self._bodies[body] = planar
-        self._note_id(planar, body)
-        depths = np.full(self._rows, np.inf)
+        self._reader.add(planar, body)
+        depths = np.full(self._reader.rows, np.inf)
         depths[: len(self._depths) - self._fixed_rows] = self._depths[: -self._fixed_rows]
         depths[-self._fixed_rows :] = self._depths[-self._fixed_rows :]
         depths[body] = brick.size[1]
         self._depths = depths
-        self._latest_state = None
 
     def _forget_static_pairs(self) -> None:
         """Throw away the arbiters of newly frozen bodies, which the engine would keep, and list, for ever.
@@ -296,48 +243,14 @@ class PymunkSimulation(SubstepSimulation):
                 self._space.add(*shapes)
         self._new_statics.clear()
 
-    @property
-    def _rows(self) -> int:
-        """One a body id given out so far, and those of the ground and the fixed boxes."""
-        return self.bodies.count + self._fixed_rows
-
-    @property
-    def _state(self) -> FloatArray:
-        """Place (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (n + 1, 6).
-
-        The row is the id; the ground's is the last, -1, and before it come those of the fixed boxes. Read once, until a
-        step or a hand changes something.
-        """
-        if self._latest_state is None:
-            self._buffer.clear()
-            batch.get_space_bodies(self._space, _STATE, self._buffer)
-            bodies, values = self._buffered(1, 6)
-            self._latest_state = np.zeros((self._rows, 6))
-            sort_by_id(self._engine_ids, self._ids, bodies[:, 0], values, self._latest_state)
-        return self._latest_state
-
-    def _buffered(self, integers: int, floats: int) -> tuple[IntArray, FloatArray]:
-        """The buffer's contents, so many integers and floats a row; views, until the buffer is filled again."""
-        return (
-            np.frombuffer(self._buffer.int_buf(), np.int64).reshape(-1, integers),
-            np.frombuffer(self._buffer.float_buf()).reshape(-1, floats),
-        )
-
     def _lifted(self, arbiters: IntArray, numbers: FloatArray, state: FloatArray) -> Contacts:
         """Contacts of these arbiters, as ``lift_contacts`` takes them."""
-        is_live = np.zeros(self._rows, np.bool_)
+        is_live = np.zeros(self._reader.rows, np.bool_)
         is_live[list(self.bodies.live)] = True
-        before = np.array(self._velocities_before) if self._velocities_before else np.empty((0, self._rows, 3))
+        before = np.array(self._velocities_before) if self._velocities_before else np.empty((0, self._reader.rows, 3))
         pairs, points, normals, separations, velocities = lift_contacts(
-            self._engine_ids, self._ids, arbiters, numbers, is_live, self._fixed_rows,
+            self._reader.engine_ids, self._reader.ids, arbiters, numbers, is_live, self._fixed_rows,
             state, before, self._depths, UNITS_PER_METRE,
         )  # fmt: skip
         friction = np.full(len(pairs), self.world.friction)
         return Contacts(pairs[:, 0], pairs[:, 1], points, normals, separations, velocities, friction)
-
-
-def _halt(planar: pymunk.Body) -> None:
-    """Stop a body, and drop the push out of its overlaps that would move it in its next step."""
-    planar.velocity = 0.0, 0.0
-    planar.angular_velocity = 0.0
-    pymunk.Body.update_position(planar, 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pymunk
 
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import FloatArray
@@ -52,3 +53,10 @@ def lift(planar: FloatArray) -> FloatArray:
     vectors = np.zeros((len(planar), 3))
     vectors[:, ::2] = planar
     return vectors
+
+
+def halt(planar: pymunk.Body) -> None:
+    """Stop a body, and drop the push out of its overlaps that would move it in its next step."""
+    planar.velocity = 0.0, 0.0
+    planar.angular_velocity = 0.0
+    pymunk.Body.update_position(planar, 0.0)

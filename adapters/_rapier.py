@@ -35,13 +35,14 @@ from typing import ClassVar
 import numpy as np
 import rapier3d
 
+from adapters._rapier_contacts import in_world, local_points
 from adapters._rapier_rotation import settle_rotation
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
-from adapters.shared.vectors import dot, half_edges, rotate, rows_of, scalar_last
+from adapters.shared.vectors import dot, half_edges, rows_of, scalar_last
 from adapters.substeps import SubstepSimulation
 from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
@@ -49,7 +50,9 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 _NEAR = 1e-4
 """Points further apart than this [m] do not touch."""
 
-_SETTINGS = load_settings("rapier")
+_BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
+
+_SETTINGS = load_settings("rapier", lambda knob: not knob.startswith("body.") or knob in _BODY_KNOBS)
 
 
 class RapierSimulation(SubstepSimulation):
@@ -89,8 +92,10 @@ class RapierSimulation(SubstepSimulation):
         self._body_of[self._engine.add_collider(ground.friction(world.friction))] = GROUND
         for index, box in enumerate(world.fixed):
             self._body_of[self._engine.add_collider(self._fixed_collider(box))] = fixed_id(index)
-        self._fixed_centers = np.array([*(box.position for box in reversed(world.fixed)), ground_center])
-        self._fixed_turns = np.array([*(box.quaternion for box in reversed(world.fixed)), UPRIGHT])
+        self._fixed_poses = (
+            np.array([*(box.position for box in reversed(world.fixed)), ground_center]),
+            np.array([*(box.quaternion for box in reversed(world.fixed)), UPRIGHT]),
+        )
 
     # -- bodies ---------------------------------------------------------------------------------------
 
@@ -254,7 +259,7 @@ class RapierSimulation(SubstepSimulation):
         pairs, local, impulses = self._listed(narrow_phase)
         if not len(pairs):
             return Contacts.empty()
-        normals, points_a, points_b = self._in_world(pairs, local)
+        normals, points_a, points_b = in_world(pairs, local, self._fixed_poses, self._poses)
         separations = dot(points_b - points_a, normals)
         near = np.flatnonzero(separations <= _NEAR * self.scale)
         point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
@@ -264,21 +269,8 @@ class RapierSimulation(SubstepSimulation):
         return self._with_friction(self._contacts_of_step((body_a, body_b), point, normal, separations[near], force))
 
     def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Rapier's own points of every contact that touches a live body, far ones too.
-
-        Returns:
-            The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the
-            point on b in b's frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
-        """
-        pairs, rows, impulses = [], [], []
-        for body_a, body_b, pair in self._live_pairs(narrow_phase):
-            for manifold in pair.manifolds:
-                normal = manifold.local_n1.to_tuple()
-                for point in manifold.points:
-                    pairs.append((body_a, body_b))
-                    rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
-                    impulses.append(point.impulse)
-        return np.array(pairs, np.int64), rows_of(rows, 9), np.array(impulses, np.float64)
+        """Return the points of every contact that touches a live body: see ``local_points``."""
+        return local_points(self._live_pairs(narrow_phase))
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Return every pair of colliders close to each other that touches a live body, each once, with its bodies."""
@@ -288,18 +280,4 @@ class RapierSimulation(SubstepSimulation):
             narrow_phase.contact_pairs,
             lambda body: narrow_phase.contact_pairs_with(colliders[body]),
             lambda pair: (body_of.get(pair.collider1), body_of.get(pair.collider2)),
-        )
-
-    def _in_world(self, pairs: IntArray, local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Normals, points on a and points on b [m] in the world's frame, each (n, 3), of what ``_listed`` returns."""
-        bodies, place = np.unique(pairs, return_inverse=True)
-        fixed = bodies[: np.searchsorted(bodies, 0)] + len(self._fixed_centers)  # rows: ids rise to that of the ground
-        positions, quaternions = self._poses(bodies[len(fixed) :])
-        positions = np.vstack([self._fixed_centers[fixed], positions])
-        quaternions = np.vstack([self._fixed_turns[fixed], quaternions])
-        a, b = place.reshape(pairs.shape).T
-        return (
-            rotate(quaternions[a], local[:, :3]),
-            positions[a] + rotate(quaternions[a], local[:, 3:6]),
-            positions[b] + rotate(quaternions[b], local[:, 6:]),
         )

@@ -1,0 +1,89 @@
+"""What the adapter knows of MuJoCo's geoms, and what MuJoCo's arrays tell of the contacts between them."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from adapters._mujoco_slots import SlotModel
+from adapters.shared.contact_completion import fixed_id
+from adapters.shared.contact_forces import SubstepForces
+from adapters.shared.vectors import cross
+from stability_core.port import GROUND, FloatArray, IntArray
+
+NOBODY = np.iinfo(np.int64).min
+"""Stands for the body of an empty slot."""
+
+
+class Geoms:
+    """The geoms of one compiled world: whose they are, which are live, and which are still where they were."""
+
+    def __init__(self, world: SlotModel) -> None:
+        self._world = world
+        self._body = np.full(world.geoms, NOBODY)
+        self._body[0] = GROUND
+        self._body[world.first_fixed :] = [fixed_id(index) for index in range(world.geoms - world.first_fixed)]
+        self._is_live = np.zeros(world.geoms, bool)
+        self._is_current = np.ones(world.geoms, bool)
+
+    def assign(self, slot: int, body: int) -> None:
+        """Record whose a slot's geoms are. What they touched until now is no contact of the body in its new place."""
+        geoms = slice(1 + slot, self._world.first_fixed, self._world.slots)  # the brick's and, if there is one, a ghost
+        self._body[geoms] = body
+        self._is_current[geoms] = False
+
+    def set_live(self, slot: int, is_live: bool) -> None:
+        """Record whether the brick of a slot is live."""
+        self._is_live[1 + slot] = is_live
+
+    def begin_frame(self) -> None:
+        """Record that all geoms are where the contacts of the step that follows find them."""
+        self._is_current[:] = True
+
+    def bodies_of(self, geoms: IntArray) -> tuple[IntArray, IntArray]:
+        """Return bodies a and b, each of shape (n,), of pairs of geoms (n, 2)."""
+        body_a, body_b = self._body[geoms].T
+        return body_a, body_b
+
+    def live_rows(self, geoms: IntArray) -> IntArray:
+        """Return the rows of pairs (n, 2) that touch a live body."""
+        return np.flatnonzero(self._is_live[geoms].any(axis=1))
+
+    def current_rows(self, geoms: IntArray) -> IntArray:
+        """Return the rows of pairs (n, 2) that touch a live body, where both bodies still are where they were."""
+        return np.flatnonzero(self._is_live[geoms].any(axis=1) & self._is_current[geoms].all(axis=1))
+
+    def relative_velocities(self, geoms: IntArray, points: FloatArray) -> FloatArray:
+        """Return velocities (n, 3) [m/s] of the second geom against the first, at the start of the latest substep."""
+        data = self._world.data
+        twists = data.cvel[geoms]  # angular, then linear at the centre of mass
+        arms = points[:, None] - data.subtree_com[geoms]
+        velocities: FloatArray = twists[:, :, 3:] + cross(twists[:, :, :3], arms)
+        return velocities[:, 1] - velocities[:, 0]
+
+    def forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
+        """Return the forces of these rows of MuJoCo's contacts, between ``geoms`` (n, 2), in the latest substep.
+
+        A contact has three rows of constraint forces under the elliptic cone: along the normal and the two tangents.
+        Under the pyramid it has a pair of edges for each tangent, n + mu t and n - mu t.
+        """
+        data = self._world.data
+        found = data.contact
+        forces = np.zeros((len(rows), 3))
+        address = found.efc_address[rows]
+        solved = np.flatnonzero(address >= 0)
+        if self._world.model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC:
+            forces[solved] = data.efc_force[address[solved, None] + np.arange(3)]
+        else:
+            edges = data.efc_force[address[solved, None] + np.arange(4)]
+            forces[solved, 0] = edges.sum(axis=1)
+            forces[solved, 1:] = found.friction[rows[solved], :2] * (edges[:, ::2] - edges[:, 1::2])
+        in_world = np.einsum("ni,nij->nj", forces, found.frame[rows].reshape(-1, 3, 3))
+        return SubstepForces(*self.bodies_of(geoms), in_world)
+
+    def fall(self, geoms: IntArray) -> FloatArray:
+        """Return what gravity adds to relative velocities (n, 3) [m/s] in one substep: those of bodies yet to touch."""
+        falls = self._is_live[geoms].astype(np.float64)
+        option = self._world.model.opt
+        gained: FloatArray = option.gravity * option.timestep
+        return (falls[:, 1:] - falls[:, :1]) * gained

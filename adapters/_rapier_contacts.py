@@ -1,0 +1,59 @@
+"""Rapier's contact points, which it keeps in the colliders' own frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+import rapier3d
+
+from adapters.shared.vectors import rotate, rows_of
+from stability_core.port import FloatArray, IntArray
+
+
+def local_points(
+    pairs_of_colliders: Iterable[tuple[int, int, rapier3d.ContactPair]],
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return Rapier's own points of these pairs, far ones too.
+
+    Returns:
+        The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the point on b
+        in b's frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
+    """
+    pairs, rows, impulses = [], [], []
+    for body_a, body_b, pair in pairs_of_colliders:
+        for manifold in pair.manifolds:
+            normal = manifold.local_n1.to_tuple()
+            for point in manifold.points:
+                pairs.append((body_a, body_b))
+                rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
+                impulses.append(point.impulse)
+    return np.array(pairs, np.int64), rows_of(rows, 9), np.array(impulses, np.float64)
+
+
+def in_world(
+    pairs: IntArray,
+    local: FloatArray,
+    fixed: tuple[FloatArray, FloatArray],
+    poses_of: Callable[[IntArray], tuple[FloatArray, FloatArray]],
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return normals, points on a and points on b [m] in the world's frame, each (n, 3).
+
+    Args:
+        pairs: bodies a and b, shape (n, 2).
+        local: as ``local_points`` returns them, shape (n, 9).
+        fixed: positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id.
+        poses_of: the same of bodies, by their ids.
+    """
+    fixed_positions, fixed_quaternions = fixed
+    bodies, place = np.unique(pairs, return_inverse=True)
+    rows = bodies[: np.searchsorted(bodies, 0)] + len(fixed_positions)  # ids rise to that of the ground
+    positions, quaternions = poses_of(bodies[len(rows) :])
+    positions = np.vstack([fixed_positions[rows], positions])
+    quaternions = np.vstack([fixed_quaternions[rows], quaternions])
+    a, b = place.reshape(pairs.shape).T
+    return (
+        rotate(quaternions[a], local[:, :3]),
+        positions[a] + rotate(quaternions[a], local[:, 3:6]),
+        positions[b] + rotate(quaternions[b], local[:, 6:]),
+    )
