@@ -8,11 +8,14 @@ speed v' = v M / (M + m) and slides by v'^2 / (2 mu g). Slides below the limit a
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import is_impact, size_of_pair, speeds_of
-from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.frame_arrays import ContactArrays
+from stability_core.port import GROUND, IntArray
 from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
@@ -22,37 +25,35 @@ SIDEWAYS = 0.3
 """Vertical share of a normal up to which a blow pushes sideways: what lands on a steep face is borne from below."""
 
 
+class Blow(NamedTuple):
+    """A contact that closes."""
+
+    approach: float
+    """Closing speed [m/s]."""
+    upward: float
+    """Vertical component of its unit normal."""
+    friction: float
+    """Coulomb coefficient of the pair."""
+
+
 @compiled
-def _slide_of(
-    bodies: Bodies, striker: int, target: int, approach: float, upward: float, friction: float, gravity: float
-) -> float:
-    """How far [m] a frozen body would slide after a blow at the speed ``approach`` [m/s]; zero if that is downwards."""
-    if abs(upward) > SIDEWAYS:
+def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
+    """Speed [m/s] along the ground that a frozen body has after a plastic impact; zero if the blow is downwards."""
+    if abs(blow.upward) > SIDEWAYS:
         return 0.0
-    mass = bodies[target].mass
-    share = 1.0 if bodies[striker].state == MOVING else bodies[striker].mass / (bodies[striker].mass + mass)
-    speed = share * approach * np.sqrt(1.0 - upward**2)
-    return float(speed**2 / (2.0 * friction * gravity))
+    share = 1.0 if striker.state == MOVING else striker.mass / (striker.mass + target.mass)
+    return float(share * blow.approach * np.sqrt(1.0 - blow.upward**2))
 
 
 @compiled
-def _note_blow(
-    bodies: Bodies,
-    striker: int,
-    target: int,
-    approach: float,
-    upward: float,
-    friction: float,
-    limits: Limits,
-    dt: float,
-) -> bool:
-    """Note on a frozen body what a contact closing at the speed ``approach`` [m/s] does; True if it is its first."""
+def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
+    """Note on a frozen body what a blow does to it; True if it is its first."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
-    is_hard = is_impact(approach, size, limits, dt)
+    is_hard = is_impact(blow.approach, size, limits, dt)
     slide = 0.0
-    if approach > limits.rest_slip * np.sqrt(limits.gravity * size):
-        slide = _slide_of(bodies, striker, target, approach, upward, friction, limits.gravity)
+    if blow.approach > limits.rest_slip * np.sqrt(limits.gravity * size):
+        slide = _speed_after(bodies[striker], row, blow) ** 2 / (2.0 * blow.friction * limits.gravity)
     is_first = row.blow == 0.0 and row.slid < np.inf and (slide > 0.0 or is_hard)
     row.blow = max(row.blow, slide)
     if is_hard:
@@ -61,28 +62,12 @@ def _note_blow(
 
 
 @compiled
-def list_struck(
-    bodies: Bodies,
-    body_a: IntArray,
-    body_b: IntArray,
-    normal: FloatArray,
-    separation: FloatArray,
-    relative_velocity: FloatArray,
-    friction: FloatArray,
-    limits: Limits,
-    dt: float,
-    struck: IntArray,
-) -> int:
+def list_struck(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, struck: IntArray) -> int:
     """Write down the frozen bodies that a blow must wake, each once: O(n).
 
     Args:
         bodies: the table, tracked for this frame.
-        body_a: first bodies, shape (n,); this and what follows as ``Contacts`` has it.
-        body_b: second bodies, shape (n,).
-        normal: unit normals from a to b, shape (n, 3).
-        separation: signed distances [m], shape (n,).
-        relative_velocity: of b against a [m/s], shape (n, 3).
-        friction: Coulomb coefficients, shape (n,).
+        contacts: n of them, of rows of the table.
         limits: the settings.
         dt: length of a frame [s].
         struck: written here, at least 2 n rows.
@@ -90,6 +75,8 @@ def list_struck(
     Returns:
         How many they are.
     """
+    body_a, body_b, normal = contacts.body_a, contacts.body_b, contacts.normal
+    separation, relative_velocity, friction = contacts.separation, contacts.relative_velocity, contacts.friction
     hits = 0
     for i in range(len(body_a)):
         approach, _ = speeds_of(relative_velocity[i], normal[i])
@@ -100,7 +87,7 @@ def list_struck(
                 continue
             if bodies[striker].state != LIVE and bodies[striker].state != MOVING:
                 continue
-            if _note_blow(bodies, striker, target, approach, normal[i, 2], friction[i], limits, dt):
+            if _note_blow(bodies, striker, target, Blow(approach, normal[i, 2], friction[i]), limits, dt):
                 struck[hits] = target
                 hits += 1
     kept = 0

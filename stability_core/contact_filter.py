@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.frame_arrays import ContactArrays
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
 from stability_core.stack import LIVE, Bodies, is_immovable, is_stack
@@ -76,15 +77,12 @@ def is_moving(body: Bodies, limits: Limits) -> bool:
 
 
 @compiled
-def _note(bodies: Bodies, body: int, other: int, depth: float, slip: float, stands: bool, upward: float) -> None:
+def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upward: float) -> None:
     """Note a contact with ``other`` on a live body.
 
     Penetration [m] counts where it ``stands`` on the other only. What pushes it ``upward``, by the normal, bears it.
     """
-    if body == GROUND or bodies[body].state != LIVE:
-        return
     row = bodies[body]
-    row.slip = max(row.slip, slip)
     row.touches = row.touches or is_stack(bodies, other)
     row.neighbours |= bit_of(other)
     if is_stack(bodies, other):
@@ -122,11 +120,13 @@ def _reach(body_a: IntArray, body_b: IntArray, separation: FloatArray, row: int)
 
 
 @compiled
-def note_sizes(bodies: Bodies, body_a: IntArray, body_b: IntArray, point: FloatArray, separation: FloatArray) -> None:
+def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
     """Note how far from its centre each body is touched: the size that all lengths are measured by.
 
     A point across a gap of more than ``_NEAR`` of that distance tells nothing.
     """
+    body_a, body_b = contacts.body_a, contacts.body_b
+    point, separation = contacts.point, contacts.separation
     for i in range(len(body_a)):
         for body in (body_a[i], body_b[i]):
             if body == GROUND:
@@ -158,32 +158,12 @@ def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
 
 
 @compiled
-def keep_contacts(
-    bodies: Bodies,
-    body_a: IntArray,
-    body_b: IntArray,
-    point: FloatArray,
-    normal: FloatArray,
-    separation: FloatArray,
-    relative_velocity: FloatArray,
-    friction: FloatArray,
-    force: FloatArray,
-    limits: Limits,
-    dt: float,
-    kept: ContactRows,
-) -> int:
+def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, kept: ContactRows) -> int:
     """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
 
     Args:
         bodies: the table, tracked for this frame.
-        body_a: first bodies, shape (n,); this and what follows as ``Contacts`` has it.
-        body_b: second bodies, shape (n,).
-        point: contact points [m], shape (n, 3).
-        normal: unit normals from a to b, shape (n, 3).
-        separation: signed distances [m], shape (n,).
-        relative_velocity: of b against a [m/s], shape (n, 3).
-        friction: Coulomb coefficients, shape (n,).
-        force: on b [N], shape (n, 3), or (0, 3) if the engine does not tell.
+        contacts: n of them, of rows of the table.
         limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
             drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
             What is not load-bearing counts only if it touches, to ``touch_gap``: friction needs pressure.
@@ -193,6 +173,9 @@ def keep_contacts(
     Returns:
         How many contacts count.
     """
+    body_a, body_b, point, normal = contacts.body_a, contacts.body_b, contacts.point, contacts.normal
+    separation, relative_velocity = contacts.separation, contacts.relative_velocity
+    friction, force = contacts.friction, contacts.force
     size = 0
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
@@ -213,6 +196,10 @@ def keep_contacts(
             row.force[k] = force[i, k] if len(force) > 0 else 0.0
         row.level = level
         size += 1
-        _note(bodies, a, b, -separation[i], slip, level and upper == a, -normal[i, 2])
-        _note(bodies, b, a, -separation[i], slip, level and upper == b, normal[i, 2])
+        if a != GROUND and bodies[a].state == LIVE:
+            bodies[a].slip = max(bodies[a].slip, slip)
+            _note(bodies, a, b, -separation[i], level and upper == a, -normal[i, 2])
+        if b != GROUND and bodies[b].state == LIVE:
+            bodies[b].slip = max(bodies[b].slip, slip)
+            _note(bodies, b, a, -separation[i], level and upper == b, normal[i, 2])
     return size

@@ -9,9 +9,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from stability_core.checks import check_shapes, checked_removals
 from stability_core.compiling import compile_policy
 from stability_core.explanation import explain
+from stability_core.frame_buffers import AT_REST, LEANING, LYING, MOVED, STRUCK, skip_frame
 from stability_core.lookup import look_up
 from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
@@ -30,7 +30,7 @@ from stability_core.stack import (
     with_all_above,
 )
 from stability_core.upright import checked_gravity
-from stability_core.watch import AT_REST, LEANING, LYING, MOVED, STRUCK, skip_frame
+from stability_core.validation import check_shapes, checked_removals
 from stability_core.world import World
 
 
@@ -234,10 +234,10 @@ class StabilityExtension:
         self._dt = dt
         seen = self._look(dt)
         if seen is None:
-            skip_frame(self._world.watch, dt)
+            skip_frame(self._world.buffers, dt)
             return UNCHANGED
-        due, rows = seen
-        if due == 0 and not self._is_pending:
+        worklist, rows = seen
+        if worklist == 0 and not self._is_pending:
             return UNCHANGED
         self._is_pending = False
         return self._settle(rows, self.settings.budget)
@@ -283,12 +283,12 @@ class StabilityExtension:
 
     def _make_due(self, wanted: IntArray) -> None:
         """Let the live bodies ``wanted`` be decided now, by every rule, shape (k,)."""
-        table, due = self._world.graph.bodies, self._world.watch.due
+        table, worklist = self._world.graph.bodies, self._world.buffers.worklist
         table["unsettled"][wanted] = False
         table["load_s"][wanted] = self.settings.load_s
         for rule in (AT_REST, LEANING, LYING):
-            together = np.union1d(due[rule, 1 : 1 + due[rule, 0]], wanted)
-            due[rule, 0], due[rule, 1 : 1 + len(together)] = len(together), together
+            together = np.union1d(worklist[rule, 1 : 1 + worklist[rule, 0]], wanted)
+            worklist[rule, 0], worklist[rule, 1 : 1 + len(together)] = len(together), together
 
     def _look(self, dt: float) -> tuple[int, int] | None:
         """Take over what the port tells: how many bodies are due, and contacts kept; None if nothing is live or new.
@@ -306,13 +306,13 @@ class StabilityExtension:
         if len(masses.body) == 0 and len(contacts) == 0 and not (self._is_pending or self._leaving):
             self._left = frozenset()
             return None
-        due, kept, frozen = self._world.observe(contacts, masses, dt)
+        worklist, kept, frozen = self._world.observe(contacts, masses, dt)
         if frozen:
             self._follow_frozen(masses)
         if self._leaving:
             self._forget(self._leaving)
         self._left, self._leaving = frozenset(self._leaving), []
-        return due, kept
+        return worklist, kept
 
     def _follow_gravity(self) -> None:
         """Have all judged again if gravity has changed by more than its tolerances."""
@@ -356,15 +356,15 @@ class StabilityExtension:
         woken, self._news = self._news, {}
         for row in woken:
             self._wake(row)
-        moved = self._world.watch.due.item(MOVED, 0)
+        moved = self._world.buffers.worklist.item(MOVED, 0)
         if moved:
-            self._leave_moved(self._world.watch.due[MOVED, 1 : 1 + moved], woken)
+            self._leave_moved(self._world.buffers.worklist[MOVED, 1 : 1 + moved], woken)
         self._world.make_room(4 * contacts)
         self.policy.budget = budget
-        frozen, unbalanced, deferred = self.policy.settle(self._world.graph, self._world.watch)
-        struck = self._world.watch.due.item(STRUCK, 0)
+        frozen, unbalanced, deferred = self.policy.settle(self._world.graph, self._world.buffers)
+        struck = self._world.buffers.worklist.item(STRUCK, 0)
         if struck:
-            self._wake_struck(self._world.watch.due[STRUCK, 1 : 1 + struck].copy(), frozen, woken)
+            self._wake_struck(self._world.buffers.worklist[STRUCK, 1 : 1 + struck].copy(), frozen, woken)
         if len(unbalanced):
             self._wake_above(unbalanced, "unbalanced", frozen, woken)
         return self._tell(frozen, woken, deferred)

@@ -8,7 +8,18 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.blows import list_struck
-from stability_core.checks import (
+from stability_core.compiled import compiled
+from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
+from stability_core.frame_arrays import ContactArrays, MassArrays
+from stability_core.frame_buffers import AT_REST, GONE, LEANING, LYING, MOVED, NOW, PUSHED, STRUCK, TOLD, next_frame
+from stability_core.kinematic import follow_host, list_carried
+from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
+from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.pushes import list_pushed
+from stability_core.rows import find_rows, give_rows, take_row
+from stability_core.settings import Limits
+from stability_core.stack import ABSENT, Bodies, is_immovable, sorted_ids
+from stability_core.validation import (
     BAD_CONTACT,
     BAD_MASS,
     BAD_SHAPE,
@@ -22,16 +33,6 @@ from stability_core.checks import (
     fit_together,
     presses_down_from_below,
 )
-from stability_core.compiled import compiled
-from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
-from stability_core.kinematic import follow_host, list_carried
-from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
-from stability_core.port import GROUND, FloatArray, IntArray
-from stability_core.pushes import list_pushed
-from stability_core.rows import find_rows, give_rows, take_row
-from stability_core.settings import Limits
-from stability_core.stack import ABSENT, Bodies, is_immovable, sorted_ids
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, MOVED, NOW, PUSHED, STRUCK, TOLD, next_frame
 
 
 @compiled
@@ -52,20 +53,13 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 
 @compiled
-def _first_flipped(
-    bodies: Bodies,
-    ids: IntArray,
-    mass: FloatArray,
-    center: FloatArray,
-    body_a: IntArray,
-    body_b: IntArray,
-    point: FloatArray,
-    normal: FloatArray,
-) -> int:
+def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
     """A contact with the ground if the normals of all such contacts are flipped, else -1.
 
     Kinematic bodies do not count: they need not be convex, nor rest on anything.
     """
+    body_a, body_b, point, normal = contacts.body_a, contacts.body_b, contacts.point, contacts.normal
+    ids, mass, center = masses.body, masses.mass, masses.center
     found = -1
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
@@ -87,26 +81,24 @@ def _first_flipped(
 
 @compiled
 def _first_fault(
-    bodies: Bodies,
-    slots: IntArray,
-    rows: IntArray,
-    rows_a: IntArray,
-    rows_b: IntArray,
-    body_a: IntArray,
-    body_b: IntArray,
-    mass: FloatArray,
-    center: FloatArray,
-    point: FloatArray,
-    normal: FloatArray,
+    bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """The first fault that shows once the listed bodies have rows, and its row; writes the rows of both bodies."""
-    row = _first_repeated(bodies, rows)
+    """The first fault that shows once the listed bodies have rows, and its row.
+
+    Args:
+        bodies: the table.
+        slots: of ``Rows``.
+        named: the contacts, of ids.
+        contacts: the same, of rows: these are written.
+        masses: the listed bodies, by their rows.
+    """
+    row = _first_repeated(bodies, masses.body)
     if row >= 0:
         return LISTED_TWICE, row
-    row = max(find_rows(slots, body_a, rows_a), find_rows(slots, body_b, rows_b))
+    row = max(find_rows(slots, named.body_a, contacts.body_a), find_rows(slots, named.body_b, contacts.body_b))
     if row >= 0:
         return UNKNOWN_BODY, row
-    row = _first_flipped(bodies, rows, mass, center, rows_a, rows_b, point, normal)
+    row = _first_flipped(bodies, contacts, masses)
     if row >= 0:
         return FLIPPED, row
     return FINE, -1
@@ -142,7 +134,7 @@ def observe(
     sizes: IntArray,
     latest: IntArray,
     clock: FloatArray,
-    due: IntArray,
+    worklist: IntArray,
     limits: Limits,
     dt: float,
     body: IntArray,
@@ -159,18 +151,18 @@ def observe(
 ) -> tuple[int, int, int, int]:
     """Track the live bodies, filter the contacts, and write down what must be decided.
 
-    O(m + n), whatever the number of frozen bodies. The arrays of ``Rows`` and ``Watch`` come one by one: Numba takes
-    longer to look at a tuple than at what is in it.
+    O(m + n), whatever the number of frozen bodies. The arrays come one by one: Numba takes longer to look at
+    a tuple that Python hands over than at what is in it. Within, tuples are as fast.
 
     Args:
         bodies: the table.
         slots: of ``Rows``: which row each body has; bodies that are new are given one.
         spare: of ``Rows``: the rows that are free.
-        contacts: of ``Watch``, with room for n more, written here; the same for the next four.
+        contacts: of ``FrameBuffers``, with room for n more, written here; the same for the next four.
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (4,).
-        due: with room for 2 n + m bodies.
+        worklist: with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
         body: the live bodies, shape (m,).
@@ -187,28 +179,29 @@ def observe(
 
     Returns:
         A fault (FINE if there is none); its row, for NO_ROOM how many rows of bodies are missing, for FINE how many
-        frozen bodies were listed; how many bodies are listed in ``due``;
+        frozen bodies were listed; how many bodies are listed in ``worklist``;
         how many contacts are kept of all frames.
     """
-    if not fit_together(body, body_a, body_b, mass, center, point, normal, separation, relative_velocity, friction):
+    named = ContactArrays(body_a, body_b, point, normal, separation, relative_velocity, friction, force)
+    listed = MassArrays(body, mass, center)
+    if not fit_together(named, listed):
         return BAD_SHAPE, -1, 0, 0
-    row = first_bad_contact(body_a, body_b, point, normal, friction)
+    row = first_bad_contact(named)
     if row >= 0:
         return BAD_CONTACT, row, 0, 0
-    row = first_bad_mass(body, mass, center)
+    row = first_bad_mass(listed)
     if row >= 0:
         return BAD_MASS, row, 0, 0
-    rows, rows_a, rows_b = (
-        np.empty(len(body), np.int64),
-        np.empty(len(body_a), np.int64),
-        np.empty(len(body_b), np.int64),
-    )
+    rows = np.empty(len(body), np.int64)
     is_new = find_rows(slots, body, rows) >= 0
     if is_new:
         missing = give_rows(slots, spare, body, rows)
         if missing > 0:
             return NO_ROOM, missing, 0, 0
-    fault, row = _first_fault(bodies, slots, rows, rows_a, rows_b, body_a, body_b, mass, center, point, normal)
+    rows_a, rows_b = np.empty(len(body_a), np.int64), np.empty(len(body_b), np.int64)
+    seen = ContactArrays(rows_a, rows_b, point, normal, separation, relative_velocity, friction, force)
+    masses = MassArrays(rows, mass, center)
+    fault, row = _first_fault(bodies, slots, named, seen, masses)
     if fault != FINE:
         _take_new(bodies, slots, spare, body, rows)
         return fault, row, 0, 0
@@ -216,28 +209,26 @@ def observe(
         _name_new(bodies, body, rows)
 
     limit = limits[0]
-    kinematic, moved = follow_host(bodies, rows, mass, center, limit, dt, due[MOVED, 1:])
-    frozen = track(bodies, rows, mass, center, dt)
+    kinematic, moved = follow_host(bodies, masses, limit, dt, worklist[MOVED, 1:])
+    frozen = track(bodies, masses, dt)
     next_frame(sizes, latest, clock, dt)
-    note_sizes(bodies, rows_a, rows_b, point, separation)
+    note_sizes(bodies, seen)
     if kinematic > 0:
-        moved = list_carried(
-            bodies, rows_a, rows_b, normal, separation, relative_velocity, limit, dt, due[MOVED, 1:], moved
-        )
-    due[MOVED, 0] = moved
+        moved = list_carried(bodies, seen, limit, dt, worklist[MOVED, 1:], moved)
+    worklist[MOVED, 0] = moved
+    worklist[STRUCK, 0] = list_struck(bodies, seen, limit, dt, worklist[STRUCK, 1:])
     kept = contacts[latest[0] * (len(contacts) // len(sizes)) :]
-    due[STRUCK, 0] = list_struck(
-        bodies, rows_a, rows_b, normal, separation, relative_velocity, friction, limit, dt, due[STRUCK, 1:]
-    )
-    sizes[latest[0]] = keep_contacts(
-        bodies, rows_a, rows_b, point, normal, separation, relative_velocity, friction, force, limit, dt, kept
+    count = keep_contacts(bodies, seen, limit, dt, kept)
+    sizes[latest[0]] = count
+    worklist[PUSHED, 0] = (
+        list_pushed(bodies, kept[:count], limit, clock[NOW], dt, worklist[PUSHED, 1:]) if len(force) > 0 else 0
     )
     clock[TOLD] = 1.0 if len(force) > 0 else 0.0
-    if len(force) > 0:
-        due[PUSHED, 0] = list_pushed(bodies, kept, sizes[latest[0]], limit, clock[NOW], dt, due[PUSHED, 1:])
-    else:
-        due[PUSHED, 0] = 0
     time_at_rest(bodies, rows, limit, dt)
-    due[AT_REST, 0], due[LEANING, 0] = list_due(bodies, rows, limit, dt, due[AT_REST, 1:], due[LEANING, 1:])
-    due[LYING, 0], due[GONE, 0] = list_shifted_loads(bodies, rows, limit, due[LYING, 1:], due[GONE, 1:])
-    return FINE, frozen, due[:, 0].sum(), sizes.sum()
+    worklist[AT_REST, 0], worklist[LEANING, 0] = list_due(
+        bodies, rows, limit, dt, worklist[AT_REST, 1:], worklist[LEANING, 1:]
+    )
+    worklist[LYING, 0], worklist[GONE, 0] = list_shifted_loads(
+        bodies, rows, limit, worklist[LYING, 1:], worklist[GONE, 1:]
+    )
+    return FINE, frozen, worklist[:, 0].sum(), sizes.sum()

@@ -15,7 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.frame_arrays import ContactArrays, MassArrays
+from stability_core.port import GROUND, IntArray
 from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
@@ -66,16 +67,12 @@ def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
 
 
 @compiled
-def follow_host(
-    bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, limits: Limits, dt: float, moved: IntArray
-) -> tuple[int, int]:
+def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, moved: IntArray) -> tuple[int, int]:
     """Take over where the host has put the kinematic bodies, and which bodies it made kinematic or let go.
 
     Args:
         bodies: the table, before this frame is tracked.
-        ids: the listed bodies, shape (m,).
-        mass: their masses [kg], shape (m,); infinite for kinematic bodies.
-        center: their centres of mass [m], shape (m, 3).
+        masses: m listed bodies, by their rows; kinematic ones have infinite mass.
         limits: the settings.
         dt: time since the last frame [s].
         moved: the bodies on which nothing rests any longer are written here, at least m rows.
@@ -83,6 +80,7 @@ def follow_host(
     Returns:
         How many bodies are kinematic; and how many are written to ``moved``.
     """
+    ids, mass, center = masses.body, masses.mass, masses.center
     kinematic, n = 0, 0
     for i in range(len(ids)):
         row = bodies[ids[i]]
@@ -104,27 +102,12 @@ def follow_host(
 
 
 @compiled
-def list_carried(
-    bodies: Bodies,
-    body_a: IntArray,
-    body_b: IntArray,
-    normal: FloatArray,
-    separation: FloatArray,
-    relative_velocity: FloatArray,
-    limits: Limits,
-    dt: float,
-    moved: IntArray,
-    n: int,
-) -> int:
+def list_carried(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, moved: IntArray, n: int) -> int:
     """Note what touches the kinematic bodies; list the frozen bodies that one of them moves: O(contacts).
 
     Args:
         bodies: the table, with sizes noted.
-        body_a: first bodies, shape (c,); this and what follows as ``Contacts`` has it.
-        body_b: second bodies, shape (c,).
-        normal: from a to b, shape (c, 3).
-        separation: signed distances [m], shape (c,).
-        relative_velocity: of b against a [m/s], shape (c, 3).
+        contacts: c of them, of rows of the table.
         limits: the settings.
         dt: time since the last frame [s].
         moved: the bodies are written here after the first ``n``, at least c rows more.
@@ -133,6 +116,8 @@ def list_carried(
     Returns:
         How many are written to ``moved`` in all.
     """
+    body_a, body_b, normal = contacts.body_a, contacts.body_b, contacts.normal
+    separation, relative_velocity = contacts.separation, contacts.relative_velocity
     for i in range(len(body_a)):
         for body, other in ((body_a[i], body_b[i]), (body_b[i], body_a[i])):
             if body == GROUND or other == GROUND:

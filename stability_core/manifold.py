@@ -11,6 +11,7 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import BEARS, ContactRows, bit_of, upper_of
+from stability_core.frame_buffers import FrameBuffers, frame_before
 from stability_core.polygon import centroid, convex_hull, width
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.stack import (
@@ -27,7 +28,6 @@ from stability_core.stack import (
     link,
 )
 from stability_core.upright import turned
-from stability_core.watch import Watch, frame_before
 
 ENOUGH_VERTICES = 4
 """Vertices that are always kept: a box stands on four."""
@@ -182,13 +182,13 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
 
 
 @compiled
-def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
+def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
     """The contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
 
     Returns:
-        Where the rows of each body begin in the list, shape (k + 1,); the list of rows of ``watch.contacts``.
+        Where the rows of each body begin in the list, shape (k + 1,); the list of rows of ``buffers.contacts``.
     """
-    bodies, contacts, sizes = graph.bodies, watch.contacts, watch.sizes
+    bodies, contacts, sizes = graph.bodies, buffers.contacts, buffers.sizes
     k, room = len(ids), len(contacts) // len(sizes)
     for i in range(k):
         bodies[ids[i]].place = i
@@ -197,7 +197,7 @@ def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tupl
     owner = np.empty(len(rows), np.int64)
     found = 0
     for back in range(frames - 1, -1, -1):
-        frame = frame_before(watch, back)
+        frame = frame_before(buffers, back)
         for row in range(frame * room, frame * room + sizes[frame]):
             for body in (contacts[row].body_a, contacts[row].body_b):
                 if body == GROUND:
@@ -218,12 +218,12 @@ def _contacts_of(graph: Graph, watch: Watch, ids: IntArray, frames: int) -> tupl
 
 
 @compiled
-def lay_all(graph: Graph, watch: Watch, ids: IntArray, frames: int, face_angle: float) -> None:
+def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
     """``lay_patches`` for each of ``ids`` from the last ``frames`` frames, and note for which pose they were laid."""
     if len(ids) == 0:
         return
-    start, rows = _contacts_of(graph, watch, ids, frames)
-    bodies, contacts = graph.bodies, watch.contacts
+    start, rows = _contacts_of(graph, buffers, ids, frames)
+    bodies, contacts = graph.bodies, buffers.contacts
     for i in range(len(ids)):
         lay_patches(graph, contacts, rows[start[i] : start[i + 1]], ids[i], face_angle)
         row = bodies[ids[i]]

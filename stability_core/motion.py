@@ -6,13 +6,14 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import is_moving
+from stability_core.frame_arrays import MassArrays
 from stability_core.port import FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import ABSENT, DOUBTED, FALLS, FROZEN, LIVE, NOT_REFUSED, PROVEN, Bodies
 
 
 @compiled
-def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, dt: float) -> int:
+def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
     """Take over mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
 
     A body seen for the first time has no speed yet: it counts as infinitely fast. Kinematic bodies are followed by
@@ -21,6 +22,7 @@ def track(bodies: Bodies, ids: IntArray, mass: FloatArray, center: FloatArray, d
     Returns:
         How many frozen bodies are listed as well.
     """
+    ids, mass, center = masses.body, masses.mass, masses.center
     frozen = 0
     for i in range(len(ids)):
         body = bodies[ids[i]]

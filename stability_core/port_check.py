@@ -7,7 +7,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from stability_core.checks import (
+from stability_core.frame_arrays import contact_arrays, mass_arrays
+from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses, StabilityPort
+from stability_core.validation import (
     BAD_CONTACT,
     BAD_MASS,
     FLIPPED,
@@ -20,7 +22,6 @@ from stability_core.checks import (
     first_bad_mass,
     presses_down_from_below,
 )
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses, StabilityPort
 
 APART = 0.1
 """Separation, over the distance from a body's centre to the contact, that no contact of a resting body has."""
@@ -81,16 +82,10 @@ def _check_arrays(contacts: Contacts, masses: Masses, frame: int) -> None:
         check_ids("masses.body", masses.body)
         checked_removals(masses.removed)
         ids = masses.body.astype(np.int64)
-        row = first_bad_contact(
-            contacts.body_a.astype(np.int64),
-            contacts.body_b.astype(np.int64),
-            np.array(contacts.point, np.float64),
-            np.array(contacts.normal, np.float64),
-            np.array(contacts.friction, np.float64),
-        )
+        row = first_bad_contact(contact_arrays(contacts))
         if row >= 0:
             raise fault_of(BAD_CONTACT, row, contacts, masses)
-        row = first_bad_mass(ids, np.array(masses.mass, np.float64), np.array(masses.center_of_mass, np.float64))
+        row = first_bad_mass(mass_arrays(masses))
         if row >= 0:
             raise fault_of(BAD_MASS, row, contacts, masses)
         values, first, count = np.unique(ids, return_index=True, return_counts=True)

@@ -63,25 +63,22 @@ def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
 
 
 @compiled
-def list_pushed(
-    bodies: Bodies, contacts: ContactRows, size: int, limits: Limits, now: float, dt: float, pushed: IntArray
-) -> int:
-    """Write down the frozen bodies on which a push has changed, or lasts: O(size).
+def list_pushed(bodies: Bodies, contacts: ContactRows, limits: Limits, now: float, dt: float, pushed: IntArray) -> int:
+    """Write down the frozen bodies on which a push has changed, or lasts: O(n).
 
     Args:
         bodies: the table.
-        contacts: those of the latest frame that count.
-        size: how many they are.
+        contacts: those of the latest frame that count, shape (n,).
         limits: the settings.
         now: time since the first frame [s].
         dt: length of a frame [s].
-        pushed: written here, at least 2 ``size`` rows.
+        pushed: written here, at least 2 n rows.
 
     Returns:
         How many they are.
     """
     touched = 0
-    for i in range(size):
+    for i in range(len(contacts)):
         contact = contacts[i]
         for target, pusher, sign in ((contact.body_b, contact.body_a, 1.0), (contact.body_a, contact.body_b, -1.0)):
             if target == GROUND or bodies[target].state != FROZEN:

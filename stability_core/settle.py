@@ -8,17 +8,17 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.frame_buffers import AT_REST, GONE, LEANING, LYING, FrameBuffers, frames_of, listed
 from stability_core.manifold import lay_all, lift
 from stability_core.port import IntArray
 from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, sorted_ids
-from stability_core.watch import AT_REST, GONE, LEANING, LYING, Watch, frames_of, listed
 
 
 @compiled
-def _with_rule(graph: Graph, watch: Watch, rule: int, state: int) -> IntArray:
+def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> IntArray:
     """The bodies in this ``state`` for which ``rule`` is the strictest, by rising id, shape (k,)."""
-    bodies, ids = graph.bodies, listed(watch, rule)
+    bodies, ids = graph.bodies, listed(buffers, rule)
     found = np.empty(len(ids), np.int64)
     n = 0
     for body in ids:
@@ -29,43 +29,43 @@ def _with_rule(graph: Graph, watch: Watch, rule: int, state: int) -> IntArray:
 
 
 @compiled
-def lay_due(graph: Graph, watch: Watch, limits: Limits) -> None:
+def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Lay the patches of all that is due, from as many frames as its rule waits for; lift those of what has gone.
 
     O(contacts of the dwell frames), whatever the number of frozen bodies.
     """
     bodies = graph.bodies
-    for body in listed(watch, GONE):
+    for body in listed(buffers, GONE):
         lift(graph, body)
     for rule in (LYING, LEANING, AT_REST):  # the strictest has the last word
-        for body in listed(watch, rule):
+        for body in listed(buffers, rule):
             bodies[body].rule = rule
     limit = limits[0]
     for rule, dwell in ((LYING, limit.load_s), (AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
-        if watch.due[rule, 0] > 0:
-            lay_all(graph, watch, _with_rule(graph, watch, rule, LIVE), frames_of(watch, dwell), limit.face_angle)
+        if buffers.worklist[rule, 0] > 0:
+            lay_all(graph, buffers, _with_rule(graph, buffers, rule, LIVE), frames_of(buffers, dwell), limit.face_angle)
 
 
 @compiled
-def lay_frozen(graph: Graph, watch: Watch, limits: Limits) -> None:
+def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Lay again, on the stack alone, the patches of what was frozen; lift those laid for a test that was failed.
 
     What touches the stack alone has them already. A body that only passes by is no load.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
-        if watch.due[rule, 0] > 0:
-            frozen = _with_rule(graph, watch, rule, FROZEN)
-            _lay_on_stack(graph, watch, frozen, frames_of(watch, dwell), limit.face_angle)
+        if buffers.worklist[rule, 0] > 0:
+            frozen = _with_rule(graph, buffers, rule, FROZEN)
+            _lay_on_stack(graph, buffers, frozen, frames_of(buffers, dwell), limit.face_angle)
     bodies = graph.bodies
-    for body in listed(watch, LEANING):
+    for body in listed(buffers, LEANING):
         row = bodies[body]
         if row.rule == LEANING and row.state == LIVE and row.load_s < limit.load_s - ROUNDING_S:
             lift(graph, body)
 
 
 @compiled
-def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int, face_angle: float) -> None:
+def _lay_on_stack(graph: Graph, buffers: FrameBuffers, frozen: IntArray, frames: int, face_angle: float) -> None:
     bodies = graph.bodies
     again = np.empty(len(frozen), np.int64)
     n = 0
@@ -75,7 +75,7 @@ def _lay_on_stack(graph: Graph, watch: Watch, frozen: IntArray, frames: int, fac
             n += 1
         else:
             note_change_of_supports(graph, body)
-    lay_all(graph, watch, again[:n], frames, face_angle)
+    lay_all(graph, buffers, again[:n], frames, face_angle)
 
 
 @compiled

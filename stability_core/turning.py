@@ -11,6 +11,7 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import is_level, upper_of
+from stability_core.frame_buffers import FrameBuffers
 from stability_core.manifold import lift, shape_patch
 from stability_core.port import FloatArray, IntArray
 from stability_core.stack import (
@@ -28,7 +29,6 @@ from stability_core.stack import (
     unlink,
 )
 from stability_core.upright import turned
-from stability_core.watch import Watch
 
 
 @compiled
@@ -51,9 +51,9 @@ def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
 
 
 @compiled
-def _turn_contacts(bodies: Bodies, watch: Watch, turn: FloatArray, level_tilt: float) -> None:
+def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, level_tilt: float) -> None:
     """Turn the contacts of the dwell frames, and tell anew which are load-bearing."""
-    contacts, sizes = watch.contacts, watch.sizes
+    contacts, sizes = buffers.contacts, buffers.sizes
     room = len(contacts) // len(sizes)
     for frame in range(len(sizes)):
         for i in range(frame * room, frame * room + sizes[frame]):
@@ -110,16 +110,16 @@ def _turn_patch(graph: Graph, at: int, turn: FloatArray, level_tilt: float) -> N
 
 
 @compiled
-def turn_memory(graph: Graph, watch: Watch, turn: FloatArray, level_tilt: float) -> None:
+def turn_memory(graph: Graph, buffers: FrameBuffers, turn: FloatArray, level_tilt: float) -> None:
     """Turn bodies, contacts and patches, and list every frozen body as changed: O(all that is known).
 
     Args:
         graph: the stack.
-        watch: the contacts of the dwell frames.
+        buffers: the contacts of the dwell frames.
         turn: rotation from the upright frame of before to that of now, shape (3, 3).
         level_tilt: slope [rad] up to which a contact is load-bearing whatever its friction.
     """
     _turn_bodies(graph.bodies, turn)
-    _turn_contacts(graph.bodies, watch, turn, level_tilt)
+    _turn_contacts(graph.bodies, buffers, turn, level_tilt)
     for at in _patches_of_frozen(graph):
         _turn_patch(graph, at, turn, level_tilt)

@@ -8,30 +8,20 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import numpy as np
 
-from stability_core.checks import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, fault_of
 from stability_core.compiled import WrongTypeError
 from stability_core.frame import observe
+from stability_core.frame_arrays import IDS, NO_FORCES, NUMBERS, laid_out
+from stability_core.frame_buffers import buffers_for, forget_contacts
 from stability_core.port import Contacts, IntArray, Masses
 from stability_core.rows import find_rows, rows_for, take_row
 from stability_core.settings import Settings
 from stability_core.stack import BODY, FROZEN, NONE, drop_loads, drop_supports, empty_graph, grown
 from stability_core.turning import turn_memory
 from stability_core.upright import Upright
-from stability_core.watch import forget_contacts, watch_for
-
-_UNTOLD = np.zeros((0, 3))
-"""In place of the contact forces of an engine that does not tell them."""
-_IDS, _NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
-
-
-def _laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
-    """Return an array as the kernels are compiled for it, whatever an adapter reads; copied only if it must be."""
-    contiguous = np.ascontiguousarray(array, dtype)
-    return contiguous if contiguous.flags.writeable else contiguous.copy()
+from stability_core.validation import BAD_SHAPE, FINE, NO_ROOM, check_ids, check_shapes, fault_of
 
 
 class World:
@@ -43,7 +33,7 @@ class World:
         self.upright = Upright(gravity)
         self.limits = settings.limits(self.upright.strength)
         self.graph = empty_graph()
-        self.watch = watch_for(settings.longest_dwell, 32)
+        self.buffers = buffers_for(settings.longest_dwell, 32)
         self._rows = rows_for(0)
         self.ids: IntArray = self.graph.bodies["id"]
         """The body of each row, shape (rows,): a view of the table."""
@@ -76,32 +66,32 @@ class World:
         check_ids("contacts.body_a", contacts.body_a)
         check_ids("contacts.body_b", contacts.body_b)
         room = 2 * len(contacts) + len(masses.body)
-        if room >= self.watch.due.shape[1]:
-            self.watch = watch_for(self.settings.longest_dwell, 2 * room, self.watch)
+        if room >= self.buffers.worklist.shape[1]:
+            self.buffers = buffers_for(self.settings.longest_dwell, 2 * room, self.buffers)
         seen, bodies = contacts, masses
         if not self.upright.is_world:
             check_shapes(contacts, masses)
             seen, bodies = self.upright.turn_contacts(contacts), self.upright.turn_masses(masses)
         while True:
             try:
-                fault, row, due, kept = observe(
+                fault, row, worklist, kept = observe(
                     self.graph.bodies,
                     self._rows.slots,
                     self._rows.spare,
-                    *self.watch,
+                    *self.buffers,
                     self.limits,
                     dt,
-                    _laid_out(bodies.body, _IDS),
-                    _laid_out(seen.body_a, _IDS),
-                    _laid_out(seen.body_b, _IDS),
-                    _laid_out(bodies.mass, _NUMBERS),
-                    _laid_out(bodies.center_of_mass, _NUMBERS),
-                    _laid_out(seen.point, _NUMBERS),
-                    _laid_out(seen.normal, _NUMBERS),
-                    _laid_out(seen.separation, _NUMBERS),
-                    _laid_out(seen.relative_velocity, _NUMBERS),
-                    _laid_out(seen.friction, _NUMBERS),
-                    _UNTOLD if seen.force is None else _laid_out(seen.force, _NUMBERS),
+                    laid_out(bodies.body, IDS),
+                    laid_out(seen.body_a, IDS),
+                    laid_out(seen.body_b, IDS),
+                    laid_out(bodies.mass, NUMBERS),
+                    laid_out(bodies.center_of_mass, NUMBERS),
+                    laid_out(seen.point, NUMBERS),
+                    laid_out(seen.normal, NUMBERS),
+                    laid_out(seen.separation, NUMBERS),
+                    laid_out(seen.relative_velocity, NUMBERS),
+                    laid_out(seen.friction, NUMBERS),
+                    NO_FORCES if seen.force is None else laid_out(seen.force, NUMBERS),
                 )
             except WrongTypeError:  # an array has more or fewer dimensions
                 check_shapes(contacts, masses)
@@ -115,11 +105,11 @@ class World:
             check_shapes(contacts, masses)
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
-        return due, kept, row
+        return worklist, kept, row
 
     def frozen_listed(self, masses: Masses) -> list[tuple[int, float, float]]:
         """The frozen bodies that a port lists: row, mass [kg], and how far [m] each is from where it was frozen."""
-        rows = self._find(_laid_out(masses.body, _IDS))
+        rows = self._find(laid_out(masses.body, IDS))
         center = self.upright.turn_masses(masses).center_of_mass
         table = self.graph.bodies
         places = np.flatnonzero(table["state"][rows] == FROZEN)
@@ -138,7 +128,7 @@ class World:
             return False
         self.upright = Upright(gravity)
         self.limits = settings.limits(self.upright.strength)
-        turn_memory(self.graph, self.watch, self.upright.rotation @ before.rotation.T, settings.level_tilt)
+        turn_memory(self.graph, self.buffers, self.upright.rotation @ before.rotation.T, settings.level_tilt)
         return True
 
     def detach(self, row: int) -> None:
@@ -162,5 +152,5 @@ class World:
             self.graph.bodies[row] = blank
             take_row(*self._rows, body)
         if len(rows):
-            forget_contacts(self.graph.bodies, self.watch)
+            forget_contacts(self.graph.bodies, self.buffers)
         return rows

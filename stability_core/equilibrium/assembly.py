@@ -18,6 +18,21 @@ ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
 as the ground, so that what falls falls whatever the rest does."""
 
 
+class Terms(NamedTuple):
+    """Under what terms bodies are to stand."""
+
+    outside: int
+    """What the rest of the stack does: ABSENT_OUTSIDE, AS_BEFORE or FIXED."""
+    gravity: float
+    """Gravitational acceleration [m/s2], positive."""
+    margin: float = 0.0
+    """By how much [sizes of the smaller body] each vertex of a patch is moved outwards."""
+    grip: float = 1.0
+    """By what each friction coefficient is multiplied."""
+    radius: float = 0.0
+    """By how much [sizes] a contact in a point or a line may be off: see ``Problem.slack``."""
+
+
 class Part(NamedTuple):
     """A problem and where its rows come from."""
 
@@ -132,33 +147,21 @@ def _divide(lever: FloatArray, body: IntArray, size: FloatArray) -> None:
 
 
 @compiled
-def part_of(
-    graph: Graph,
-    memory: Memory,
-    ids: IntArray,
-    outside: int,
-    gravity: float,
-    margin: float,
-    grip: float,
-    radius: float,
-) -> Part:
+def part_of(graph: Graph, memory: Memory, ids: IntArray, terms: Terms) -> Part:
     """The statics of the bodies ``ids``: O(bodies + patches).
 
     Args:
         graph: the stack.
         memory: the kept forces.
         ids: the bodies, shape (n,).
-        outside: what the rest of the stack does: ABSENT_OUTSIDE, AS_BEFORE or FIXED.
-        gravity: gravitational acceleration [m/s2], positive.
-        margin: by how much [sizes of the smaller body] each vertex of a patch is moved outwards.
-        grip: by what each friction coefficient is multiplied.
-        radius: by how much [sizes] a contact in a point or a line may be off: see ``Problem.slack``.
+        terms: under which they are to stand.
     """
+    gravity, margin, radius = terms.gravity, terms.margin, terms.radius
     n = len(ids)
     index = np.full(len(graph.bodies), -1)
     for i in range(n):
         index[ids[i]] = i
-    patches, m, kept = _patches_of(graph, ids, index, outside)
+    patches, m, kept = _patches_of(graph, ids, index, terms.outside)
     body_a, body_b, level = np.full(m, -1), np.full(m, -1), np.empty(m, np.bool_)
     lever_a, lever_b, normal = np.zeros((m, 3)), np.zeros((m, 3)), np.empty((m, 3))
     friction, load, size = np.empty(m), np.zeros((n, 6)), np.zeros(n)
@@ -168,7 +171,7 @@ def part_of(
         i, j = index[patch.upper], index[patch.lower] if patch.lower != GROUND else -1
         for vertex in range(patch.vertices):
             body_a[c], body_b[c], level[c] = j, i, patch.kind == SUPPORT
-            friction[c] = patch.friction * grip
+            friction[c] = patch.friction * terms.grip
             for k in range(3):
                 normal[c, k] = patch.normal[k]
             if i >= 0:

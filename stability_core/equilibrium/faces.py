@@ -44,9 +44,8 @@ def _mark_faces(
     point: FloatArray,
     normal: FloatArray,
     tolerance: FloatArray,
-    is_area: BoolArray,
-) -> None:
-    """Mark the contacts that belong to a face with an area in ``is_area``, shape (m,).
+) -> BoolArray:
+    """Mark the contacts that belong to a face with an area, shape (m,).
 
     Args:
         order: the contacts, those of a pair one after the other, shape (m,).
@@ -55,9 +54,9 @@ def _mark_faces(
         point: contact points [m], shape (m, 3).
         normal: unit normals, shape (m, 3).
         tolerance: noise of each point [m], shape (m,).
-        is_area: written.
     """
     m = len(order)
+    is_area = np.empty(m, np.bool_)
     is_done = np.zeros(m, np.bool_)
     rows = np.empty(m, np.int64)
     for i in range(m):
@@ -74,6 +73,7 @@ def _mark_faces(
         has_area = _has_area(point, rows[:count], tolerance[first])
         for row in rows[:count]:
             is_area[row] = has_area
+    return is_area
 
 
 def rolling_bodies(
@@ -90,10 +90,9 @@ def rolling_bodies(
         normal: unit normals from a to b, shape (m, 3).
         size: of each body [m], and of the ground, which is infinite, shape (n + 1,).
     """
-    is_area = np.empty(len(index_a), np.bool_)
     tolerance = NOISE * np.minimum(size[index_a], size[index_b])
     point, normal = np.ascontiguousarray(point, np.float64), np.ascontiguousarray(normal, np.float64)
-    _mark_faces(np.lexsort((index_b, index_a)), index_a, index_b, point, normal, tolerance, is_area)
+    is_area = _mark_faces(np.lexsort((index_b, index_a)), index_a, index_b, point, normal, tolerance)
     rolls = np.ones(len(size), np.bool_)
     rolls[index_a[is_area]] = rolls[index_b[is_area]] = False
     return rolls[:-1]

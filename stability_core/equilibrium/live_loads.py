@@ -10,15 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.equilibrium.assembly import FIXED, Part, part_of
+from stability_core.equilibrium.assembly import FIXED, Part, Terms, part_of
 from stability_core.equilibrium.memory import Memory
 from stability_core.equilibrium.newton import nearest_forces
 from stability_core.equilibrium.problem import add_wrench
+from stability_core.frame_buffers import FrameBuffers, frame_before, frames_of
 from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.pushes import is_push
 from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
-from stability_core.watch import Watch, frame_before, frames_of
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
@@ -115,7 +115,7 @@ def live_load(
     held = np.ones(len(live), np.bool_)
     if len(live) == 0:
         return pressed, held
-    above = part_of(graph, memory, live, FIXED, gravity, 0.0, 1.0, 0.0)
+    above = part_of(graph, memory, live, Terms(FIXED, gravity, 0.0, 1.0, 0.0))
     problem, upright = above.problem, above.level.all()
     if upright:  # what topples off level contacts presses straight down, and so does what stands on them
         problem.normal[:, :2] = 0.0
@@ -144,14 +144,14 @@ def live_load(
 
 
 @compiled
-def contact_load(graph: Graph, watch: Watch, part: Part, limits: Limits, everything: bool) -> FloatArray:
+def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits, everything: bool) -> FloatArray:
     """Mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
 
     O(contacts of the latest dwell frames).
 
     Args:
         graph: the stack.
-        watch: with contact forces as the engine tells them.
+        buffers: with contact forces as the engine tells them.
         part: the bodies pressed on.
         limits: the settings, shape (1,).
         everything: whether all live bodies count, or only their pushes (see ``pushes``).
@@ -160,12 +160,12 @@ def contact_load(graph: Graph, watch: Watch, part: Part, limits: Limits, everyth
     index = np.full(len(graph.bodies), -1)
     for i in range(len(part.ids)):
         index[part.ids[i]] = i
-    frames, room = frames_of(watch, limits[0].load_s), len(watch.contacts) // len(watch.sizes)
+    frames, room = frames_of(buffers, limits[0].load_s), len(buffers.contacts) // len(buffers.sizes)
     lever = np.empty(3)
     for back in range(frames):
-        frame = frame_before(watch, back)
-        for at in range(frame * room, frame * room + watch.sizes[frame]):
-            contact = watch.contacts[at]
+        frame = frame_before(buffers, back)
+        for at in range(frame * room, frame * room + buffers.sizes[frame]):
+            contact = buffers.contacts[at]
             for target, pusher, sign in ((contact.body_b, contact.body_a, 1.0), (contact.body_a, contact.body_b, -1.0)):
                 if target == GROUND or index[target] < 0 or pusher == GROUND:
                     continue

@@ -32,6 +32,8 @@ ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-bloc
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stability_core.compiled import compiled
@@ -70,6 +72,18 @@ TINY = 1e-300
 """In place of no displacement at all."""
 ROTATIONAL = 1.0 / 3.0
 """Moment of inertia over mass times size squared: of a rod about its middle; its value decides nothing."""
+
+
+class Case(NamedTuple):
+    """Bodies to be loaded with one ratio of stiffnesses."""
+
+    problem: Problem
+    """With loads in units of their mean."""
+    stiffness: float
+    """Tangential over normal stiffness."""
+    place: IntArray
+    """Place of each body in the matrix, shape (n,)."""
+    envelope: Envelope
 
 
 @compiled
@@ -159,19 +173,13 @@ def _add_block(
 
 @compiled
 def _assemble(
-    problem: Problem,
-    tangent: FloatArray,
-    inertia: FloatArray,
-    u: FloatArray,
-    place: IntArray,
-    offset: IntArray,
-    lower: FloatArray,
-    upper: FloatArray,
+    case: Case, tangent: FloatArray, inertia: FloatArray, u: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> None:
     """A C A^T + M / kappa: its lower triangle by rows and its upper one by columns, the diagonal in both.
 
     ``inertia`` (n, 6) is the diagonal M / kappa. The resistance of what rolls counts until it is spent.
     """
+    problem, place, offset = case.problem, case.place, case.envelope.offset
     lower[:] = 0.0
     upper[:] = 0.0
     for i in range(len(inertia)):
@@ -251,16 +259,7 @@ def _inertia(problem: Problem) -> FloatArray:
 
 
 @compiled
-def _load(
-    problem: Problem,
-    friction: FloatArray,
-    stiffness: float,
-    kappa: float,
-    most: int,
-    place: IntArray,
-    envelope: Envelope,
-    u: FloatArray,
-) -> tuple[bool, FloatArray]:
+def _load(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
     """Load the bodies from ``u`` (n, 6), which is moved to where they come to.
 
     Semismooth Newton with halved steps, at most ``most``: O(m) and a factorisation a step.
@@ -269,6 +268,7 @@ def _load(
         Whether that was found; the sensitivity of each body over its displacement, or 1 for those that are not balanced
         yet, shape (n,).
     """
+    problem, friction, stiffness, envelope = case.problem, case.problem.friction, case.stiffness, case.envelope
     n, m = len(problem.load), len(problem.normal)
     lower, upper = np.empty(envelope.size), np.empty(envelope.size)
     inertia = _inertia(problem) / kappa
@@ -281,14 +281,14 @@ def _load(
     stalls = 0
     for steps in range(most + 1):
         if error > enough or steps == 0:
-            _assemble(problem, tangent, inertia, u, place, envelope.offset, lower, upper)
+            _assemble(case, tangent, inertia, u, lower, upper)
             factorize_general(lower, upper, envelope)
         if error <= enough:
             du[:] = inertia * u
-            _solve(lower, upper, envelope, place, du, step)
+            _solve(lower, upper, envelope, case.place, du, step)
             return True, _sensitivity(u, du)
         du[:] = rest
-        _solve(lower, upper, envelope, place, du, step)
+        _solve(lower, upper, envelope, case.place, du, step)
         length, now = 2.0, np.inf
         while not now < (1.0 - ENOUGH * length) * error and length > SHORTEST_STEP:
             length *= 0.5
@@ -310,9 +310,7 @@ def _load(
 
 
 @compiled
-def _load_step_by_step(
-    problem: Problem, friction: FloatArray, stiffness: float, place: IntArray, envelope: Envelope, u: FloatArray
-) -> FloatArray:
+def _load_step_by_step(case: Case, u: FloatArray) -> FloatArray:
     """``_load`` at ``KAPPA`` from ``u``; if not all is held, from nothing, by way of smaller kappas.
 
     What falls is told by the last way alone: a long step may end in a jam far off, where less is held than on the path.
@@ -321,22 +319,22 @@ def _load_step_by_step(
         The sensitivity of each body over its displacement, or 1 for those that are not balanced, shape (n,).
     """
     if u.any():
-        held, sensitivity = _load(problem, friction, stiffness, KAPPA, WARM_STEPS, place, envelope, u)
+        held, sensitivity = _load(case, KAPPA, WARM_STEPS, u)
         if held and sensitivity.max() <= SENSITIVE:
             return sensitivity
     for kappas in (FEW_KAPPAS, FEW_KAPPAS[1:]):
         u[:] = 0.0
         for kappa in kappas:
-            held, sensitivity = _load(problem, friction, stiffness, kappa, NEWTON_STEPS, place, envelope, u)
+            held, sensitivity = _load(case, kappa, NEWTON_STEPS, u)
             if not held:
                 break
         if held and sensitivity.max() <= SENSITIVE:
             return sensitivity
-    if envelope.size > WIDEST * len(problem.load) * 6:
+    if case.envelope.size > WIDEST * len(case.problem.load) * 6:
         return sensitivity
     u[:] = 0.0
     for kappa in MANY_KAPPAS:  # where one fails the next may do
-        held, sensitivity = _load(problem, friction, stiffness, kappa, NEWTON_STEPS, place, envelope, u)
+        held, sensitivity = _load(case, kappa, NEWTON_STEPS, u)
     return sensitivity
 
 
@@ -366,7 +364,7 @@ def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
     found = np.zeros(n, np.bool_)
     for k in range(len(STIFFNESSES)):
         u = displacement[k] / unit
-        sensitivity = _load_step_by_step(scaled, problem.friction, STIFFNESSES[k], place, envelope, u)
+        sensitivity = _load_step_by_step(Case(scaled, STIFFNESSES[k], place, envelope), u)
         for i in range(n):
             found[i] = not sensitivity[i] <= SENSITIVE
         if found.any():

@@ -14,6 +14,8 @@ lies there nearly; the same method finds the nearest motion that lies there trul
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stability_core.compiled import compiled
@@ -48,22 +50,26 @@ RAY_STEPS = 40
 """A pile takes 5 to 20 steps in all; one that takes more lies at the very limit."""
 
 
-@compiled
-def _minimise(
-    problem: Problem,
-    space: Workspace,
-    rho: float,
-    steps: int,
-    center: FloatArray,
-    y: FloatArray,
-    force: FloatArray,
-    rest: FloatArray,
-) -> None:
-    """Move ``y`` to the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
+class Search(NamedTuple):
+    """Where a search has come to: overwritten from step to step."""
 
-    Takes at most ``steps`` steps. Writes the forces P_K(A^T y) and what they leave unbalanced, and ends early when
-    they are balanced.
+    center: FloatArray
+    """The latest proximal point y', shape (n, 6)."""
+    y: FloatArray
+    """Shape (n, 6)."""
+    force: FloatArray
+    """P_K(A^T y), shape (m, 3)."""
+    rest: FloatArray
+    """What the forces leave unbalanced, shape (n, 6)."""
+
+
+@compiled
+def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search: Search) -> None:
+    """Move y to the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
+
+    Takes at most ``steps`` steps, and ends early when the forces are balanced.
     """
+    center, y, force, rest = search.center, search.y, search.force, search.rest
     along_contacts(problem, y, space.z)
     project(space.z, problem.normal, problem.friction, force)
     imbalance(problem, force, rest)
@@ -103,9 +109,10 @@ def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[Flo
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)
     center, rest, force = y.copy(), np.zeros((n, 6)), np.zeros((m, 3))
+    search = Search(center, y, force, rest)
     for point in range(ROUGH_POINTS):
         for _ in range(ROUGH_STEPS):
-            _minimise(problem, space, FIRST_RHO * 0.1**point, 1, center, y, force, rest)
+            _minimise(problem, space, FIRST_RHO * 0.1**point, 1, search)
             if greatest_imbalance(problem, force, rest) <= ROUGHLY_BALANCED:
                 return force, rest
         center[:] = y
@@ -143,17 +150,18 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         np.zeros((n, 6)),
         problem.slack,
     )
+    search, mechanism = Search(center, y, force, rest), Search(rest, ray, resisted, unresisted)
     before = np.inf
     for point in range(PROXIMAL_POINTS):
         rho = max(FIRST_RHO * 0.1**point, LAST_RHO)
-        _minimise(problem, space, rho, NEWTON_STEPS, center, y, force, rest)
+        _minimise(problem, space, rho, NEWTON_STEPS, search)
         worst = greatest_imbalance(problem, force, rest)
         if worst <= BALANCED:
             return HELD, force, rest, worst
         if worst > 0.5 * before:  # it does not shrink: perhaps there are no such forces
             ray[:] = rest
             for _ in range(RAY_STEPS):
-                _minimise(without_load, space, RAY_RHO * rho, 1, rest, ray, resisted, unresisted)
+                _minimise(without_load, space, RAY_RHO * rho, 1, mechanism)
                 if weakest_equilibrium(problem, ray, space.trial, resisted) >= strongest:
                     return FALLING, force, ray, worst
         before = worst

@@ -20,13 +20,13 @@ from stability_core.equilibrium.region import (
     topples_alone,
     topples_off,
 )
+from stability_core.frame_buffers import AT_REST, LEANING, FrameBuffers, listed
 from stability_core.polygon import width
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits
 from stability_core.settle import lay_due, lay_frozen, lowest_first, write_down
 from stability_core.stack import FROZEN, LIVE, NONE, TOPPLES, Bodies, Graph, Patches, sorted_ids, take_changed
 from stability_core.stack_mass import support_polygon
-from stability_core.watch import AT_REST, LEANING, Watch, listed
 
 SAFE, LEFT, UNSOLVED = range(3)
 """Rows of what ``settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
@@ -132,13 +132,13 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
 
 
 @compiled
-def finish(graph: Graph, regions: Regions, watch: Watch, limits: Limits, unsolved: IntArray) -> int:
+def finish(graph: Graph, regions: Regions, buffers: FrameBuffers, limits: Limits, unsolved: IntArray) -> int:
     """What comes after the candidates are decided: O(1) a changed body.
 
     Returns:
         How many bodies are written into ``unsolved``: their part of the stack must be solved again.
     """
-    lay_frozen(graph, watch, limits)
+    lay_frozen(graph, buffers, limits)
     note_doubts(graph, regions)
     return write_down(unsolved, _unproven(graph, regions, take_changed(graph)))
 
@@ -154,25 +154,25 @@ def settle_safely(
     sizes: IntArray,
     latest: IntArray,
     clock: FloatArray,
-    due: IntArray,
+    worklist: IntArray,
     limits: Limits,
     found: IntArray,
 ) -> tuple[int, int, int]:
     """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
 
-    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph`` and ``Watch`` come one by
-    one: Numba takes longer to look at two tuples than a plank takes to freeze.
+    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph`` and ``FrameBuffers`` come one
+    by one: Numba takes longer to look at two tuples than a plank takes to freeze.
 
     Returns:
         How many bodies are written into the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
         solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
     """
     graph = Graph(bodies, patches, spare, changed)
-    watch = Watch(contacts, sizes, latest, clock, due)
-    lay_due(graph, watch, limits)
-    frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(watch, AT_REST)))
-    on_edge = _on_edge(graph, listed(watch, LEANING), limits[0].flat_width)
+    buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)
+    lay_due(graph, buffers, limits)
+    frozen, left = _freeze_safely(graph, regions, lowest_first(graph, listed(buffers, AT_REST)))
+    on_edge = _on_edge(graph, listed(buffers, LEANING), limits[0].flat_width)
     safe = write_down(found[SAFE], frozen)
     if len(left) + len(on_edge) > 0:
         return safe, write_down(found[LEFT], _with_resting(graph, np.unique(np.concatenate((left, on_edge))))), 0
-    return safe, 0, finish(graph, regions, watch, limits, found[UNSOLVED])
+    return safe, 0, finish(graph, regions, buffers, limits, found[UNSOLVED])

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stability_core.checks import (
+from stability_core.equilibrium.faces import NOISE, rolling_bodies
+from stability_core.equilibrium.problem import Problem
+from stability_core.equilibrium.verdict import Verdict, decide, takes_part
+from stability_core.frame_arrays import contact_arrays, mass_arrays
+from stability_core.port import GROUND, BoolArray, Contacts, FloatArray, IntArray, Masses
+from stability_core.upright import rotation_to_upright
+from stability_core.validation import (
     BAD_CONTACT,
     BAD_MASS,
     FLIPPED,
@@ -19,11 +25,6 @@ from stability_core.checks import (
     first_bad_contact,
     first_bad_mass,
 )
-from stability_core.equilibrium.faces import NOISE, rolling_bodies
-from stability_core.equilibrium.problem import Problem
-from stability_core.equilibrium.verdict import Verdict, decide, takes_part
-from stability_core.port import GROUND, BoolArray, Contacts, FloatArray, IntArray, Masses
-from stability_core.upright import rotation_to_upright
 
 ROUNDING = 1e-12
 """By which the cosine of a contact's slope may miss that of its angle of friction: nil friction on a level face."""
@@ -101,10 +102,10 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     check_ids("contacts.body_a", contacts.body_a)
     check_ids("contacts.body_b", contacts.body_b)
     check_ids("masses.body", masses.body)
-    row = first_bad_contact(contacts.body_a, contacts.body_b, contacts.point, contacts.normal, contacts.friction)
+    row = first_bad_contact(contact_arrays(contacts))
     if row >= 0:
         raise fault_of(BAD_CONTACT, row, contacts, masses)
-    row = first_bad_mass(masses.body, masses.mass, masses.center_of_mass)
+    row = first_bad_mass(mass_arrays(masses))
     if row >= 0:
         raise fault_of(BAD_MASS, row, contacts, masses)
     kinematic = np.flatnonzero(np.isinf(masses.mass))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.frame_buffers import AT_REST, FrameBuffers, listed
 from stability_core.policies.base import Decision, Policy
 from stability_core.port import IntArray
 from stability_core.settings import Limits
 from stability_core.settle import lay_due, lay_frozen
 from stability_core.stack import FROZEN, NONE, Graph, take_changed
-from stability_core.watch import AT_REST, Watch, listed
 
 CEILING = -0.5
 """Upward component of a normal below which what it belongs to lies above the body."""
@@ -28,12 +28,12 @@ def _is_held(graph: Graph, body: int) -> bool:
 
 
 @compiled
-def _settle(graph: Graph, watch: Watch, limits: Limits) -> IntArray:
+def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
     """Freeze all that is at rest; returns the frozen bodies that lost everything they stood on or leaned against."""
-    lay_due(graph, watch, limits)
-    for body in listed(watch, AT_REST):
+    lay_due(graph, buffers, limits)
+    for body in listed(buffers, AT_REST):
         graph.bodies[body].state = FROZEN
-    lay_frozen(graph, watch, limits)
+    lay_frozen(graph, buffers, limits)
     changed = take_changed(graph)
     floating = np.zeros(len(changed), np.bool_)
     for i in range(len(changed)):
@@ -50,7 +50,7 @@ class AtRest(Policy):
     name = "at_rest"
     judges_statics = False
 
-    def settle(self, graph: Graph, watch: Watch) -> Decision:
+    def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Accept every body at rest; only what has lost everything it stood on is unbalanced. O(changes)."""
-        floating = _settle(graph, watch, self.limits)
-        return Decision(dict.fromkeys(listed(watch, AT_REST).tolist(), "at rest"), floating)
+        floating = _settle(graph, buffers, self.limits)
+        return Decision(dict.fromkeys(listed(buffers, AT_REST).tolist(), "at rest"), floating)

@@ -8,10 +8,10 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from stability_core.frame_buffers import FrameBuffers
 from stability_core.port import IntArray
 from stability_core.settings import Settings
 from stability_core.stack import Graph
-from stability_core.watch import Watch
 
 NOBODY: IntArray = np.empty(0, np.int64)
 
@@ -53,7 +53,7 @@ class Policy(ABC):
         self.limits = self.settings.limits(gravity)
 
     @abstractmethod
-    def settle(self, graph: Graph, watch: Watch) -> Decision:
+    def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Bring the stack up to date with one frame.
 
         The same steps for every policy: lay the patches of what is due (``lay_due``); freeze those candidates that
@@ -63,5 +63,5 @@ class Policy(ABC):
 
         Args:
             graph: the stack, with spare patches enough; what changed since the last call is listed in it.
-            watch: what is due in this frame, and the contacts of the dwell frames.
+            buffers: what is due in this frame, and the contacts of the dwell frames.
         """

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, part_of
+from stability_core.equilibrium.assembly import AS_BEFORE, FIXED, Part, Terms, part_of
 from stability_core.equilibrium.component import bearing, component
 from stability_core.equilibrium.live_loads import carriers, contact_load, is_upright, live_load, lying_on
 from stability_core.equilibrium.loading import STIFFNESSES
@@ -31,6 +31,7 @@ from stability_core.equilibrium.region import (
 )
 from stability_core.equilibrium.safe_settle import LEFT, SAFE, UNSOLVED, finish, keep_proofs, settle_safely
 from stability_core.equilibrium.verdict import Answer, decide, takes_part
+from stability_core.frame_buffers import NOW, PUSHED, TOLD, FrameBuffers, listed
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.port import BoolArray, FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Settings
@@ -43,7 +44,6 @@ from stability_core.stack import (
     PROVEN,
     Graph,
 )
-from stability_core.watch import NOW, PUSHED, TOLD, Watch, listed
 
 WAKE_GRIP = 1.02
 """Hysteresis in friction: waking asks for a fall even with this many times the friction."""
@@ -109,7 +109,7 @@ class Equilibrium(Policy):
         self._memory.pair[:] = NONE
         self._sag[:] = 0.0
 
-    def settle(self, graph: Graph, watch: Watch) -> Decision:
+    def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
 
         O(1) a changed body while safe regions decide, else some solves of what bears it that begin at its latest
@@ -127,28 +127,28 @@ class Equilibrium(Policy):
         safe, left, unsolved = settle_safely(
             *graph,
             self._regions,
-            watch.contacts,
-            watch.sizes,
-            watch.latest,
-            watch.clock,
-            watch.due,
+            buffers.contacts,
+            buffers.sizes,
+            buffers.latest,
+            buffers.clock,
+            buffers.worklist,
             self.limits,
             self._found,
         )
         reasons, deferred = dict.fromkeys(self._found[SAFE, :safe].tolist(), "safe region"), NOBODY
         if left:
-            group, now = self._found[LEFT, :left].copy(), watch.clock.item(NOW)
+            group, now = self._found[LEFT, :left].copy(), buffers.clock.item(NOW)
             if math.isfinite(self.budget):
                 group = _chosen(group, self._not_before[group] <= now)
             together, patches, deferred = self._freeze_together(graph, group)
             self._not_before[self._dear] = now + self.settings.doubt_s
             reasons.update(together)
-            unsolved = finish(graph, self._regions, watch, self.limits, self._found[UNSOLVED])
+            unsolved = finish(graph, self._regions, buffers, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
         changed = self._found[UNSOLVED, :unsolved]
-        if watch.due.item(PUSHED, 0):
-            changed = _together(changed, listed(watch, PUSHED))
-        unbalanced = self._unbalanced(graph, watch, changed) if len(changed) else NOBODY
+        if buffers.worklist.item(PUSHED, 0):
+            changed = _together(changed, listed(buffers, PUSHED))
+        unbalanced = self._unbalanced(graph, buffers, changed) if len(changed) else NOBODY
         self._wake_margin, self._wake_grip = self.settings.wake_margin, WAKE_GRIP
         return Decision(reasons, unbalanced, deferred)
 
@@ -196,7 +196,8 @@ class Equilibrium(Policy):
             yield whole, True
 
     def _part(self, graph: Graph, ids: IntArray, outside: int, margin: float, grip: float) -> Part:
-        return part_of(graph, self._memory, ids, outside, self.gravity, margin, grip, self.settings.point_radius)
+        terms = Terms(outside, self.gravity, margin, grip, self.settings.point_radius)
+        return part_of(graph, self._memory, ids, terms)
 
     def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray) -> Answer:
         """``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
@@ -246,7 +247,7 @@ class Equilibrium(Policy):
             group = group[~goes]
         return group[:0], "", group[:0]
 
-    def _unbalanced(self, graph: Graph, watch: Watch, unproven: IntArray) -> IntArray:
+    def _unbalanced(self, graph: Graph, buffers: FrameBuffers, unproven: IntArray) -> IntArray:
         """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
 
         What stands with a live load is not proven to stand without it. A body that was frozen in doubt goes at any
@@ -258,15 +259,15 @@ class Equilibrium(Policy):
         if len(seeds) == 0:
             return doubtful
         for ids, is_whole in self._parts(graph, seeds, seeds[:0]):
-            goes = self._falls(graph, watch, ids, seeds, AS_BEFORE)
+            goes = self._falls(graph, buffers, ids, seeds, AS_BEFORE)
             if len(goes) == 0:
                 return doubtful
             if is_whole:
                 return _together(doubtful, goes)
-        certain = self._falls(graph, watch, ids, seeds, FIXED)
+        certain = self._falls(graph, buffers, ids, seeds, FIXED)
         return _together(doubtful, certain if len(certain) else seeds)
 
-    def _falls(self, graph: Graph, watch: Watch, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
+    def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
         """Which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
 
         What live bodies press if the stack is rigid is one of many ways to share their weight. Where the stack does not
@@ -276,7 +277,7 @@ class Equilibrium(Policy):
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
             part = self._part(graph, ids, outside, margin, grip)
-            pressed, held = self._pressed(graph, watch, part, live)
+            pressed, held = self._pressed(graph, buffers, part, live)
             problem = part.problem._replace(load=part.problem.load - pressed)
             answer = self._decide(graph, part, problem, np.isin(ids, seeds))
             verdict, forces = answer[:2]
@@ -291,47 +292,47 @@ class Equilibrium(Policy):
         upright = is_upright(graph, live)
         if outside == AS_BEFORE and (upright or held.any()):
             most = FEW_BODIES if upright else FEW_TOGETHER
-            goes = self._falls_together(graph, watch, ids, seeds, live if upright else live[held], most, goes)
+            falls = self._falls_together(graph, buffers, ids, seeds, live if upright else live[held], most)
+            goes = goes if falls is None else falls
         if verdict == "unstable" and (upright or len(goes) == 0):
             return goes
         lacking = np.abs(answer[2]).max() if verdict == "unstable" else np.inf
         return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
 
-    def _pressed(self, graph: Graph, watch: Watch, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
+    def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
         """What ``live`` bodies (k,) press on a part, (n, 6), and which of them are known to be held, (k,).
 
         What stands on level contacts presses with its weight. Of what wedges itself in only the engine knows the force;
         where it does not tell, see ``live_load``.
         """
-        told = watch.clock.item(TOLD) > 0.0
+        told = buffers.clock.item(TOLD) > 0.0
         if told and not is_upright(graph, live):
-            return contact_load(graph, watch, part, self.limits, True), np.zeros(len(live), np.bool_)
+            return contact_load(graph, buffers, part, self.limits, True), np.zeros(len(live), np.bool_)
         pressed, held = live_load(graph, self._memory, part, live, self.gravity, self._lift)
         if told:
-            pressed += contact_load(graph, watch, part, self.limits, False)
+            pressed += contact_load(graph, buffers, part, self.limits, False)
         return pressed, held
 
     def _falls_together(
         self,
         graph: Graph,
-        watch: Watch,
+        buffers: FrameBuffers,
         ids: IntArray,
         seeds: IntArray,
         joint: IntArray,
         most: int,
-        goes: IntArray,
-    ) -> IntArray:
+    ) -> IntArray | None:
         """Which frozen bodies fall if the live bodies ``joint`` (k,) share their weight as the stack needs it.
 
-        All other live bodies press as estimated. ``goes``: the answer if there are more than ``most`` bodies.
+        All other live bodies press as estimated. None if there are more than ``most`` bodies.
         """
         borne = bearing(graph, self._memory, _together(seeds, carriers(graph, joint)), joint, self.gravity)
         together = _together(_together(ids, borne), joint)
         if len(together) > most:
-            return goes
+            return None
         part = self._part(graph, together, AS_BEFORE, self._wake_margin, self._wake_grip)
         others = np.setdiff1d(lying_on(graph, together), together)
-        pressed, _ = self._pressed(graph, watch, part, others)
+        pressed, _ = self._pressed(graph, buffers, part, others)
         problem = part.problem._replace(load=part.problem.load - pressed)
         answer = self._decide(graph, part, problem, np.isin(together, seeds))
         return self._moves(graph, part, problem, seeds, answer)

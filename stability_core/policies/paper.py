@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from stability_core.compiled import compiled
+from stability_core.frame_buffers import AT_REST, LEANING, FrameBuffers, listed
 from stability_core.leaning import leans_stably
 from stability_core.policies.base import Decision, Policy
 from stability_core.polygon import inside_distance, lies_on, width
@@ -18,7 +19,6 @@ from stability_core.settings import Limits
 from stability_core.settle import lay_due, lay_frozen, lowest_first
 from stability_core.stack import FROZEN, LIVE, NONE, Graph, is_stack, take_changed
 from stability_core.stack_mass import carry_down, support_polygon
-from stability_core.watch import AT_REST, LEANING, Watch, listed
 
 
 @compiled
@@ -119,14 +119,14 @@ def fallen_out(graph: Graph, bodies: IntArray, gravity: float, wake_margin: floa
 
 
 @compiled
-def _settle(graph: Graph, watch: Watch, limits: Limits, gravity: float) -> tuple[IntArray, IntArray, IntArray]:
+def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, gravity: float) -> tuple[IntArray, IntArray, IntArray]:
     """One frame: (accepted as flat, accepted as leaning, frozen bodies that fail the overall check)."""
     limit = limits[0]
-    lay_due(graph, watch, limits)
+    lay_due(graph, buffers, limits)
     concerned = carry_down(graph, take_changed(graph))
-    flat = accept_flat(graph, lowest_first(graph, listed(watch, AT_REST)))
-    leaning = accept_leaning(graph, lowest_first(graph, listed(watch, LEANING)), gravity, limit.flat_width)
-    lay_frozen(graph, watch, limits)
+    flat = accept_flat(graph, lowest_first(graph, listed(buffers, AT_REST)))
+    leaning = accept_leaning(graph, lowest_first(graph, listed(buffers, LEANING)), gravity, limit.flat_width)
+    lay_frozen(graph, buffers, limits)
     concerned = np.concatenate((concerned, carry_down(graph, take_changed(graph))))
     return flat, leaning, fallen_out(graph, np.unique(concerned), gravity, limit.wake_margin)
 
@@ -136,10 +136,10 @@ class Paper(Policy):
 
     name = "paper"
 
-    def settle(self, graph: Graph, watch: Watch) -> Decision:
+    def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Flat stacking first, then leaning; Eqs 1-5 downward from what changed; then the overall check.
 
         O(k log k) for the k bodies in the cone below the changes.
         """
-        flat, leaning, unbalanced = _settle(graph, watch, self.limits, self.gravity)
+        flat, leaning, unbalanced = _settle(graph, buffers, self.limits, self.gravity)
         return Decision(dict.fromkeys(flat.tolist(), "flat") | dict.fromkeys(leaning.tolist(), "leaning"), unbalanced)

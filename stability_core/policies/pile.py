@@ -24,17 +24,17 @@ import numpy as np
 
 from stability_core.compiled import compiled
 from stability_core.contact_filter import is_moving
+from stability_core.frame_buffers import AT_REST, FrameBuffers, frame_before, listed
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.polygon import convex_hull, inside_distance
 from stability_core.port import GROUND, FloatArray, IntArray
 from stability_core.settings import Limits, Settings
 from stability_core.settle import lay_due, lay_frozen, lowest_first
 from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Graph, is_ground, is_stack, take_changed
-from stability_core.watch import AT_REST, Watch, frame_before, listed
 
 
 @compiled
-def _beside_movers(graph: Graph, watch: Watch, candidates: IntArray, limits: Limits) -> IntArray:
+def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, limits: Limits) -> IntArray:
     """The ``candidates`` that touch a live body faster than ``moving_speed``, shape (k,).
 
     O(contacts of the latest frame).
@@ -42,9 +42,9 @@ def _beside_movers(graph: Graph, watch: Watch, candidates: IntArray, limits: Lim
     for i in range(len(candidates)):
         graph.bodies[candidates[i]].place = i
     found = np.zeros(len(candidates), np.bool_)
-    frame, room = frame_before(watch, 0), len(watch.contacts) // len(watch.sizes)
-    for row in range(frame * room, frame * room + watch.sizes[frame]):
-        pair = watch.contacts[row].body_a, watch.contacts[row].body_b
+    frame, room = frame_before(buffers, 0), len(buffers.contacts) // len(buffers.sizes)
+    for row in range(frame * room, frame * room + buffers.sizes[frame]):
+        pair = buffers.contacts[row].body_a, buffers.contacts[row].body_b
         for body, other in (pair, pair[::-1]):
             if body == GROUND or other == GROUND:
                 continue
@@ -124,20 +124,20 @@ def _count_supports(graph: Graph, body: int) -> int:
 
 
 @compiled
-def _settle(graph: Graph, watch: Watch, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
+def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
     """One frame: (bodies put to sleep, sleeping bodies that lost a support).
 
     O(heap) a candidate.
 
     Args:
         graph: the stack.
-        watch: what is due.
+        buffers: what is due.
         limits: the settings.
         supports: on how many contact areas each body stood when it was put to sleep, shape (bodies,); written here.
     """
-    lay_due(graph, watch, limits)
-    candidates = lowest_first(graph, listed(watch, AT_REST))
-    movers = _beside_movers(graph, watch, candidates, limits[0])
+    lay_due(graph, buffers, limits)
+    candidates = lowest_first(graph, listed(buffers, AT_REST))
+    movers = _beside_movers(graph, buffers, candidates, limits[0])
     asleep = np.empty(len(candidates), np.int64)
     n = 0
     for body in candidates:
@@ -145,7 +145,7 @@ def _settle(graph: Graph, watch: Watch, limits: Limits, supports: IntArray) -> t
             graph.bodies[body].state, graph.bodies[body].leans = FROZEN, False
             asleep[n] = body
             n += 1
-    lay_frozen(graph, watch, limits)
+    lay_frozen(graph, buffers, limits)
     for body in asleep[:n]:
         supports[body] = _count_supports(graph, body)
     changed = take_changed(graph)
@@ -172,11 +172,11 @@ class Pile(Policy):
         super().set_gravity(gravity)
         self._supports[:] = np.iinfo(np.int64).max
 
-    def settle(self, graph: Graph, watch: Watch) -> Decision:
+    def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Lowest first, so that each body sees those on which it stands asleep. O(heap) a body at rest."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))
             )
-        asleep, unsupported = _settle(graph, watch, self.limits, self._supports)
+        asleep, unsupported = _settle(graph, buffers, self.limits, self._supports)
         return Decision(dict.fromkeys(asleep.tolist(), "inside the pile"), unsupported)

@@ -12,8 +12,8 @@ from adapters.profile_variants import ProfileError
 from adapters.shared.contact_completion import joined
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from scenarios.planks import lay
-from stability_core.checks import check_shapes
 from stability_core.port import Contacts, Masses
+from stability_core.validation import check_shapes
 
 UP = np.array([[0.0, 0.0, 1.0]])
 

@@ -9,40 +9,30 @@ from dataclasses import fields
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+from stability_core.frame_arrays import ContactArrays, MassArrays
+from stability_core.port import GROUND, Contacts, FloatArray, Masses
 
 _IDS = np.dtype(np.int64)
 FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLIPPED = range(8)
 
 
 @compiled
-def fit_together(
-    body: IntArray,
-    body_a: IntArray,
-    body_b: IntArray,
-    mass: FloatArray,
-    center: FloatArray,
-    point: FloatArray,
-    normal: FloatArray,
-    separation: FloatArray,
-    relative_velocity: FloatArray,
-    friction: FloatArray,
-) -> bool:
+def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
     """True if the arrays belong together, as ``check_shapes`` has it, at less cost a frame."""
-    m, n = len(body), len(body_a)
+    m, n = len(masses.body), len(contacts.body_a)
     return bool(
-        len(body_b) == len(separation) == len(friction) == n
-        and point.shape == normal.shape == relative_velocity.shape == (n, 3)
-        and len(mass) == m
-        and center.shape == (m, 3)
+        len(contacts.body_b) == len(contacts.separation) == len(contacts.friction) == n
+        and contacts.point.shape == contacts.normal.shape == contacts.relative_velocity.shape == (n, 3)
+        and len(masses.mass) == m
+        and masses.center.shape == (m, 3)
     )
 
 
 @compiled
-def first_bad_contact(
-    body_a: IntArray, body_b: IntArray, point: FloatArray, normal: FloatArray, friction: FloatArray
-) -> int:
+def first_bad_contact(contacts: ContactArrays) -> int:
     """First row with impossible ids, a point that is not finite, no unit normal or no friction; -1 if all are fine."""
+    body_a, body_b = contacts.body_a, contacts.body_b
+    point, normal, friction = contacts.point, contacts.normal, contacts.friction
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
         total = friction[i]
@@ -57,8 +47,9 @@ def first_bad_contact(
 
 
 @compiled
-def first_bad_mass(body: IntArray, mass: FloatArray, center: FloatArray) -> int:
+def first_bad_mass(masses: MassArrays) -> int:
     """First row with an impossible id, a mass that is not positive, or a centre that is not finite; -1 if none is."""
+    body, mass, center = masses.body, masses.mass, masses.center
     for i in range(len(body)):
         total = center[i, 0] + center[i, 1] + center[i, 2]
         fine = body[i] >= 0 and np.isfinite(total)

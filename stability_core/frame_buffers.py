@@ -22,14 +22,14 @@ FRAME_S = 1 / 60
 contact area as they do at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
-"""Rows of ``Watch.due``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning test; live
-bodies that lie on the stack anew, and those that do so no more; kinematic bodies that began to move, and frozen bodies
-that one of them moves; frozen bodies on which a push has changed."""
+"""Rows of ``FrameBuffers.worklist``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning
+test; live bodies that lie on the stack anew, and those that do so no more; kinematic bodies that began to move, and
+frozen bodies that one of them moves; frozen bodies on which a push has changed."""
 STOOD, LENGTH, NOW, TOLD = range(4)
-"""Entries of ``Watch.clock``."""
+"""Entries of ``FrameBuffers.clock``."""
 
 
-class Watch(NamedTuple):
+class FrameBuffers(NamedTuple):
     """The dwell frames, of ``FRAME_S`` or of the host if that is slower, and the lists of the latest one."""
 
     contacts: ContactRows
@@ -41,17 +41,17 @@ class Watch(NamedTuple):
     clock: FloatArray
     """For how long [s] the latest frame has stood there; how long one stands at least; time since the first frame [s];
     one if the engine tells contact forces; shape (4,)."""
-    due: IntArray
+    worklist: IntArray
     """A list of bodies in each row: how many, then their rows, shape (7, 1 + room)."""
 
 
-def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
+def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
     """Arrays for dwell frames of ``seconds`` in all, with ``room`` contacts and bodies each.
 
     What is ``known`` is taken over.
     """
     frames = max(1, math.ceil((seconds - ROUNDING_S) / FRAME_S))
-    fresh = Watch(
+    fresh = FrameBuffers(
         np.zeros(frames * room, CONTACT),
         np.zeros(frames, np.int64),
         np.zeros(1, np.int64),
@@ -64,15 +64,15 @@ def watch_for(seconds: float, room: int, known: Watch | None = None) -> Watch:
     return fresh
 
 
-def skip_frame(watch: Watch, dt: float) -> None:
+def skip_frame(buffers: FrameBuffers, dt: float) -> None:
     """Note a frame of ``dt`` seconds in which nothing is live: it has no contacts."""
-    watch.clock[NOW] += dt
-    stood = watch.clock.item(STOOD) + dt
+    buffers.clock[NOW] += dt
+    stood = buffers.clock.item(STOOD) + dt
     if stood >= FRAME_S - ROUNDING_S:
         stood = 0.0
-        watch.latest[0] = (watch.latest.item(0) + 1) % len(watch.sizes)
-    watch.clock[STOOD] = stood
-    watch.sizes[watch.latest.item(0)] = 0
+        buffers.latest[0] = (buffers.latest.item(0) + 1) % len(buffers.sizes)
+    buffers.clock[STOOD] = stood
+    buffers.sizes[buffers.latest.item(0)] = 0
 
 
 @compiled
@@ -81,9 +81,9 @@ def _is_gone(bodies: Bodies, body: int) -> bool:
 
 
 @compiled
-def forget_contacts(bodies: Bodies, watch: Watch) -> None:
+def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
     """Drop the contacts of bodies that left the world, whose rows other bodies will have: O(contacts)."""
-    contacts, sizes = watch.contacts, watch.sizes
+    contacts, sizes = buffers.contacts, buffers.sizes
     room = len(contacts) // len(sizes)
     for frame in range(len(sizes)):
         kept = first = frame * room
@@ -106,20 +106,20 @@ def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) 
 
 
 @compiled
-def frames_of(watch: Watch, seconds: float) -> int:
+def frames_of(buffers: FrameBuffers, seconds: float) -> int:
     """How many of the latest dwell frames lie in as many ``seconds``: at least one."""
-    frames = int(np.ceil((seconds - ROUNDING_S) / watch.clock[LENGTH]))
-    return min(max(1, frames), len(watch.sizes))
+    frames = int(np.ceil((seconds - ROUNDING_S) / buffers.clock[LENGTH]))
+    return min(max(1, frames), len(buffers.sizes))
 
 
 @compiled
-def listed(watch: Watch, kind: int) -> IntArray:
+def listed(buffers: FrameBuffers, kind: int) -> IntArray:
     """The bodies of one list of the latest frame, shape (k,)."""
-    ids: IntArray = watch.due[kind, 1 : 1 + watch.due[kind, 0]]
+    ids: IntArray = buffers.worklist[kind, 1 : 1 + buffers.worklist[kind, 0]]
     return ids
 
 
 @compiled
-def frame_before(watch: Watch, back: int) -> int:
+def frame_before(buffers: FrameBuffers, back: int) -> int:
     """The row of the frame ``back`` frames before the latest."""
-    return int((watch.latest[0] - back) % len(watch.sizes))
+    return int((buffers.latest[0] - back) % len(buffers.sizes))

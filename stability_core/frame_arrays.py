@@ -1,0 +1,76 @@
+"""The arrays of one frame, as the kernels hand them to each other: the port's, in tuples.
+
+Each look at an array through a tuple counts a reference, which takes ten times as long as a look at the array: loops
+take the arrays out of the tuple first.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stability_core.port import Contacts, FloatArray, IntArray, Masses
+
+IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
+NO_FORCES = np.zeros((0, 3))
+"""In place of the contact forces of an engine that reports none."""
+
+
+class ContactArrays(NamedTuple):
+    """Contacts of one frame, in the upright frame of reference; fields as of ``Contacts``."""
+
+    body_a: IntArray
+    """First bodies, ids or rows of the table, shape (n,)."""
+    body_b: IntArray
+    """Second bodies, shape (n,)."""
+    point: FloatArray
+    """Contact points [m], shape (n, 3)."""
+    normal: FloatArray
+    """Unit normals from a to b, shape (n, 3)."""
+    separation: FloatArray
+    """Signed distances [m], shape (n,)."""
+    relative_velocity: FloatArray
+    """Of b against a [m/s], shape (n, 3)."""
+    friction: FloatArray
+    """Coulomb coefficients, shape (n,)."""
+    force: FloatArray
+    """On b [N], shape (n, 3), or (0, 3) if the engine reports none."""
+
+
+class MassArrays(NamedTuple):
+    """Listed bodies of one frame; fields as of ``Masses``."""
+
+    body: IntArray
+    """The bodies, ids or rows of the table, shape (m,)."""
+    mass: FloatArray
+    """Masses [kg], shape (m,)."""
+    center: FloatArray
+    """Centres of mass [m], shape (m, 3)."""
+
+
+def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
+    """Return an array as the kernels are compiled for it, whatever an adapter reads; copied only if it must be."""
+    contiguous = np.ascontiguousarray(array, dtype)
+    return contiguous if contiguous.flags.writeable else contiguous.copy()
+
+
+def contact_arrays(contacts: Contacts) -> ContactArrays:
+    """Return the port's contacts for the kernels."""
+    return ContactArrays(
+        laid_out(contacts.body_a, IDS),
+        laid_out(contacts.body_b, IDS),
+        laid_out(contacts.point, NUMBERS),
+        laid_out(contacts.normal, NUMBERS),
+        laid_out(contacts.separation, NUMBERS),
+        laid_out(contacts.relative_velocity, NUMBERS),
+        laid_out(contacts.friction, NUMBERS),
+        NO_FORCES if contacts.force is None else laid_out(contacts.force, NUMBERS),
+    )
+
+
+def mass_arrays(masses: Masses) -> MassArrays:
+    """Return the port's masses for the kernels."""
+    return MassArrays(
+        laid_out(masses.body, IDS), laid_out(masses.mass, NUMBERS), laid_out(masses.center_of_mass, NUMBERS)
+    )
