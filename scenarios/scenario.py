@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, ParamSpec, get_type_hints
 
-from scenarios.model import Action, Expectation, Scene, World
+from scenarios.model import Action, Expectation, Place, Scene, World
 from scenarios.parameters import Choice, Range, Real, Value, variant_of
 
 ONE_BY_ONE, AT_ONCE, AT_ONCE_BELOW = BUILT = ("one_by_one", "at_once", "at_once_below")
@@ -85,7 +85,8 @@ class Scenario(Generic[P]):
         """Build the scene of ``parameters``; defaults stand in for those left out.
 
         Raises:
-            ValueError: if a value makes no scene; the message names what is allowed.
+            ValueError: if a value makes no scene, the message names what is allowed; or if a brick of a planar scene
+                leaves the plane.
         """
         checked: dict[str, Any] = {**self.defaults, **parameters}
         for name, allowed in self.declared.items():
@@ -93,6 +94,8 @@ class Scenario(Generic[P]):
         planned = self.builder(*args, **checked)
         if isinstance(planned, Scene):
             return planned
+        if planned.planar:
+            _check_planar(planned)
         return Scene(
             scenario=self.name,
             variant=self.variant(checked),
@@ -109,6 +112,18 @@ class Scenario(Generic[P]):
 
     def _shared(self) -> Mapping[str, tuple[Value, Range]]:
         return OF_STATICS if self.is_static else {}
+
+
+def _check_planar(planned: Plan) -> None:
+    """Refuse a planar scene of which a brick leaves the x-z plane or is turned out of it."""
+    for action in planned.actions:
+        for brick in action.bricks if isinstance(action, Place) else ():
+            _, i, _, k = brick.quaternion
+            if brick.position[1] != 0.0 or i != 0.0 or k != 0.0:
+                raise ValueError(
+                    f"planar=True, but a brick at {brick.position} m with quaternion {brick.quaternion} leaves the x-z "
+                    "plane: set y = 0 and turn bricks about y only, or leave planar out"
+                )
 
 
 def scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:

@@ -2,13 +2,14 @@
 
 import inspect
 import math
+from dataclasses import replace
 from typing import Annotated
 
 import pytest
 
 from scenarios.model import Expectation, World
 from scenarios.parameters import Choice, Gap, Real, Whole
-from scenarios.planks import box, one_a_second
+from scenarios.planks import box, lay, one_a_second
 from scenarios.registry import SCENARIOS
 from scenarios.scenario import Plan, dynamic_scenario, scenario
 
@@ -100,3 +101,18 @@ def test_every_parameter_has_a_range_that_holds_its_default_and_is_documented(na
         assert type(allowed.check(parameter, default)) is type(default)
     told = inspect.getdoc(one.builder)
     assert all(f"    {parameter}: " in told for parameter in one.defaults)
+
+
+@pytest.mark.parametrize(("y", "yaw"), [(0.01, 0.0), (0.0, 90.0)])
+def test_a_planar_scene_whose_brick_leaves_the_plane_is_refused(y, yaw):
+    @scenario
+    def across() -> Plan:
+        """A plank."""
+        plank = replace(lay(0.0, level=1, yaw=yaw), position=(0.0, y, 0.0039))
+        expectation = Expectation("stand", "it lies")
+        return Plan(
+            world=World(), actions=one_a_second([[plank]]), expectation=expectation, look_for="nothing", planar=True
+        )
+
+    with pytest.raises(ValueError, match="leaves the x-z plane: set y = 0 and turn bricks about y only"):
+        across()

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from stability_core.frame_arrays import MassArrays
 from stability_core.motion import track
 from stability_core.stack import ABSENT, BODY, FROZEN, LIVE
 
@@ -20,7 +21,7 @@ def bodies():
 
 def seen(bodies, ids, centers, mass=1.0):
     ids = np.asarray(ids, np.int64)
-    return track(bodies, ids, np.full(len(ids), mass), np.asarray(centers, float), DT)
+    return track(bodies, MassArrays(ids, np.full(len(ids), mass), np.asarray(centers, float)), DT)
 
 
 def test_a_body_seen_for_the_first_time_is_live_and_has_no_speed_yet(bodies):

@@ -223,7 +223,7 @@ def test_memory_is_flat_however_many_bodies_pass_through(policy):
         extension.update(DT)
         if frame in (200, 999):
             world = extension._world
-            held.append(sum(table.nbytes for table in (*world.graph, *world.watch, *world._rows)))
+            held.append(sum(table.nbytes for table in (*world.graph, *world.buffers, *world._rows)))
     assert stream.frozen
     assert len(extension._world.graph.bodies) <= 256
     assert held[1] == held[0]

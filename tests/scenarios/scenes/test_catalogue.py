@@ -159,7 +159,9 @@ def tilt_that_tips(scene, toward):
     for _ in range(7):
         middle = (low + high) / 2
         low, high = (middle, high) if statics(middle).stable else (low, middle)
-    return low, statics(high).mechanism
+    tips = statics(high)
+    assert tips.verdict == "unstable", f"the judge is in doubt at a slope of {high:.3f} rad: choose a wider margin"
+    return low, tips.mechanism
 
 
 def tipping_energy(scene, toward):
