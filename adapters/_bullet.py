@@ -5,7 +5,7 @@ a bit, and two frozen bodies are not even collided. Thawing gives the mass back,
 gravity anew. (A body created with mass 0 would never get gravity: bricks are created with theirs.)
 
 Contacts are those that the latest step solved, found at the pose from which it started. Bullet lists penetrating points
-only, often three of a face's four corners. It tells no approach speed, so the adapter keeps every live body's pose
+only, often three of a face's four corners. It reports no approach speed, so the adapter keeps every live body's pose
 and velocity from before each substep.
 
 ``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
@@ -26,10 +26,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
-import numpy as np
-
+from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
 from adapters.shared.contact_completion import fixed_id
@@ -49,9 +48,6 @@ _HEAVY = 1e6
 step of 1/240 s, before the next step sets it anew."""
 
 _SETTINGS = load_settings("bullet")
-
-_Listed = tuple[int, int, tuple[Any, ...]]
-"""Bodies a and b of a contact, and Bullet's own row."""
 
 
 class BulletSimulation(SubstepSimulation):
@@ -162,9 +158,9 @@ class BulletSimulation(SubstepSimulation):
 
     def _forces_of_substep(self) -> SubstepForces:
         listed = self._listed()
-        return SubstepForces(*_pairs(listed), _forces(listed))
+        return SubstepForces(*pairs_of(listed), forces_of(listed))
 
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Bullet has been told
+    def _substep(self) -> None:
         pybullet.stepSimulation(self._client)
 
     # -- state ----------------------------------------------------------------------------------------
@@ -209,11 +205,8 @@ class BulletSimulation(SubstepSimulation):
         listed = self._listed()
         if not listed:
             return Contacts.empty()
-        numbers = np.array([(*row[5], *row[6], *row[7], row[8]) for _, _, row in listed])
-        point = (numbers[:, :3] + numbers[:, 3:6]) / 2
-        normal = -numbers[:, 6:9]  # Bullet's normal points from b to a
-        force = _forces(listed) if self.reads_forces else None
-        return self._contacts_of_step(_pairs(listed), point, normal, numbers[:, 9], force)
+        force = forces_of(listed) if self.reads_forces else None
+        return self._contacts_of_step(pairs_of(listed), *geometry_of(listed), force)
 
     def _find_contacts(self) -> Contacts:
         twin = self._twin()
@@ -268,7 +261,7 @@ class BulletSimulation(SubstepSimulation):
     def _stop(self, handle: int) -> None:
         pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self._client)
 
-    def _listed(self) -> list[_Listed]:
+    def _listed(self) -> list[Listed]:
         """Return Bullet's own row of every contact that touches a live body, each once, with bodies a and b."""
         body_of, handles = self._bodies, self._handles
         read = partial(pybullet.getContactPoints, physicsClientId=self._client)
@@ -276,17 +269,3 @@ class BulletSimulation(SubstepSimulation):
             self.bodies, read, lambda body: read(handles[body]), lambda row: (body_of[row[1]], body_of[row[2]])
         )
         return list(pairs)
-
-
-def _pairs(listed: Sequence[_Listed]) -> tuple[IntArray, IntArray]:
-    """Return bodies a and b, each of shape (n,)."""
-    pairs = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2)
-    return pairs[:, 0], pairs[:, 1]
-
-
-def _forces(listed: Sequence[_Listed]) -> FloatArray:
-    """Return forces (n, 3) [N] on b: along the normal, and along the two directions of friction."""
-    numbers = rows_of([(*row[7], row[9], *row[11], row[10], *row[13], row[12]) for _, _, row in listed], 12)
-    directions, sizes = numbers.reshape(-1, 3, 4)[..., :3], numbers.reshape(-1, 3, 4)[..., 3:]
-    forces: FloatArray = -(sizes * directions).sum(axis=1)
-    return forces

@@ -153,7 +153,7 @@ class DartSimulation(SubstepSimulation):
         contacts = self._world.getLastCollisionResult().getContacts()
         return SubstepForces(*self._pairs(contacts), rows_of([contact.force for contact in contacts], 3))
 
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - DART has been told
+    def _substep(self) -> None:
         self._world.step()
 
     def _end_frame(self) -> None:

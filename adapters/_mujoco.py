@@ -162,7 +162,7 @@ class MujocoSimulation(SubstepSimulation):
     def _record_motions(self, bodies: IntArray) -> None:
         """Record nothing: MuJoCo keeps the velocities of its contacts itself."""
 
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - MuJoCo has been told
+    def _substep(self) -> None:
         mujoco.mj_step(self._engine.model, self._engine.data)
 
     # -- state ----------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ Shape: TypeAlias = tuple[Vector, float]
 """Edge lengths [m] and mass [kg]: what makes one brick fit another's slot."""
 
 CONTACT_STEPS = "contact_steps"
-"""Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` tells it in seconds."""
+"""Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` has it in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3

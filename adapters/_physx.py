@@ -6,8 +6,8 @@ touch ends it.
 
 Contacts: up to four points a pair, as they were before the latest substep. PhysX lists points that lie apart by up to
 the contact offsets of both shapes; as shipped, that is more than two planks, so a brick "touches" the ground through
-others, with no impulse. Points farther apart than ``FARTHEST`` are passed over. Normals point from the second body to
-the first, and all points of a pair share one: boxes are convex. All poses and velocities come in one packed block of
+others, with no impulse. Points farther apart than ``MAX_SEPARATION`` are left out. Normals point from the second body
+to the first, and all points of a pair share one: boxes are convex. All poses and velocities come in one packed block of
 32-bit floats.
 
 ``find_contacts`` takes one step of a microsecond in a second world with the same bodies, weightless and at rest, and
@@ -31,6 +31,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from adapters._physx_contacts import Listed, all_impulses, touching_points
 from adapters._physx_state import BodyStates
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_files import load_settings
@@ -48,9 +49,6 @@ with silenced_stderr(), warnings.catch_warnings():
     warnings.simplefilter("ignore")
     import sapien
     from sapien import physx
-
-FARTHEST = 1e-3
-"""Points farther apart than this [m] are not read: twice what the core takes for touch."""
 
 _INSTANT = 1e-6
 """Step [s] of a twin whose contacts are wanted: too short for its solver to press a gap shut."""
@@ -164,21 +162,14 @@ class PhysxSimulation(SubstepSimulation):
         self._system.timestep = substep_s
 
     def _forces_of_substep(self) -> SubstepForces:
-        body_a: list[int] = []
-        body_b: list[int] = []
-        impulses: list[FloatArray] = []
-        for a, b, points in self._listed():
-            body_a += [a] * len(points)
-            body_b += [b] * len(points)
-            impulses += [point.impulse for point in points]
-        force = np.array(impulses, np.float64).reshape(-1, 3) / self._substep_s
-        return SubstepForces(np.array(body_a, np.int64), np.array(body_b, np.int64), force)
+        pairs, impulses = all_impulses(self._listed())
+        return SubstepForces(*pairs, impulses / self._substep_s)
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         state = self._states.read(bodies)
         return state[:, 4:7], *self.as_driven(bodies, state[:, 7:10], state[:, 10:])
 
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - PhysX has been told
+    def _substep(self) -> None:
         self._add_gravity_change()
         self._system.step()
 
@@ -208,23 +199,10 @@ class PhysxSimulation(SubstepSimulation):
         self._stop(self._components[body])
 
     def _contacts(self) -> Contacts:
-        body_a: list[int] = []
-        body_b: list[int] = []
-        rows: list[tuple[float, ...]] = []
-        for a, b, points in self._listed():
-            normal = points[0].normal.tolist()
-            for point in points:
-                impulse = point.impulse.tolist()
-                separation = self._separation(point.separation, is_pressed=any(impulse))
-                if separation is not None:
-                    body_a.append(a)
-                    body_b.append(b)
-                    rows.append((*point.position.tolist(), *normal, separation, *impulse))
-        if not rows:
+        pairs, numbers = touching_points(self._listed(), self.scale)
+        if not len(numbers):
             return Contacts.empty()
-        numbers = np.array(rows)
         force = numbers[:, 7:] / self._substep_s if self.reads_forces and self._substep_s else None
-        pairs = np.array(body_a), np.array(body_b)
         return self._with_friction(self._contacts_of_step(pairs, numbers[:, :3], numbers[:, 3:6], numbers[:, 6], force))
 
     def _find_contacts(self) -> Contacts:
@@ -271,7 +249,7 @@ class PhysxSimulation(SubstepSimulation):
         component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
         component.wake_up()
 
-    def _listed(self) -> Iterator[tuple[int, int, list[Any]]]:
+    def _listed(self) -> Iterator[Listed]:
         """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
         body_of = self._bodies.get  # None for a brick that was removed since the step
 
@@ -283,11 +261,3 @@ class PhysxSimulation(SubstepSimulation):
             points = contact.points
             if points:
                 yield a, b, points
-
-    def _separation(self, separation: float, *, is_pressed: bool) -> float | None:
-        """Of a point [m] that touches or nearly does; a point that the solver let bear is closed. None for others."""
-        if separation <= 0.0:
-            return separation
-        if is_pressed:
-            return 0.0
-        return separation if separation <= FARTHEST * self.scale else None

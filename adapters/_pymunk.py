@@ -154,8 +154,8 @@ class PymunkSimulation(SubstepSimulation):
     def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - all that there are, which costs one call
         self._velocities_before.append(self._reader.state()[:, 3:])
 
-    def _substep(self, seconds: float) -> None:
-        self._space.step(seconds)
+    def _substep(self) -> None:
+        self._space.step(self._substep_s)
         self._reader.note_change()
 
     # -- state ----------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ def sort_by_id(engine_ids: IntArray, ids: IntArray, bodies: IntArray, values: Fl
         engine_ids: every engine id, sorted.
         ids: our id of each; the ground's is -1 and so finds the last row.
         bodies: whose values they are.
-        values: what the engine told.
+        values: as the engine lists them.
         rows: written to.
     """
     for k in range(len(bodies)):

@@ -158,7 +158,7 @@ class RapierSimulation(SubstepSimulation):
         impulses = rows_of([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
         return SubstepForces(body_a, body_b, impulses / self._substep_s)
 
-    def _substep(self, seconds: float) -> None:  # noqa: ARG002 - Rapier has been told
+    def _substep(self) -> None:
         self._engine.step()
         self._has_diverged |= not self._engine.quarantine.is_empty()
 

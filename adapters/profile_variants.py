@@ -1,6 +1,6 @@
 """Profiles by name, as they are or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
-A variation is told by the name alone, so that it goes wherever a profile's name goes: into studies, trials and records.
+The name alone says how a profile varies, so that it goes wherever a profile's name goes: studies, trials and records.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ def base_name(profile: str) -> str:
 
 def varied_name(profile: str, changes: Mapping[str, float | int]) -> str:
     """Name of a profile with these changes."""
-    told = ",".join(f"{what}={value:g}" for what, value in changes.items())
-    return f"{profile}{_MARK}{told}" if told else profile
+    suffix = ",".join(f"{what}={value:g}" for what, value in changes.items())
+    return f"{profile}{_MARK}{suffix}" if suffix else profile
 
 
 def profile_of(simulation: type[Simulation], name: str) -> Profile:

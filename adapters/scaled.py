@@ -39,7 +39,7 @@ class _ScaledSimulation(Simulation):
 
     @property
     def port(self) -> EnginePort:
-        """The core's view; the engine is told that it is watched."""
+        """The core's view; the engine's own port is opened as well, so that the engine records what it shows."""
         _ = self._larger.port
         return super().port
 
@@ -48,11 +48,11 @@ class _ScaledSimulation(Simulation):
 
     _spawn_moved = _spawn
 
-    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
-        self._larger.drive(body, _times(self.scale, linear), angular)
-
     def _remove(self, body: int) -> None:
         self._larger.remove(body)
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        self._larger.move(body, _times(self.scale, position), quaternion)
 
     def _push(self, body: int, impulse: Vector) -> None:
         self._larger.push(body, _times(self.scale, impulse))
@@ -60,11 +60,11 @@ class _ScaledSimulation(Simulation):
     def _press(self, body: int, force: Vector) -> None:
         self._larger.apply_force(body, _times(self.scale, force))
 
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        self._larger.drive(body, _times(self.scale, linear), angular)
+
     def _set_gravity(self, gravity: Vector) -> None:
         self._larger.set_gravity(_times(self.scale, gravity))
-
-    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        self._larger.move(body, _times(self.scale, position), quaternion)
 
     def _step(self, seconds: float) -> None:
         self._act_on_bodies(seconds)
@@ -81,11 +81,20 @@ class _ScaledSimulation(Simulation):
         linear, angular = self._larger._velocities(bodies)
         return linear / self.scale, angular
 
+    def _freeze(self, body: int) -> None:
+        self._larger.port.sleep((body,))
+
+    def _thaw(self, body: int) -> None:
+        self._larger.port.wake((body,))
+
     def _contacts(self) -> Contacts:
         return self._in_scene(self._larger._contacts())
 
     def _find_contacts(self) -> Contacts:
         return self._in_scene(self._larger._find_contacts())
+
+    def _close(self) -> None:
+        self._larger.close()
 
     def _in_scene(self, seen: Contacts) -> Contacts:
         """Contacts of the larger world in the scene's units."""
@@ -96,15 +105,6 @@ class _ScaledSimulation(Simulation):
             relative_velocity=seen.relative_velocity / self.scale,
             force=None if seen.force is None else seen.force / self.scale,
         )
-
-    def _freeze(self, body: int) -> None:
-        self._larger.port.sleep((body,))
-
-    def _thaw(self, body: int) -> None:
-        self._larger.port.wake((body,))
-
-    def _close(self) -> None:
-        self._larger.close()
 
 
 @cache

@@ -46,7 +46,7 @@ class SubstepSimulation(Simulation):
             self._act_on_bodies(self._substep_s)
             if is_read:
                 self._record_motions(bodies)
-            self._substep(self._substep_s)
+            self._substep()
         self._before = Motions(bodies, *map(np.stack, zip(*self._recorded, strict=True))) if self._recorded else None
         self._end_frame()
 
@@ -76,8 +76,8 @@ class SubstepSimulation(Simulation):
         return self._positions(bodies), *self.velocities_now(bodies)
 
     @abstractmethod
-    def _substep(self, seconds: float) -> None:
-        """Let the engine make one step. Steady forces and driven bodies have been set for it."""
+    def _substep(self) -> None:
+        """Let the engine make one step of ``_substep_s`` seconds, for which forces and driven bodies have been set."""
 
     def _end_frame(self) -> None:
         """Finish a frame. Called once after its last substep, with ``_before`` filled in."""

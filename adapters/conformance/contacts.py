@@ -228,4 +228,4 @@ def reports_masses(rig: Rig) -> None:
     require(
         bool((centre == pose(simulation, bodies[2])[:3]).all()), f"centre of mass {centre} is not the body's position"
     )
-    require(not list(simulation.port.masses().removed), "a removed body is told twice")
+    require(not list(simulation.port.masses().removed), "a removed body is listed twice")

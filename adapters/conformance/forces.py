@@ -30,7 +30,7 @@ def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
     """Return the contacts after the latest step and their forces (n, 3) [N], which must be well formed."""
     contacts = simulation.port.contacts()
     force = contacts.force
-    require(force is not None, "Contacts.force is None, though the engine's capabilities say that it tells forces")
+    require(force is not None, "Contacts.force is None, though the engine's capabilities say that it reports forces")
     assert force is not None
     require(force.shape == (len(contacts), 3), f"Contacts.force has the shape {force.shape} for {len(contacts)} rows")
     require(bool(np.isfinite(force).all()), "contact forces must be finite")

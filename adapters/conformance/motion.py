@@ -222,7 +222,7 @@ def holds_an_inverted_v(rig: Rig) -> None:
         longest >= 2, f"an inverted V at 72 deg was quiet for {longest} frames of its first 0.2 s, must be 2 in a row"
     )
     sunk = half_height - before[:, 2].min()
-    # The hand's drop and the penetration take up to 2.5 mm; a V that slips sinks by more.
+    # The drop onto the support and the penetration take up to 2.5 mm; a V that slips sinks by more.
     require_between(-1e-3, sunk, 2.5e-3, "depth [m] to which an inverted V at 72 deg sank in 0.2 s")
 
 

@@ -58,7 +58,7 @@ def require_friction_angle(slide: Callable[[float], float], margin: float = 1.0)
 
 
 def plank(x: float = 0.0, z: float = THICKNESS / 2, lean: float = 0.0) -> Brick:
-    """A plank centred on y = 0, at rest on the ground unless told otherwise.
+    """A plank centred on y = 0, by default at rest on the ground.
 
     Args:
         x: centre [m].

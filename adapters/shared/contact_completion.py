@@ -28,7 +28,7 @@ VelocitiesAt = Callable[[IntArray, FloatArray], FloatArray]
 def fixed_id(index: int) -> int:
     """Return the id by which an adapter's contacts name the fixed box at ``index`` in ``World.fixed``.
 
-    The port turns it into ``GROUND`` after the contacts are completed, for which the boxes must be told apart.
+    The port turns it into ``GROUND`` after the contacts are completed, which needs the boxes one by one.
     """
     return GROUND - 1 - index
 
@@ -183,7 +183,7 @@ class BoxTable:
 
 
 def joined(first: Contacts, second: Contacts) -> Contacts:
-    """Return both lists of contacts in one; where only one tells forces, those of the other are zero."""
+    """Return both lists of contacts in one; where only one has forces, those of the other are zero."""
     if not len(second):
         return first
     columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")

@@ -37,7 +37,7 @@ class Traced(SubstepSimulation):
     def _forces_of_substep(self):
         self.calls.append("forces")
 
-    def _substep(self, seconds):
+    def _substep(self):
         self.calls.append("substep")
         self.steps += 1
 
