@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 class SubstepSimulation(Simulation):
     """A simulation whose engine is stepped substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
+
+    solver_noise: ClassVar[float] = 0.0
+    """Speed [m/s] at which bodies at rest tremble: see ``fastest_approach``."""
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         super().__init__(profile, world, sleeping, expected)
@@ -103,7 +107,7 @@ class SubstepSimulation(Simulation):
         """
         if force is not None:
             force = mean_force(SubstepForces(*pairs, force), normal, self._earlier_forces)
-        approach = fastest_approach(self._before, *pairs, point, normal)
+        approach = fastest_approach(self._before, *pairs, point, normal, self.solver_noise)
         friction = np.full(len(point), self.world.friction)
         return Contacts(*pairs, point, normal, separation, approach, friction, force)
 

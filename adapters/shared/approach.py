@@ -25,7 +25,7 @@ class Motions:
 
 
 def fastest_approach(
-    before: Motions | None, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray
+    before: Motions | None, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray, noise: float = 0.0
 ) -> FloatArray:
     """Velocity [m/s] of b against a at n contact points, before the substep in which they came closer fastest.
 
@@ -35,19 +35,21 @@ def fastest_approach(
         b: second bodies, shape (n,).
         point: contact points [m], shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).
+        noise: approach [m/s] by which a later substep must be faster to be chosen. At rest all substeps are equal but
+            for the solver's noise; the first shows how a support slips away before friction has stopped it.
 
     Returns:
         Velocities, shape (n, 3); NaN where nothing was live in that frame, for bodies that were woken since.
     """
     velocity = np.full(point.shape, np.nan)
     if before is not None and len(before.body):
-        _fastest(before.body, before.position, before.linear, before.angular, a, b, point, normal, velocity)
+        _fastest(before.body, before.position, before.linear, before.angular, a, b, point, normal, noise, velocity)
     return velocity
 
 
 @numba.njit(
     "(int64[:], float64[:, :, :], float64[:, :, :], float64[:, :, :], int64[:], int64[:], float64[:, :], float64[:, :],"
-    " float64[:, :])",
+    " float64, float64[:, :])",
     cache=True,
 )
 def _fastest(
@@ -59,6 +61,7 @@ def _fastest(
     b: IntArray,
     point: FloatArray,
     normal: FloatArray,
+    noise: float,
     chosen: FloatArray,
 ) -> None:
     """Write the velocities into ``chosen``. Compiled: a dozen calls of NumPy cost more than an engine's whole step."""
@@ -80,6 +83,6 @@ def _fastest(
                     velocity[2] + sign * (vz + (wx * ry - wy * rx)),
                 )
             closing = velocity[0] * normal[row, 0] + velocity[1] * normal[row, 1] + velocity[2] * normal[row, 2]
-            if closing < fastest:
+            if closing < fastest - noise:
                 fastest = closing
                 chosen[row, 0], chosen[row, 1], chosen[row, 2] = velocity
