@@ -25,6 +25,7 @@ ENGINES: dict[str, Entry] = {
     "physx": Entry("adapters._physx", "PhysxSimulation", "sapien"),
     "pymunk": Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
     "rapier": Entry("adapters._rapier", "RapierSimulation", "rapier3d"),
+    "box3d": Entry("adapters._box3d", "Box3dSimulation", "robox3d"),
 }
 
 

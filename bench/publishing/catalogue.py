@@ -76,7 +76,7 @@ PUBLICATIONS: dict[str, Publication] = {
         "stacks of other people's bug reports, and each at three times the size, profile `game`, five 3-D engines, "
         "without the extension and with `equilibrium`",
         "any_stack",
-        Selection(policies=("none", "equilibrium")),
+        Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier"), policies=("none", "equilibrium")),
         gallery=Gallery(
             "bullet",
             "game",

@@ -1,0 +1,162 @@
+"""Contacts, poses and velocities of Box3D as arrays: its C structures, read in blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from robox3d._ffi import ffi, lib, shim
+
+from stability_core.port import BoolArray, FloatArray, IntArray
+
+_BATCH: Any = shim
+"""Functions of the package that read many bodies in one call."""
+
+_VECTOR = ("<f4", 3)
+_POINT = np.dtype(
+    {
+        "names": ["anchor_a", "anchor_b", "separation", "normal_impulse"],
+        "formats": [_VECTOR, _VECTOR, "<f4", "<f4"],
+        "offsets": [0, 12, 24, 32],
+        "itemsize": 56,
+    }
+)
+_MANIFOLD = np.dtype(
+    {
+        "names": ["points", "normal", "friction_impulse", "point_count"],
+        "formats": [(_POINT, 4), _VECTOR, _VECTOR, "<i4"],
+        "offsets": [0, 224, 240, 264],
+        "itemsize": 268,
+    }
+)
+_CONTACT = np.dtype(
+    {
+        "names": ["contact", "shape_a", "shape_b"],
+        "formats": ["<i4", "<i4", "<i4"],
+        "offsets": [0, 12, 20],
+        "itemsize": 48,
+    }
+)
+for _name, _dtype in (("b3ManifoldPoint", _POINT), ("b3Manifold", _MANIFOLD), ("b3ContactData", _CONTACT)):
+    if ffi.sizeof(_name) != _dtype.itemsize:
+        raise ImportError(f"{_name} has {ffi.sizeof(_name)} bytes, not {_dtype.itemsize}: another version of Box3D")
+
+
+@dataclass(frozen=True, slots=True)
+class Manifolds:
+    """The contacts of some bodies, each once: up to four points of a pair of shapes, which share one normal."""
+
+    contact: IntArray
+    """Box3D's indices of the contacts, rising, shape (n,)."""
+    shape_a: IntArray
+    """Indices of the first shapes, shape (n,)."""
+    shape_b: IntArray
+    """Indices of the second shapes, shape (n,)."""
+    normal: FloatArray
+    """Unit normals from a to b in the world's frame, shape (n, 3)."""
+    exists: BoolArray
+    """Whether there is a point, shape (n, 4)."""
+    anchor_a: FloatArray
+    """Points [m] from the centre of body a, along the world's axes, shape (n, 4, 3)."""
+    anchor_b: FloatArray
+    """Points [m] from the centre of body b, along the world's axes, shape (n, 4, 3)."""
+    separation: FloatArray
+    """Distances [m], negative in penetration, shape (n, 4)."""
+    pressure: FloatArray
+    """Normal impulses [N s] of the solver's latest iteration, shape (n, 4); 0 where there is no point."""
+    impulse: FloatArray
+    """Impulses [N s] on b in the solver's latest iteration, with friction, summed over the points, shape (n, 3)."""
+
+    def impulses_at(self, fresh: Manifolds, listed: BoolArray) -> FloatArray:
+        """Return the impulses (n, 4, 3) [N s] at the points of a later detection, as a step of length 0 makes it.
+
+        Box3D drops the impulse of a point whose features have changed, which happens at rest between planks that lie
+        flush. Here each point takes a share as large as the pressure at the nearest point that was solved.
+
+        Args:
+            fresh: contacts as they are now; those that were not solved have no impulse.
+            listed: the points that share the impulse of their contact, shape (n, 4).
+        """
+        if not len(self.contact):
+            return np.zeros((*listed.shape, 3))
+        row = np.minimum(np.searchsorted(self.contact, fresh.contact), len(self.contact) - 1)
+        same = self.contact[row] == fresh.contact
+        same &= (self.shape_a[row] == fresh.shape_a) & (self.shape_b[row] == fresh.shape_b)
+        between = fresh.anchor_a[:, :, None] - self.anchor_a[row][:, None]
+        distance = np.where(self.exists[row][:, None], np.einsum("npqi,npqi->npq", between, between), np.inf)
+        pressure = np.take_along_axis(self.pressure[row], distance.argmin(axis=2), axis=1) + np.finfo(np.float32).tiny
+        share = np.where(listed & same[:, None], pressure, 0.0)
+        share /= np.maximum(share.sum(axis=1, keepdims=True), np.finfo(np.float32).tiny)
+        return share[..., None] * self.impulse[row][:, None]
+
+
+class ContactReader:
+    """Reads the contacts of bodies into memory that it keeps."""
+
+    def __init__(self) -> None:
+        self._room = 256
+        self._buffer = ffi.new("b3ContactData[]", self._room)
+
+    def read(self, handles: Iterable[Any]) -> Manifolds:
+        """Return the contacts of bodies, also those with points that do not touch yet."""
+        data, count = self._collect(list(handles))
+        listed = np.frombuffer(ffi.buffer(data, count * _CONTACT.itemsize), _CONTACT)
+        _, once = np.unique(listed["contact"], return_index=True)  # a contact of two of the bodies is listed twice
+        blocks = [ffi.buffer(data[row].manifolds, _MANIFOLD.itemsize) for row in once.tolist()]
+        manifolds = np.frombuffer(b"".join(blocks), _MANIFOLD)
+        points, normal = manifolds["points"], manifolds["normal"].astype(np.float64)
+        exists = np.arange(4) < manifolds["point_count"][:, None]
+        pressure = np.where(exists, points["normal_impulse"], 0.0)
+        return Manifolds(
+            listed["contact"][once],
+            listed["shape_a"][once],
+            listed["shape_b"][once],
+            normal,
+            exists,
+            points["anchor_a"].astype(np.float64),
+            points["anchor_b"].astype(np.float64),
+            points["separation"].astype(np.float64),
+            pressure,
+            pressure.sum(axis=1, keepdims=True) * normal + manifolds["friction_impulse"],
+        )
+
+    def _collect(self, handles: list[Any]) -> tuple[Any, int]:
+        """Return Box3D's rows of all contacts of the bodies, and how many there are."""
+        get = lib.b3Body_GetContactData
+        while True:
+            count = 0
+            for handle in handles:
+                count += get(handle, self._buffer + count, self._room - count)
+            if count < self._room:
+                return self._buffer, count
+            self._room *= 2  # full: there may be more
+            self._buffer = ffi.new("b3ContactData[]", self._room)
+
+
+def raw_handle(handle: Any) -> int:
+    """Return a body's handle as a number of 8 bytes, for arrays of them."""
+    return int.from_bytes(ffi.buffer(ffi.addressof(handle)), "little")
+
+
+def with_room(array: IntArray | npt.NDArray[np.uint64], index: int) -> Any:
+    """Return the array, longer if there is no place ``index`` in it."""
+    return array if index < len(array) else np.resize(array, 2 * index)
+
+
+def poses_of(raw_handles: npt.NDArray[np.uint64]) -> FloatArray:
+    """Return positions and quaternions (x, y, z, w) of bodies (n,), shape (n, 7)."""
+    return _batch(_BATCH.rxBodyGetPoses, raw_handles, 7)
+
+
+def velocities_of(raw_handles: npt.NDArray[np.uint64]) -> FloatArray:
+    """Return linear and angular velocities of bodies (n,), shape (n, 6)."""
+    return _batch(_BATCH.rxBodyGetVelocities, raw_handles, 6)
+
+
+def _batch(function: Any, raw_handles: npt.NDArray[np.uint64], width: int) -> FloatArray:
+    rows = np.empty((len(raw_handles), width), np.float32)
+    function(ffi.from_buffer("b3BodyId[]", raw_handles), len(raw_handles), ffi.from_buffer("float[]", rows))
+    return rows.astype(np.float64)
