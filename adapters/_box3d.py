@@ -18,8 +18,8 @@ static bodies.
 
 Traps: ``b3SetLengthUnitsPerMeter`` is global in the process and read whenever it is used, also as shapes are made and
 bodies change their type: it is set anew before each such call. Tolerances are multiples of it, among them the slop
-(5 mm), the distance of predicted contacts (20 mm) and that within which contacts are recycled (50 mm): at the shipped
-unit an impact on a plank of 8 mm is braked before it is seen. The package's own ``World`` hides most of the API.
+(5 mm), the distance of predicted contacts (20 mm) and that within which contacts are recycled (50 mm): too much for a
+plank of 8 mm. The package's own ``World`` hides most of the API.
 ``pybox3d`` is another engine. A definition must be held while it is used: a pointer into a temporary crashes later. A
 state that is not finite is only logged, and the step after it never ends: from then on nothing is stepped, and poses
 are reported as NaN.
