@@ -46,17 +46,22 @@ def _headline(scores: Sequence[PolicyScore]) -> str:
     if not rated:
         return "Nothing here that theory can judge."
     what = "pair" if any(one.pairs is not None for one in scores) else "stack"
-    perfect = [policy for policy, right in rated.items() if right.value == 1]
-    both = all(one.stand is not None and one.fall is not None for one in scores)
+    perfect = [one for one in scores if one.headline is not None and one.headline.right.value == 1]
+    on_both_sides = [one for one in perfect if one.stand is not None and one.fall is not None]
+    if on_both_sides:
+        return f"Every {what} right {_how(on_both_sides)}."
     if perfect:
-        how = "alone" if ALONE in perfect else f"with {' or '.join(perfect)}"
-        if not both:
-            side = "fall" if scores[0].stand is None else "stand"
-            return f"Right {how}, though only stacks that must {side} were built."
-        return f"Every {what} right {how}."
+        side = "fall" if perfect[0].stand is None else "stand"
+        return f"Right {_how(perfect)}, though only stacks that must {side} were built."
     best = max(rated, key=lambda policy: rated[policy].value)
     how = "alone" if best == ALONE else f"with {best}"
     return f"At best {percent(rated[best])} of the {what}s right, {how}."
+
+
+def _how(perfect: Sequence[PolicyScore]) -> str:
+    """Name the policies, of which the engine alone is the simplest."""
+    names = [one.policy for one in perfect]
+    return "alone" if ALONE in names else f"with {' or '.join(names)}"
 
 
 def _glue(one: PolicyScore) -> str:
