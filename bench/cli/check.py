@@ -31,17 +31,21 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
         EngineNotInstalledError: if its package is missing.
     """
     profile_named(engine, profile)  # a name that is wrong is told once, not by every check
-    failed = 0
+    counts = {"ok": 0, "n/a": 0, "FAILED": 0}
     for check in CHECKS:
         promise = check.name.replace("_", " ")
         if not check.applies(engine, profile):
+            counts["n/a"] += 1
             console.print(f"n/a     {promise}", markup=False, highlight=False)
             continue
         try:
             check.run(engine, profile)
         except Exception as error:  # an engine may fail a check in any way, and the others are still worth running
-            failed += 1
+            counts["FAILED"] += 1
             console.print(f"FAILED  {promise}: {error}", markup=False, highlight=False, soft_wrap=True)
         else:
+            counts["ok"] += 1
             console.print(f"ok      {promise}", markup=False, highlight=False)
-    return failed
+    summary = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+    console.print(f"{engine} with profile {profile}: {summary}; --profile checks another", markup=False, highlight=False)
+    return counts["FAILED"]
