@@ -47,5 +47,7 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
             counts["ok"] += 1
             console.print(f"ok      {promise}", markup=False, highlight=False)
     summary = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
-    console.print(f"{engine} with profile {profile}: {summary}; --profile checks another", markup=False, highlight=False)
+    console.print(
+        f"{engine} with profile {profile}: {summary}; --profile checks another", markup=False, highlight=False
+    )
     return counts["FAILED"]
