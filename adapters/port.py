@@ -42,7 +42,7 @@ class EnginePort:
         self._boxes = BoxTable(engine.world.fixed)
         self._found: Contacts | None = None  # by find_contacts, until the next step
 
-    # -- called by the core --- -----------------------------------------------------------------
+    # -- called by the core ------------------------------------------------------------------------
 
     def contacts(self) -> Contacts:
         """Return every contact that touches a live body after the latest step, or ``find_contacts`` since."""

@@ -34,6 +34,19 @@ def move(port, bodies, shift) -> None:
             touch.points = [tuple(np.add(point, shift)) for point in touch.points]
 
 
+def list_contacts_with_frozen(port) -> None:
+    """Let the port list contacts of kinematic bodies with frozen ones, as an adapter does of those that move."""
+    listed_by_engine = port.contacts
+
+    def contacts():
+        frozen, port.frozen = port.frozen, set()
+        listed = listed_by_engine()
+        port.frozen = frozen
+        return listed
+
+    port.contacts = contacts
+
+
 @pytest.mark.parametrize("policy", POLICIES)
 def test_a_column_freezes_on_a_lift_that_keeps_its_place(port, policy):
     lift_with_column(port)
@@ -96,15 +109,7 @@ def test_a_belt_shows_its_movement_at_the_contacts(port, policy):
     lift_with_column(port, 1)
     extension = StabilityExtension(port, policy)
     settle(extension)
-    seen = port.contacts
-
-    def with_belt():
-        frozen, port.frozen = port.frozen, set()
-        contacts = seen()
-        port.frozen = frozen
-        return contacts
-
-    port.contacts = with_belt
+    list_contacts_with_frozen(port)
     assert not any(change.woken for change in run(extension, 20))
     port.touches[0].velocity = (-0.02, 0.0, 0.0)
     assert extension.update(DT).woken == (0,)
@@ -117,15 +122,7 @@ def test_a_platform_that_turns_about_its_centre_wakes_what_rests_on_it(port):
     lift_with_column(port)
     extension = StabilityExtension(port)
     settle(extension)
-    seen = port.contacts
-
-    def with_platform():
-        frozen, port.frozen = port.frozen, set()
-        contacts = seen()
-        port.frozen = frozen
-        return contacts
-
-    port.contacts = with_platform
+    list_contacts_with_frozen(port)
     run(extension, 30)
     assert port.frozen == {0, 1}
     port.touches[0].velocity = (0.0, 0.0, 0.05 * SETTINGS.steady_shift * SIZE / DT)
