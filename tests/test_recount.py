@@ -1,4 +1,4 @@
-"""A recount of the published raw data gives the numbers of the README, by nothing but ``reports.load``."""
+"""A recount of the published raw data gives the numbers of the documents, by nothing but ``reports.load``."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import reports
+from bench.publishing.doc_blocks import BLOCKS
 from reports.records.folder import ResultsFolder
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import pair_rows
@@ -26,9 +27,9 @@ DECIDED = ("right", "false_collapse", "false_stand", "failed")
 
 
 def rows_of(block: str) -> list[dict[str, str]]:
-    """Rows of the table in a generated block of the README."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    found = re.search(rf"<!-- begin {block}\b.*?<!-- end {block} -->", readme, re.DOTALL)
+    """Rows of the table in a generated block of a document."""
+    document = (ROOT / BLOCKS[block][0]).read_text(encoding="utf-8")
+    found = re.search(rf"<!-- begin {block}\b.*?<!-- end {block} -->", document, re.DOTALL)
     assert found is not None
     lines = [line.strip("|").split("|") for line in found[0].splitlines() if line.startswith("|")]
     header, _, *rows = [[cell.strip() for cell in line] for line in lines]
@@ -70,7 +71,7 @@ def test_many_seeds() -> None:
         [decided["engine"], decided["policy"], decided["expectation_outcome"]]
     )
     found = right.apply(counted).to_dict()
-    for row in rows_of("hands"):
+    for row in rows_of("many_seeds"):
         engine = row.pop("engine")
         assert row == {column: found.get((engine, *column.split(": ")), "-") for column in row}
 

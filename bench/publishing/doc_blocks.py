@@ -42,12 +42,12 @@ def headline_block() -> str:
     """What stood and what fell in the paper's study, with its picture."""
     gallery = PUBLICATIONS[HEADLINE].gallery
     assert gallery is not None, "the headline has a picture"
-    shown = f"How they ended on {gallery.engine}: a row a stack, a column a policy"
-    picture = f"![{shown}]({(PUBLISHED / HEADLINE).relative_to(ROOT).as_posix()}/stills.png)"
+    shown = f"Final states on {gallery.engine}: a row a stack, a column a policy"
+    picture = f"![{shown}]({PUBLISHED.name}/{HEADLINE}/stills.png)"
     return f"{picture}\n\n{_published_rows(HEADLINE, OUTCOMES)}\n{_caveat(HEADLINE)}"
 
 
-def hands_block() -> str:
+def many_seeds_block() -> str:
     """How many of the trials by twenty hands ended as theory demands, of those that must stand and that must fall."""
     return f"{_published_rows('publish', CORRECTNESS)}\n{_caveat('publish')}"
 
@@ -136,15 +136,15 @@ def _untitled(table: Table) -> str:
 
 
 HEADLINE = "paper"
-"""The publication whose table and picture the README shows."""
+"""The publication whose table and picture ``docs/findings.md`` shows."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
-    "headline": ("README.md", headline_block),
-    "hands": ("README.md", hands_block),
+    "headline": ("docs/findings.md", headline_block),
+    "many_seeds": ("docs/findings.md", many_seeds_block),
     "pairs": ("README.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
     "cores": ("docs/results/README.md", cores_block),
     "claims": ("docs/reproducing_the_paper.md", claims_block),
-    "capabilities": ("README.md", capabilities_block),
+    "capabilities": ("docs/choosing_an_engine.md", capabilities_block),
     "scenes": ("docs/truth.md", scenes_block),
     "profiles": ("docs/profiles.md", profiles_block),
 }
