@@ -14,11 +14,12 @@ from typing import NamedTuple
 from reports.page.study_page import write_page
 from reports.records.folder import ResultsFolder
 from reports.records.results import write_trials_csv
-from reports.records.trial import RecordError
+from reports.records.trial import RecordError, TrialRecord
 from reports.replays.stacks import draw_stills, first_stacks, write_replays
 from reports.statistics.groups import groups_of
 from reports.statistics.height_cost import cost_points
 from reports.statistics.pairs import pair_rows
+from reports.statistics.thresholds import bisected_scenarios
 from reports.tables.capabilities import capability_tables
 from reports.tables.collapse_levels import collapse_level_tables
 from reports.tables.height_cost import height_cost_tables
@@ -28,6 +29,13 @@ from reports.tables.piles import pile_tables
 from reports.tables.repeatability import repeat_tables
 from reports.tables.study import study_tables
 from reports.tables.table import Table, to_markdown, write_table_csv
+from reports.tables.thresholds import threshold_tables
+
+
+def _of_fixed_scenes(folder: ResultsFolder) -> list[TrialRecord]:
+    """Return the records of scenes that are not bisected: the steps of a bisection are no result by themselves."""
+    bisected = bisected_scenarios(folder.study)
+    return [record for record in folder.records if record.scenario not in bisected]
 
 
 class Section(NamedTuple):
@@ -41,8 +49,9 @@ class Section(NamedTuple):
 
 
 SECTIONS = (
-    Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(folder.records)))),
-    Section("study", lambda folder: study_tables(folder.records)),
+    Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_of_fixed_scenes(folder))))),
+    Section("study", lambda folder: study_tables(fixed) if (fixed := _of_fixed_scenes(folder)) else ()),
+    Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),
     Section("piles", lambda folder: pile_tables(folder.records)),
     Section("collapse_levels", lambda folder: collapse_level_tables(folder.records)),
     Section("repeatability", lambda folder: repeat_tables(folder.path, folder.records)),

@@ -25,10 +25,12 @@ from scenarios.scenes.groove import groove
 from scenarios.scenes.harmonic_overhang import harmonic_overhang
 from scenarios.scenes.incline import incline
 from scenarios.scenes.jenga import jenga
+from scenarios.scenes.leaning_pair import leaning_pair
 from scenarios.scenes.leaning_tower import leaning_tower
 from scenarios.scenes.lifted_tower import lifted_tower
 from scenarios.scenes.log_cabin import log_cabin
 from scenarios.scenes.neighbour_side import neighbour_side
+from scenarios.scenes.overhang import overhang
 from scenarios.scenes.plank_bridge import plank_bridge
 from scenarios.scenes.plank_tower import plank_tower
 from scenarios.scenes.poured_pile import poured_pile
@@ -41,6 +43,7 @@ from scenarios.scenes.random_tower import random_tower
 from scenarios.scenes.seesaw import seesaw
 from scenarios.scenes.shared.prebuilt import at_once, at_once_below
 from scenarios.scenes.shared.transforms import resized
+from scenarios.scenes.slope import slope
 from scenarios.scenes.support_removal import robbed_stack
 from scenarios.scenes.table import table
 from scenarios.scenes.tilted_ground import tilted_ground
@@ -82,6 +85,9 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         lifted_tower,
         belt_tower,
         trapdoor,
+        slope,
+        overhang,
+        leaning_pair,
         poured_pile,
         own_scene,
     )

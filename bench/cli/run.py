@@ -17,7 +17,7 @@ from bench.execution.execute import outcomes_here, outcomes_on_cluster
 from bench.execution.results import Results, check_folder
 from bench.execution.signals import Interruption
 from bench.machine.environment import describe
-from bench.studies.plan import Trial, plan_trials
+from bench.studies.plan import Trial, most_trials, plan_trials, waiting_trials
 from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
 from bench.trial.run_trial import Outcome
@@ -60,11 +60,10 @@ def run(
         if dask is not None and jobs > 1:
             raise ClusterError("--jobs is for this machine: on a cluster the workers' threads say how many trials run")
         chosen = selected(load_study(study), wanted)
-        trials = plan_trials(chosen)
         folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
         check_folder(folder)
         if dry_run:
-            _show_plan(trials, chosen, folder, fresh, jobs)
+            _show_plan(chosen, folder, fresh, jobs)
             return
         environment = describe(chosen.engines)
         results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
@@ -74,7 +73,7 @@ def run(
                 return outcomes_here(chosen, waiting, environment, jobs, interruption, ERR)
             return outcomes_on_cluster(chosen, waiting, environment, dask, interruption, ERR, results.know)
 
-        _run(trials, results, outcomes, as_json)
+        _run(chosen, results, outcomes, as_json)
     tables = make_report(folder)
     if not as_json:
         for table in tables:
@@ -82,8 +81,9 @@ def run(
     tell(f"{len(results.finished)} trials are kept in {relative(folder)}")
 
 
-def _show_plan(trials: list[Trial], study: Study, folder: Path, fresh: bool, jobs: int) -> None:
+def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
     """List the trials that a run would run, and tell how long they will take."""
+    trials = plan_trials(study)
     kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in read_folder(folder)}
     waiting = [trial for trial in trials if trial.id not in kept]
     for trial in waiting:
@@ -92,26 +92,30 @@ def _show_plan(trials: list[Trial], study: Study, folder: Path, fresh: bool, job
     tell(estimate(waiting, study.limits.trial_wall_s, dict.fromkeys([*earlier, folder])).told(jobs))
     if len(waiting) < len(trials):
         tell(f"{len(trials) - len(waiting)} more are already there")
+    if (later := most_trials(study) - len(trials)) > 0:
+        tell(f"up to {later} more follow from these, by bisection")
 
 
-def _run(trials: Sequence[Trial], results: Results, outcomes: Outcomes, as_json: bool) -> None:
+def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
     """Run the trials that are not yet kept and keep each as it finishes, also when the run is cut off."""
-    waiting = [trial for trial in trials if trial.id not in results.finished]
+    waiting = waiting_trials(study, results.statuses)
     if results.torn:
         tell("the last line of trials.jsonl was torn by a cut: that trial is run again")
-    if len(waiting) < len(trials):
-        tell(f"going on: {len(trials) - len(waiting)} of {len(trials)} trials are already there")
+    if there := len(results.finished):
+        tell(f"going on: {there} of {there + len(waiting)} trials are already there")
     with Interruption() as interruption:
         try:
-            for outcome in outcomes(waiting, interruption) if waiting else ():
-                results.keep(outcome)
-                if as_json:
-                    typer.echo(outcome.record.model_dump_json())
+            while waiting and not interruption.is_set():
+                for outcome in outcomes(waiting, interruption):
+                    results.keep(outcome)
+                    if as_json:
+                        typer.echo(outcome.record.model_dump_json())
+                waiting = waiting_trials(study, results.statuses)
         finally:
             results.close()
-            kept = sum(trial.id in results.finished for trial in trials)
-            if kept < len(trials):
-                tell(f"interrupted: {kept} of {len(trials)} trials are kept in {relative(results.folder)}")
+            if left := len(waiting_trials(study, results.statuses)):
+                kept = len(results.finished)
+                tell(f"interrupted: {kept} of {kept + left} trials are kept in {relative(results.folder)}")
                 tell(f"to go on, run the same with --out {relative(results.folder)}")
         if interruption.is_set():
             raise typer.Exit(interruption.exit_status)

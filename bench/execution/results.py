@@ -17,7 +17,7 @@ from filelock import FileLock, Timeout
 
 from adapters import EngineNotInstalledError
 from bench.machine.environment import digest, session
-from bench.studies.plan import plan_trials
+from bench.studies.plan import waiting_trials
 from bench.studies.schema import Study, StudyError, load_study
 from bench.studies.toml_text import to_toml
 from bench.trial.run_trial import Outcome
@@ -25,7 +25,7 @@ from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, FRAMES, RECORDINGS, REPORT, STUDY, TRIALS
 from reports.records.frames import write_frames
 from reports.records.recording import write_recording
-from reports.records.trial import RecordWriter, TrialRecord, read_records
+from reports.records.trial import RecordWriter, Status, TrialRecord, read_records
 
 SESSIONS = "sessions"
 _LOCK = ".lock"
@@ -70,11 +70,10 @@ def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
     A study that no longer can be run (an engine that is not installed, a scene that is gone) can still be reported.
     """
     try:
-        planned = plan_trials(load_study(str(folder / STUDY)))
+        study = load_study(str(folder / STUDY))
     except (StudyError, EngineNotInstalledError):
         return []
-    kept = {record.trial for record in records}
-    return [trial.id for trial in planned if trial.id not in kept]
+    return [trial.id for trial in waiting_trials(study, {record.trial: record.status for record in records})]
 
 
 class Results:
@@ -137,8 +136,13 @@ class Results:
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
         """Whether the last line was torn by a cut; that trial is run again."""
-        self.finished = {record.trial for record in read_records(folder / TRIALS)}
+        self.statuses: dict[str, Status] = {record.trial: record.status for record in read_records(folder / TRIALS)}
+        """How each of the trials kept so far ended, by its id."""
+
+    @property
+    def finished(self) -> set[str]:
         """Ids of the trials kept so far."""
+        return set(self.statuses)
 
     def know(self, environment: Mapping[str, Any]) -> None:
         """Keep the environment of another machine under the digest by which its records name it."""
@@ -153,7 +157,7 @@ class Results:
         if outcome.recording is not None:
             write_recording(self._recordings / f"{outcome.record.trial}.parquet", outcome.recording)
         self._writer.append(outcome.record)
-        self.finished.add(outcome.record.trial)
+        self.statuses[outcome.record.trial] = outcome.record.status
 
     def close(self) -> None:
         """No more outcomes."""

@@ -110,6 +110,11 @@ PUBLICATIONS: dict[str, Publication] = {
     "cost": Publication(
         "levels reached against milliseconds a frame: substeps and iterations of six engines, with the figure", "cost"
     ),
+    "thresholds": Publication(
+        "each engine's own limits by bisection, in percent of the exact ones: friction, height over width, overhang, "
+        "angle of an inverted V; profiles `game` and `tuned`, without the extension and with `equilibrium`",
+        "thresholds",
+    ),
     "scale": Publication("what a world 10 or 100 times larger buys", "scale"),
     "ratio": Publication(
         "frame time with the extension over without, on 25 levels of PhysX and Rapier, every profile",

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
+from itertools import islice, product
 
-from bench.studies.schema import Study
+from bench.studies.bisect import Bisect
+from bench.studies.schema import Study, Value
+from reports.records.trial import Status
+from reports.statistics.thresholds import stood
 from scenarios.model import Scene
 from scenarios.placement_noise import with_placement_noise
 from scenarios.registry import build
@@ -47,20 +50,82 @@ class Trial:
 
 
 def plan_trials(study: Study) -> list[Trial]:
-    """All trials of a study: scene by scene, so that engines and policies are compared soon after another.
+    """All trials of a study that are known beforehand: scene by scene, so that engines and policies are compared soon
+    after another.
 
     The policies on one stack follow each other at once and in alternating order (A B, then B A), so that a machine
-    that grows slower favours none of them.
+    that grows slower favours none of them. Of a bisected parameter both ends are known: see ``next_trials``.
     """
-    variants = [
-        (chosen.name, build(chosen.name, **parameters).variant, parameters)
+    return [
+        trial
         for chosen in study.scenario
-        for parameters in chosen.variants()
+        for parameters in chosen.known_variants()
+        for trial in _trials_of(study, chosen.name, parameters)
     ]
+
+
+def waiting_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
+    """Return the trials that can be run now: those known beforehand that have not ended, then ``next_trials``.
+
+    Args:
+        study: what is run.
+        statuses: how each trial that has ended did so, by its id.
+    """
+    waiting = {trial.id: trial for trial in [*plan_trials(study), *next_trials(study, statuses)]}
+    return [trial for name, trial in waiting.items() if name not in statuses]
+
+
+def next_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
+    """Return the trials that follow from those that have ended: the next of each bisection that goes on.
+
+    Args:
+        study: with scenarios that have a ``bisect``.
+        statuses: how each trial ended, by its id.
+    """
+    following = []
+    for chosen in study.scenario:
+        if chosen.bisect is None:
+            continue
+        for parameters in chosen.variants():
+            for first in _trials_of(study, chosen.name, {**parameters, chosen.bisect.parameter: chosen.bisect.low}):
+                following += _next_of(first, chosen.bisect, statuses)
+    return following
+
+
+def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> list[Trial]:
+    """Return the next trials of the bisection that begins with ``first``."""
+    answers: dict[float, bool | None] = {}
+    while (bracket := bisect.bisection.bracket(answers)).next:
+        trials = [_at(first, bisect.parameter, value) for value in bracket.next]
+        if waiting := [trial for trial in trials if trial.id not in statuses]:
+            return waiting
+        answers |= {value: stood(statuses[trial.id]) for value, trial in zip(bracket.next, trials, strict=True)}
+    return []
+
+
+def most_trials(study: Study) -> int:
+    """Return how many trials a study runs at most: no bisection tries more values than its tolerance asks for."""
+    later = sum(
+        (chosen.bisect.bisection.most_tries - 2) * len(_trials_of(study, chosen.name, parameters))
+        for chosen in study.scenario
+        if chosen.bisect is not None
+        for parameters in islice(chosen.known_variants(), 0, None, 2)
+    )
+    return len(plan_trials(study)) + later
+
+
+def _at(first: Trial, parameter: str, value: float) -> Trial:
+    parameters = {**first.parameters, parameter: value}
+    return replace(first, parameters=parameters, scene=build(first.scenario, **parameters).variant)
+
+
+def _trials_of(study: Study, scenario: str, parameters: Mapping[str, Value]) -> list[Trial]:
+    """Return every trial of one variant of a scenario."""
+    variant = build(scenario, **parameters).variant
     runs = list(product(range(study.seeds), range(study.repeats)))
     return [
         Trial(engine, profile, scenario, variant, parameters, policy, seed, repeat)
-        for (scenario, variant, parameters), (engine, profile) in product(variants, study.set_ups())
+        for engine, profile in study.set_ups()
         for number, (seed, repeat) in enumerate(runs)
         for policy in (study.policies if number % 2 == 0 else reversed(study.policies))
         if study.admits(engine, profile, policy, scenario)

@@ -26,6 +26,7 @@ from pydantic import (
 
 from adapters import ENGINES, ProfileError, profile_named
 from adapters.profile_variants import varied_name
+from bench.studies.bisect import Bisect
 from bench.studies.errors import field_name, plain_words
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.tolerance import Tolerance
@@ -81,19 +82,31 @@ class ChosenScenario(_Model):
     parameters: Mapping[str, Value | list[Value]] = {}
     tolerance: Tolerance = Tolerance()
     """By how much its trials may come out worse when runs are compared."""
+    bisect: Bisect | None = None
+    """A parameter whose threshold is searched for in every variant: the trials follow from those before."""
 
     def variants(self) -> Iterator[dict[str, Value]]:
-        """The parameters of every variant: all combinations of the listed values."""
+        """The parameters of every variant, without the bisected one: all combinations of the listed values."""
         choices = [value if isinstance(value, list) else [value] for value in self.parameters.values()]
         for values in product(*choices):
             yield dict(zip(self.parameters, values, strict=True))
+
+    def known_variants(self) -> Iterator[dict[str, Value]]:
+        """The parameters of the variants that are known beforehand: of a bisected one both ends."""
+        for parameters in self.variants():
+            if self.bisect is None:
+                yield parameters
+            else:
+                yield from ({**parameters, self.bisect.parameter: end} for end in (self.bisect.low, self.bisect.high))
 
     @model_validator(mode="after")
     def _can_be_built(self) -> ChosenScenario:
         for name, value in self.parameters.items():
             if value == []:
                 raise ValueError(f"parameter '{name}': an empty list leaves no variant")
-        for parameters in self.variants():
+        if self.bisect is not None and self.bisect.parameter in self.parameters:
+            raise ValueError(f"parameter '{self.bisect.parameter}' is bisected: take it out of 'parameters'")
+        for parameters in self.known_variants():
             try:
                 build(self.name, **parameters)
             except (LookupError, TypeError) as error:
@@ -191,7 +204,7 @@ class Study(_Model):
 
     @model_validator(mode="after")
     def _variants_come_once(self) -> Study:
-        names = [build(one.name, **parameters).variant for one in self.scenario for parameters in one.variants()]
+        names = [build(one.name, **parameters).variant for one in self.scenario for parameters in one.known_variants()]
         _without_twins(names)
         return self
 
@@ -222,6 +235,7 @@ _PARTS: Mapping[str, type[BaseModel]] = {
     "include": Rule,
     "exclude": Rule,
 }
+_SCENARIO_PARTS: Mapping[str, type[BaseModel]] = {"tolerance": Tolerance, "bisect": Bisect}
 
 
 def study_names() -> list[str]:
@@ -273,7 +287,6 @@ def _complaint(detail: Mapping[str, Any]) -> str:
     field = field_name(location)
     if detail["type"] == "extra_forbidden":
         owner = _PARTS.get(str(location[0]), Study) if len(location) > 1 else Study
-        if location[2:3] == ("tolerance",):
-            owner = Tolerance
+        owner = _SCENARIO_PARTS.get(str(location[2]), owner) if len(location) > 3 else owner
         return str(unknown_name("field", field.rpartition(".")[2], owner.model_fields))
     return f"field '{field}': {plain_words(detail)}" if field else plain_words(detail)

@@ -25,6 +25,8 @@ def to_toml(study: Study) -> str:
             lines += ["", "[scenario.parameters]", *_assignments(scenario["parameters"])]
         if allowed := _set_tolerances(scenario["tolerance"]):
             lines += ["", "[scenario.tolerance]", *_assignments(allowed)]
+        if scenario["bisect"] is not None:
+            lines += ["", "[scenario.bisect]", *_assignments(scenario["bisect"])]
     return "\n".join(lines) + "\n"
 
 

@@ -1,0 +1,33 @@
+"""The table ``bisect`` of a scenario in a study: which parameter is bisected, between which ends, and how finely."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field, StrictFloat, StrictInt, model_validator
+
+from scenarios.bisection import Bisection
+
+
+class Bisect(BaseModel):
+    """The search for the value of a parameter at which a stack begins to fall."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    parameter: str
+    """Name of the scenario's parameter, a number; it must not be among those that the study sets."""
+    low: StrictFloat | StrictInt
+    """Lower end of the search. Both ends are tried first."""
+    high: StrictFloat | StrictInt
+    """Upper end of the search."""
+    tolerance: float = Field(gt=0)
+    """Greatest width of the bracket that is left, in the unit of the parameter."""
+
+    @property
+    def bisection(self) -> Bisection:
+        """The search, without its parameter."""
+        return Bisection(float(self.low), float(self.high), self.tolerance)
+
+    @model_validator(mode="after")
+    def _ends_are_apart(self) -> Bisect:
+        if self.high - self.low < 2 * self.tolerance:
+            raise ValueError("'high' must lie above 'low' by two tolerances or more")
+        return self

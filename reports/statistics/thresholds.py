@@ -1,0 +1,139 @@
+"""Thresholds by bisection: the engine's own limit of a stack, against the limit by exact statics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from typing import Any
+
+from reports.records.trial import Status, TrialRecord
+from scenarios.bisection import Bisection, Bracket
+from scenarios.parameters import Value
+from scenarios.registry import build, with_defaults
+from scenarios.statics.contact_patch import Ridge
+from scenarios.statics.truth import UndecidedError, first_fall
+
+EXACT_SHARE = 0.02
+"""Width of the bracket by exact statics over that of the engine's: small beside it."""
+
+
+def stood(status: Status) -> bool | None:
+    """Return what the end of a trial says of its stack: it stood, it fell, or (None) the trial does not tell."""
+    return {"completed": True, "collapsed": False}.get(status)
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """The limit of one stack in one engine, profile and policy, over all seeds."""
+
+    scene: str
+    """The scenario and the parameters that the study sets."""
+    parameter: str
+    """What was bisected."""
+    engine: str
+    profile: str
+    policy: str
+    brackets: tuple[Bracket, ...]
+    """One a seed and repeat."""
+    exact: tuple[float | None, float | None]
+    """The limit by exact statics, with the bisector and with a face as the normal of a ridge; None without one."""
+
+    @property
+    def whole(self) -> Bracket | None:
+        """The bracket that holds those of all seeds; None unless each found a threshold."""
+        if not all(bracket.is_found for bracket in self.brackets):
+            return None
+        low, high = min(one.low for one in self.brackets), max(one.high for one in self.brackets)
+        return self.brackets[0]._replace(low=low, high=high)
+
+    @property
+    def why(self) -> str:
+        """Why there is no threshold, in words; empty if there is one."""
+        reasons = ["not finished" if one.next else one.why for one in self.brackets if not one.is_found]
+        count = f" ({len(reasons)} of {len(self.brackets)} seeds)" if len(self.brackets) > 1 else ""
+        return f"{reasons[0]}{count}" if reasons else ""
+
+
+def bisected_scenarios(study: Mapping[str, Any]) -> set[str]:
+    """Return the names of the scenarios of which a study bisects a parameter."""
+    return {chosen["name"] for chosen in study.get("scenario", ()) if "bisect" in chosen}
+
+
+def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Threshold]:
+    """Return the thresholds of a study, in its order; none if it bisects nothing.
+
+    Args:
+        records: its trials.
+        study: the study as its results folder keeps it.
+    """
+    found = []
+    for chosen in study.get("scenario", ()):
+        if "bisect" in chosen:
+            found += _of_scenario(chosen, [record for record in records if record.scenario == chosen["name"]])
+    return found
+
+
+def _of_scenario(chosen: Mapping[str, Any], records: Sequence[TrialRecord]) -> list[Threshold]:
+    bisect, fixed = chosen["bisect"], chosen.get("parameters", {})
+    search = Bisection(float(bisect["low"]), float(bisect["high"]), float(bisect["tolerance"]))
+    found = []
+    for values in product(*(value if isinstance(value, list) else [value] for value in fixed.values())):
+        variant = dict(zip(fixed, values, strict=True))
+        name = ", ".join([chosen["name"], *(f"{name} {value}" for name, value in variant.items())])
+        found += _of_variant(name, variant, bisect["parameter"], search, records)
+    return found
+
+
+def _of_variant(
+    scene: str, variant: Mapping[str, Value], parameter: str, search: Bisection, records: Sequence[TrialRecord]
+) -> list[Threshold]:
+    """Return the thresholds of one variant, which has defaults for what the study leaves out."""
+    scenario = scene.partition(",")[0]
+    rest = with_defaults(scenario, variant)
+    del rest[parameter]
+    answers: dict[tuple[str, str, str], dict[tuple[int, int], dict[float, bool | None]]] = {}
+    for record in records:
+        parameters = with_defaults(scenario, record.parameters)
+        value = float(parameters.pop(parameter))
+        if parameters == rest:
+            by_seed = answers.setdefault((record.engine, record.profile, record.policy), {})
+            by_seed.setdefault((record.seed, record.repeat), {})[value] = stood(record.status)
+    exact = exact_limits(scenario, tuple(rest.items()), parameter, search)
+    return [
+        Threshold(scene, parameter, *set_up, tuple(search.bracket(one) for one in by_seed.values()), exact)
+        for set_up, by_seed in answers.items()
+    ]
+
+
+@lru_cache(maxsize=256)
+def exact_limits(
+    scenario: str, rest: tuple[tuple[str, Value], ...], parameter: str, search: Bisection
+) -> tuple[float | None, float | None]:
+    """Return the limit by bisection of the judge, with either normal of a ridge.
+
+    None where the answer does not change between the ends, or statics has none because bricks are pushed or pulled.
+
+    Args:
+        scenario: name of the scenario.
+        rest: its other parameters.
+        parameter: the bisected one.
+        search: the engine's search; that of the judge is finer by ``EXACT_SHARE``.
+    """
+
+    def limit(ridge: Ridge) -> float | None:
+        def stands(value: float) -> bool:
+            scene = build(scenario, **{**dict(rest), parameter: value})
+            try:
+                return first_fall(scene, ridge=ridge) is None
+            except UndecidedError:
+                return False
+
+        try:
+            bracket = Bisection(search.low, search.high, EXACT_SHARE * search.tolerance).search(stands)
+        except ValueError:  # statics does not judge what is pushed
+            return None
+        return bracket.middle if bracket.is_found else None
+
+    return limit("bisector"), limit("face")

@@ -1,0 +1,53 @@
+"""The table of thresholds: each engine's own limit in percent of the exact one, with its uncertainty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from reports.records.trial import TrialRecord
+from reports.statistics.thresholds import Threshold, thresholds_of
+from reports.tables.table import NOTHING, Table
+
+TITLE = "Thresholds by bisection"
+
+
+def threshold_tables(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Table]:
+    """The table of thresholds; none if the study bisects nothing."""
+    found = thresholds_of(records, study)
+    if not found:
+        return []
+    header = ("scene", "parameter", "engine", "profile", "policy", "own limit", "exact", "% of exact")
+    notes = (
+        "Own limit: where the trials' outcome changes between standing and falling, with half the width of the last "
+        "bracket, which holds those of all seeds. Exact: by bisection of exact statics; two values are those with the "
+        "bisector and with a plank's face as the normal of a ridge.",
+        "Both ends of the search are tried first: where the outcome does not change between them there is no number.",
+    )
+    rows = tuple(_row(threshold) for threshold in found)
+    return [Table(TITLE, header, rows, notes, id="thresholds")]
+
+
+def _row(one: Threshold) -> tuple[str, ...]:
+    whole, exact = one.whole, _distinct(one.exact)
+    limits = " / ".join(f"{value:.4g}" for value in exact) or NOTHING
+    head = (one.scene, one.parameter, one.engine, one.profile, one.policy)
+    if whole is None:
+        return (*head, one.why, limits, NOTHING)
+    share = " / ".join(
+        f"{_rounded(100 * whole.middle / value, 100 * whole.half_width / value)}" for value in exact if value
+    )
+    return (*head, _rounded(whole.middle, whole.half_width), limits, share or NOTHING)
+
+
+def _distinct(exact: tuple[float | None, float | None]) -> list[float]:
+    """Return the exact limits, one if both conventions agree."""
+    known = [value for value in exact if value is not None]
+    return known[:1] if len(known) == 2 and math.isclose(*known, rel_tol=1e-3) else known
+
+
+def _rounded(value: float, error: float) -> str:
+    """Return a value and its error, to the second digit of the error."""
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"

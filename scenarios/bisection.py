@@ -1,0 +1,99 @@
+"""Bisection of a threshold: the value of a parameter at which an answer changes from "stands" to "falls".
+
+Both ends are tried first. If their answers agree, or one of them has no answer, there is no threshold to be found, and
+the search says so instead of giving a number. Otherwise the middle of the bracket is tried until the bracket is no
+wider than the tolerance. The search keeps no state: it follows from the answers so far, so that it can be resumed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+SPARE_DIGITS = 2
+"""Decimal digits of a tried value beyond those of the tolerance, so that the ids of trials stay short."""
+
+
+class Bracket(NamedTuple):
+    """What the answers so far say of a threshold."""
+
+    low: float
+    """Lower end: the answer changes between ``low`` and ``high``."""
+    high: float
+    """Upper end."""
+    next: tuple[float, ...]
+    """Values to try next; empty when the search has ended."""
+    why: str
+    """Why there is no threshold, in words; empty if there is one, or if the search goes on."""
+    low_stands: bool | None
+    """The answer at the lower end; None if it has none."""
+
+    @property
+    def is_found(self) -> bool:
+        """True if the search has ended with a threshold."""
+        return not self.next and not self.why
+
+    @property
+    def middle(self) -> float:
+        """The middle of the bracket."""
+        return (self.low + self.high) / 2
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the bracket: the uncertainty of its middle."""
+        return (self.high - self.low) / 2
+
+
+@dataclass(frozen=True, slots=True)
+class Bisection:
+    """A search for the threshold between ``low`` and ``high``, to within ``tolerance``."""
+
+    low: float
+    high: float
+    tolerance: float
+    """Greatest width of the final bracket, in the unit of the parameter."""
+
+    @property
+    def most_tries(self) -> int:
+        """Number of values that are tried at most, both ends included."""
+        return 2 + max(0, math.ceil(math.log2((self.high - self.low) / self.tolerance) - 1e-9))
+
+    def bracket(self, answers: Mapping[float, bool | None]) -> Bracket:
+        """Return what follows from the answers so far.
+
+        Args:
+            answers: by value: True if it stood, False if it fell, None if the trial has no answer.
+        """
+        low, high = self.low, self.high
+        missing = tuple(value for value in (low, high) if value not in answers)
+        if missing:
+            return Bracket(low, high, missing, "", answers.get(low))
+        stands = answers[low]
+        for value in (low, high):
+            if answers[value] is None:
+                return Bracket(low, high, (), f"no answer at {value:g}", stands)
+        if stands == answers[high]:
+            told = "stands" if stands else "falls"
+            return Bracket(low, high, (), f"{told} from {low:g} to {high:g}", stands)
+        while high - low > self.tolerance * (1 + 1e-9):
+            middle = round((low + high) / 2, self._digits)
+            if middle not in answers:
+                return Bracket(low, high, (middle,), "", stands)
+            answer = answers[middle]
+            if answer is None:
+                return Bracket(low, high, (), f"no answer at {middle:g}", stands)
+            low, high = (middle, high) if answer == stands else (low, middle)
+        return Bracket(low, high, (), "", stands)
+
+    def search(self, stands: Callable[[float], bool]) -> Bracket:
+        """Ask ``stands`` until the search has ended; return the final bracket."""
+        answers: dict[float, bool | None] = {}
+        while (bracket := self.bracket(answers)).next:
+            answers |= {value: stands(value) for value in bracket.next}
+        return bracket
+
+    @property
+    def _digits(self) -> int:
+        return max(0, SPARE_DIGITS - math.floor(math.log10(self.tolerance)))

@@ -1,0 +1,40 @@
+"""Two planks that lean against each other, at rest: an inverted V that is set down without a gap.
+
+Theory: see ``card_house``. The feet need the friction (cot(theta) - t / L) / 2 if the force at the ridge is horizontal,
+which is the normal of two edges that meet (*bisector*). Where an engine reports a plank's face as the normal there
+(*face*), the ridge needs cot(theta).
+
+What to look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the
+engine's own limit, which tells what its contacts at the ridge are worth.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from scenarios.model import Place, World
+from scenarios.parameters import Friction, Real
+from scenarios.planks import LENGTH, lean
+from scenarios.scenario import Plan, dynamic_scenario
+from scenarios.scenes.card_house import expected
+
+
+@dynamic_scenario
+def leaning_pair(*, theta: Annotated[float, Real(30, 88)] = 75.0, friction: Friction = 0.3) -> Plan:
+    """Two planks that lean against each other, at rest.
+
+    Args:
+        theta: angle [deg] between a plank and the ground.
+        friction: Coulomb coefficient of every pair.
+    """
+    angle = math.radians(theta)
+    foot = LENGTH * math.cos(angle)
+    pair = (lean(-foot, theta=angle, toward=1, level=1), lean(foot, theta=angle, toward=-1, level=1))
+    return Plan(
+        world=World(friction=friction),
+        actions=(Place(0.0, pair, 0.0),),
+        expectation=expected(angle, friction),
+        look_for="feet that slip, and a ridge that drops",
+        planar=True,
+    )

@@ -1,0 +1,38 @@
+"""A plank at rest on a fixed table, reaching beyond its edge: the simplest stack that tips.
+
+Theory: it tips if more than half of its length lies beyond the edge.
+
+What to look for: an engine that lets contacts sink in, or that keeps a contact point inside the edge, has a limit of
+its own, which a bisection of ``reach`` finds (study ``thresholds``). The plank is set down without a gap, so that no
+energy of a drop decides.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Place, World
+from scenarios.parameters import Real
+from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, lay
+from scenarios.scenario import Plan, dynamic_scenario
+
+TABLE = 6 * THICKNESS
+"""Height [m] of the table: room to tip."""
+
+
+@dynamic_scenario
+def overhang(*, reach: Annotated[float, Real(0.1, 0.9)] = 0.4) -> Plan:
+    """A plank at rest on a table, reaching beyond its edge.
+
+    Args:
+        reach: what lies beyond the edge, as a share of the plank's length.
+    """
+    table = box((2 * LENGTH, 2 * WIDTH, TABLE), -LENGTH, level=1)
+    return Plan(
+        world=World(friction=MU, fixed=(table,)),
+        actions=(Place(0.0, (lay((reach - 0.5) * LENGTH, level=1, bottom=TABLE),), 0.0),),
+        expectation=by_margin(1 - 2 * reach, "reach = 0.5", falls_at=1),
+        look_for="a plank that tips though its centre lies on the table, or stays though it does not",
+        planar=True,
+    )
