@@ -51,6 +51,12 @@ class Simulation(EngineHooks):
         self.bricks, self.frozen = self.bodies.bricks, self.bodies.frozen
         self._port = self.port_type(self)
         self._is_observed = False
+        self.own_step_s: float | None = None
+        """Time [s] of the engine's own step in the latest frame; None where the time of ``step`` is the engine's."""
+
+    @classmethod
+    def check_installed(cls) -> None:
+        """Raise ``ImportError`` if a world of the engine cannot be opened, though its adapter can be loaded."""
 
     # -- driven by the harness ---------------------------------------------------------------------
 

@@ -2,23 +2,68 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 from scenarios.lookup import look_up
 
 
+class EngineEntry(Protocol):
+    """Where an engine is to be found."""
+
+    @property
+    def module(self) -> str:
+        """Module that a process loads before it plays trials of the engine."""
+        ...
+
+    @property
+    def remedy(self) -> str:
+        """What to do if the engine cannot be loaded."""
+        ...
+
+    def version(self) -> str:
+        """Return the engine's version."""
+        ...
+
+    def load(self) -> Any:
+        """Return the engine's class, a subclass of ``adapters.base.Simulation``."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Where an engine is to be found."""
+    """An engine whose adapter is a class in a module."""
 
     module: str
     simulation: str
     package: str
     """The distribution that brings the engine, and whose version is the engine's."""
 
+    @property
+    def remedy(self) -> str:
+        """What to do if the engine cannot be loaded."""
+        return f"install '{self.package}' with: uv sync --group engines"
 
-ENGINES: dict[str, Entry] = {
+    def version(self) -> str:
+        """Return the version of the package.
+
+        Raises:
+            PackageNotFoundError: if it is missing.
+        """
+        return importlib.metadata.version(self.package)
+
+    def load(self) -> Any:
+        """Return the class of the adapter.
+
+        Raises:
+            ImportError: if the package is missing.
+        """
+        return getattr(importlib.import_module(self.module), self.simulation)
+
+
+ENGINES: dict[str, EngineEntry] = {
     "bullet": Entry("adapters._bullet", "BulletSimulation", "pybullet"),
     "mujoco": Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
     "dart": Entry("adapters._dart", "DartSimulation", "dartpy"),
@@ -30,10 +75,10 @@ ENGINES: dict[str, Entry] = {
 
 
 def engine_version(engine: str) -> str:
-    """Return the version of an engine's package, which stands in every record.
+    """Return the version of an engine, which stands in every record.
 
     Raises:
         UnknownNameError: if there is no such engine.
         PackageNotFoundError: if its package is missing.
     """
-    return importlib.metadata.version(look_up("engine", engine, ENGINES).package)
+    return look_up("engine", engine, ENGINES).version()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 
 from adapters.base import Simulation
+from adapters.bridge.errors import PeerError
 from adapters.engines import ENGINES
 from adapters.profile import Capabilities, Profile, Sleeping
 from adapters.profile_variants import profile_of
@@ -21,13 +21,29 @@ class EngineNotInstalledError(ImportError):
 def _load(name: str) -> type[Simulation]:
     entry = look_up("engine", name, ENGINES)
     try:
-        module = importlib.import_module(entry.module)
-    except ImportError as error:
-        raise EngineNotInstalledError(
-            f"engine '{name}' cannot be loaded ({error}): install '{entry.package}' with: uv sync --group engines"
-        ) from error
-    simulation: type[Simulation] = getattr(module, entry.simulation)
+        simulation: type[Simulation] = entry.load()
+    except (ImportError, PeerError) as error:
+        raise _not_installed(name, error) from error
     return simulation
+
+
+def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
+    return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {ENGINES[name].remedy}")
+
+
+def _installed(name: str) -> type[Simulation]:
+    """Return the class of an engine that can be opened."""
+    simulation = _load(name)
+    try:
+        simulation.check_installed()
+    except ImportError as error:
+        raise _not_installed(name, error) from error
+    return simulation
+
+
+def check_installed(name: str) -> None:
+    """Raise ``EngineNotInstalledError`` unless a world of the engine can be opened here."""
+    _installed(name)
 
 
 def capabilities(name: str) -> Capabilities:
@@ -48,7 +64,7 @@ def profile_named(engine: str, name: str) -> Profile:
         ProfileError: if a variation is not what it must be.
         EngineNotInstalledError: if the engine's package is missing.
     """
-    return profile_of(_load(engine), name)
+    return profile_of(_installed(engine), name)
 
 
 def open_engine(
@@ -66,7 +82,7 @@ def open_engine(
         ProfileError: if a variation of the profile is not what it must be.
         EngineNotInstalledError: if its package is missing.
     """
-    simulation = _load(name)
+    simulation = _installed(name)
     chosen = profile_of(simulation, profile)
     if chosen.scale != 1.0:
         simulation = scaled(simulation)

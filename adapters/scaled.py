@@ -69,6 +69,7 @@ class _ScaledSimulation(Simulation):
     def _step(self, seconds: float) -> None:
         self._act_on_bodies(seconds)
         self._larger.step(seconds)
+        self.own_step_s = self._larger.own_step_s
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         positions, quaternions = self._larger._poses(bodies)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import typer
 
+from adapters import register_external
 from bench.cli.baseline import baseline
 from bench.cli.check import check
 from bench.cli.compare import compare
+from bench.cli.console import input_errors
 from bench.cli.list import list_
 from bench.cli.replay import replay
 from bench.cli.report import report
@@ -18,6 +20,15 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Do your engine's bricks stand when they should, and fall when they should?",
 )
+
+
+@app.callback()
+def add_external_engines() -> None:
+    """Do your engine's bricks stand when they should, and fall when they should?"""
+    with input_errors():
+        register_external()
+
+
 for _verb in (run, report, replay, baseline, compare):
     app.command()(_verb)
 app.command(name="list")(list_)

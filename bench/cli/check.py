@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import shlex
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
-from adapters import profile_named
+from adapters import profile_named, register_command
 from adapters.conformance import CHECKS
 from bench.cli.console import OUT, input_errors
 
 
 def check(
-    engine: Annotated[str, typer.Argument(help="An engine's name.")],
+    engine: Annotated[str, typer.Argument(help="An engine's name; left out with --bridge.")] = "",
     profile: Annotated[str, typer.Option(help="Profile of the engine.")] = "game",
+    bridge: Annotated[str, typer.Option(help="Command that starts an engine behind the bridge.")] = "",
+    profiles: Annotated[Path | None, typer.Option(help="File with the settings of that engine.")] = None,
 ) -> None:
     """Check that an engine's adapter keeps the contract that the core relies on."""
+    if bool(engine) == bool(bridge):
+        raise typer.BadParameter("name an engine, or give the command of one with --bridge")
     with input_errors():
+        if bridge:
+            engine = register_command(shlex.split(bridge), profiles)
         failed = check_engine(engine, profile, OUT)
     raise typer.Exit(1 if failed else 0)
 

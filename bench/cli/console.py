@@ -13,7 +13,7 @@ from pathlib import Path
 import typer
 from rich.console import Console
 
-from adapters import EngineNotInstalledError, ProfileError
+from adapters import EngineNotInstalledError, EnginesFileError, PeerError, ProfileError, ProfileFileError
 from bench.compare.baseline import BaselineError
 from bench.compare.checkouts import CheckoutError
 from bench.compare.comparison import NothingInCommonError
@@ -49,7 +49,10 @@ def input_errors() -> Iterator[None]:
         RecordError,
         RecordingError,
         EngineNotInstalledError,
+        EnginesFileError,
+        PeerError,
         ProfileError,
+        ProfileFileError,
         ClusterError,
         BaselineError,
         CheckoutError,

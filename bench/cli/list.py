@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from adapters import ENGINES, EngineNotInstalledError, Profile, profiles
+from adapters import ENGINES, EngineNotInstalledError, Profile, check_installed, profiles
 from bench.cli.console import OUT, tell
 from bench.machine.environment import describe_engine
 from bench.studies.policies import BENCH_POLICIES
@@ -75,6 +75,7 @@ def _engines() -> Table:
     table = _table("Engines", "name", "profiles")
     for name in ENGINES:
         try:
+            check_installed(name)
             listed = "\n".join(_profile(profile) for profile in profiles(name).values())
         except EngineNotInstalledError as error:
             listed = f"not installed: {error}"
@@ -89,6 +90,7 @@ def _descriptors() -> dict[str, dict[str, Any]]:
     found = {}
     for name in ENGINES:
         try:
+            check_installed(name)
             found[name] = describe_engine(name)
         except EngineNotInstalledError:
             continue

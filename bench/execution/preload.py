@@ -1,5 +1,7 @@
 """Imported last by the server from which trials are forked, so that no trial pays for what all of them need.
 
+Engines from outside this repository are added here, because the trials know the engines that the server knows.
+
 What the server has loaded is never looked through for garbage: each trial's first collection would touch, and thereby
 copy, the memory that all trials share.
 """
@@ -9,5 +11,8 @@ import gc
 
 import numpy.ma  # noqa: F401 - NumPy loads it when the first percentile is asked for
 
+from adapters import register_external
+
+register_external()
 gc.collect()
 gc.freeze()

@@ -164,6 +164,7 @@ class Playback:
             live=len(world.bricks) - len(world.frozen),
             engine_ms=times.engine * 1e3,
             frame_ms=times.total * 1e3,
+            bridge_ms=None if times.bridge is None else times.bridge * 1e3,
         )
         if steering is None:
             return plain

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from adapters import capabilities, engine_version, open_engine
+from adapters import PeerError, capabilities, engine_version, open_engine
 from bench.machine.calibration import calibrate, typical
 from bench.machine.environment import allowed_cores
 from bench.studies.plan import Trial
@@ -29,6 +29,9 @@ from reports.records.trial import Status, TrialRecord
 from scenarios.model import Scene
 from scenarios.placement_noise import NoRoomError
 from stability_core import warm_up
+
+_BROKEN: tuple[Status, ...] = ("error", "crashed")
+"""Ends of a trial after which its engine is not opened again to time the awake stack."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,8 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         status, message = "unsupported", str(error)
     except MemoryError:
         status, message = "out_of_memory", "the process ran out of memory"
+    except PeerError as error:  # an engine in a process of its own failed, or its process did
+        status, message = error.status, str(error)
     except Exception as error:  # whatever an engine or the core raises is this trial's outcome
         status, message = "error", f"{type(error).__name__}: {error}"
     if playback is None:
@@ -85,7 +90,9 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
     fields = {
         **_seen(playback),
         **_timings(_standing_rows(playback), info.frame_s),
-        **(_ratio(trial, scene, playback) if policy.core is not None and limits.ratio and status != "error" else {}),
+        **(
+            _ratio(trial, scene, playback) if policy.core is not None and limits.ratio and status not in _BROKEN else {}
+        ),
         "engine_version": info.version,
         "unit_scale": info.unit_scale,
         "wall_s": perf_counter() - begin,
@@ -189,6 +196,7 @@ def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
     if not timed:
         return {}
     frame_ms = np.array([row.frame_ms for row in timed])
+    mean_ms = float(frame_ms.mean())
     p50, p95, p99 = np.percentile(frame_ms, [50, 95, 99]).tolist()
     fields = {
         "frame_ms_p50": p50,
@@ -196,9 +204,9 @@ def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
         "frame_ms_p99": p99,
         "frame_ms_max": float(frame_ms.max()),
         "timed_frames": len(timed),
-        "realtime_factor": frame_s * 1e3 / float(frame_ms.mean()),
+        "realtime_factor": frame_s * 1e3 / mean_ms if mean_ms else None,  # an engine's own clock may be coarse
     }
-    for name in ("engine_ms", "readback_ms", "core_ms", "port_ms"):
+    for name in ("engine_ms", "readback_ms", "core_ms", "port_ms", "bridge_ms"):
         parts = [getattr(row, name) for row in timed]
         if None not in parts:
             fields[name] = statistics.fmean(parts)

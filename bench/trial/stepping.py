@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from adapters.base import Simulation
@@ -21,10 +21,12 @@ class FrameTimes:
     readback: float = 0.0
     core: float = 0.0
     port: float = 0.0
+    bridge: float | None = None
+    """Time that an engine in a process of its own takes to be reached; None for one in this process."""
 
     @property
     def total(self) -> float:
-        """Time of the whole frame [s]."""
+        """Time of the whole frame [s], without the bridge, so that it compares with engines in this process."""
         return self.engine + self.readback + self.core + self.port
 
 
@@ -55,7 +57,7 @@ class PlainFrames:
         """One frame: how long it took."""
         begin = perf_counter()
         self._simulation.step(self._simulation.info.frame_s)
-        return FrameTimes(perf_counter() - begin), None
+        return _without_bridge(FrameTimes(perf_counter() - begin), self._simulation), None
 
     def disturb(self, bodies: Sequence[int]) -> None:
         """There is no extension that must know what a user holds."""
@@ -87,7 +89,8 @@ class SteeredFrames:
     def play(self) -> tuple[FrameTimes, Steering]:
         """One frame: how long it took, and what the core did."""
         frame_s = self._simulation.info.frame_s
-        played = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
+        times, steering = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
+        played = _without_bridge(times, self._simulation), steering
         parts, self._before = [*self._before, played], []
         if len(parts) == 1:
             return played
@@ -119,12 +122,19 @@ class SteeredFrames:
         self._extension.gravity = gravity
 
 
+def _without_bridge(times: FrameTimes, simulation: Simulation) -> FrameTimes:
+    """Split the time of a step into the engine's own, where it measures it itself, and that of the bridge to it."""
+    own = simulation.own_step_s
+    return times if own is None else replace(times, engine=own, bridge=times.engine - own)
+
+
 def _total(times: Sequence[FrameTimes]) -> FrameTimes:
     return FrameTimes(
         sum(one.engine for one in times),
         sum(one.readback for one in times),
         sum(one.core for one in times),
         sum(one.port for one in times),
+        times[-1].bridge,
     )
 
 

@@ -34,7 +34,7 @@ class FrameRow(NamedTuple):
     engine_ms: float
     """Time of the engine's step [ms]."""
     frame_ms: float
-    """Time of the whole frame [ms]: the engine's step and the three times below."""
+    """Time of the whole frame [ms]: the engine's step, contacts, core and port calls, without the bridge."""
     contacts: int | None = None
     """Contact points read by the core."""
     readback_ms: float | None = None
@@ -49,6 +49,8 @@ class FrameRow(NamedTuple):
     """Bodies that the core woke in this frame."""
     woken_because: str | None = None
     """The core's reasons for those wakes, each with its count: "1 struck; 3 rested on what was struck"."""
+    bridge_ms: float | None = None
+    """Time [ms] of reaching an engine in a process of its own, and back; null for engines in the trial's process."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
@@ -68,6 +70,7 @@ SCHEMA = pa.schema(
         pa.field("frozen", _COUNT),
         pa.field("woken", _COUNT),
         pa.field("woken_because", pa.string()),
+        pa.field("bridge_ms", _REAL),
     ]
 )
 

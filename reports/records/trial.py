@@ -95,7 +95,8 @@ class TrialRecord(BaseModel):
     creep_m_s: float | None = None
     """Fastest mean motion [m/s] of a brick over the time of watching; null if the stack did not stand through it."""
     frame_ms_p50: float | None = None
-    """Median time [ms] of a frame: engine, read-back, core and port calls. The first five frames are left out."""
+    """Median time [ms] of a frame: engine, read-back, core and port calls, without the bridge to an engine in a process
+    of its own. The first five frames are left out."""
     frame_ms_p95: float | None = None
     """95th percentile of the time [ms] of a frame."""
     frame_ms_p99: float | None = None
@@ -103,7 +104,7 @@ class TrialRecord(BaseModel):
     frame_ms_max: float | None = None
     """Longest time [ms] of a frame."""
     engine_ms: float | None = None
-    """Mean time [ms] a frame of the engine's step."""
+    """Mean time [ms] a frame of the engine's step; of an engine in a process of its own by that process's clock."""
     readback_ms: float | None = None
     """Mean time [ms] a frame in which the port reads contacts and masses; null without an extension."""
     core_ms: float | None = None
@@ -166,6 +167,9 @@ class TrialRecord(BaseModel):
     without an extension, and for a scene without a prebuilt stack."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
+    bridge_ms: float | None = None
+    """Mean time [ms] a frame of reaching an engine in a process of its own, and back; it is in no other time. Null for
+    engines in the trial's process."""
 
     @model_validator(mode="before")
     @classmethod

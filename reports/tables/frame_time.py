@@ -7,6 +7,8 @@ import pandas as pd
 from reports.tables.grouping import Measure, engine_names, median_rows, played_in_order
 from reports.tables.table import NOTHING, Table
 
+_BRIDGE = Measure("bridge", "bridge_ms", "{:.3f}")
+"""Shown where an engine runs in a process of its own."""
 MEASURES = (
     Measure("p50", "frame_ms_p50", "{:.3f}"),
     Measure("p99", "frame_ms_p99", "{:.3f}"),
@@ -14,6 +16,7 @@ MEASURES = (
     Measure("read", "readback_ms", "{:.3f}"),
     Measure("core", "core_ms", "{:.3f}"),
     Measure("port", "port_ms", "{:.3f}"),
+    _BRIDGE,
     Measure("ratio at level", "frame_ratio", "{:.2f}"),
 )
 _KEYS = ("scene", "engine_name", "policy", "machine")
@@ -23,7 +26,9 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
     """List the medians of the frame times of each group of trials; those of several machines apart."""
     several = len(trials["host"].dropna().unique()) > 1
     trials = trials.assign(engine_name=engine_names(trials), machine=trials["host"].fillna(NOTHING))
-    rows = median_rows(trials, _KEYS, MEASURES)
+    has_bridge = bool(trials["bridge_ms"].notna().any())
+    measures = [measure for measure in MEASURES if has_bridge or measure is not _BRIDGE]
+    rows = median_rows(trials, _KEYS, measures)
     rows["ratio at level"] += _levels(trials)
     if not several:
         rows = rows.drop(columns="machine")
@@ -32,6 +37,7 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
         "Times in ms a frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
         "step, of reading contacts, of the core and of freezing and waking. Trials differ in height: compare heights "
         "first.",
+        *(["Bridge: reaching an engine in a process of its own, and back, which is in no other time."] * has_bridge),
         "Ratio: mean frame time while the level was laid, live bricks included, over that of up to a second of the "
         "same stack all awake without the extension, put up anew where it falls. Above 1 the extension costs more than "
         "it saves.",

@@ -1,0 +1,86 @@
+"""What an engine says of itself in its hello: name, version, capabilities, and when it detects contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, Literal
+
+from adapters.bridge.errors import ProtocolError
+from adapters.bridge.messages import PROTOCOL
+from adapters.profile import Capabilities
+
+Detection = Literal["start", "end"]
+"""The poses of which contact points are: those at the start of the latest substep, or those at its end."""
+
+_UNLESS_SAID = {"relative_velocity": "from the velocities before the step", "frozen_contacts": False}
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """An engine behind the bridge."""
+
+    engine: str
+    version: str
+    capabilities: Capabilities
+    contacts_at: Detection
+    iterations: str = "iterations"
+    """Name of the knob that says how often the solver iterates."""
+    solver_noise: float = 0.0
+    """Speed [m/s] at which bodies at rest tremble."""
+
+
+def described(hello: Mapping[str, Any]) -> Description:
+    """Return what a hello says.
+
+    Raises:
+        ProtocolError: if the protocol is another, or something is missing or unknown; the message names it.
+    """
+    if hello.get("protocol") != PROTOCOL:
+        raise ProtocolError(f"the engine speaks protocol {hello.get('protocol')!r}, this suite speaks {PROTOCOL}")
+    return Description(
+        _text(hello, "engine"),
+        _text(hello, "version"),
+        _capabilities(hello.get("capabilities")),
+        _detection(hello.get("contacts_at")),
+        _text({"iterations": "iterations", **hello}, "iterations"),
+        _noise(hello.get("solver_noise", 0.0)),
+    )
+
+
+def _detection(said: object) -> Detection:
+    if said == "start":
+        return "start"
+    if said == "end":
+        return "end"
+    raise ProtocolError(f"hello: 'contacts_at' must be 'start' or 'end' of a substep, got {said!r}")
+
+
+def _capabilities(said: Any) -> Capabilities:
+    if not isinstance(said, dict):
+        raise ProtocolError(f"hello: 'capabilities' must be an object, got {said!r}")
+    said = _UNLESS_SAID | said
+    known = {field.name: field for field in fields(Capabilities)}
+    for name, value in said.items():
+        if name not in known:
+            raise ProtocolError(f"hello: unknown capability '{name}'; there are {', '.join(known)}")
+        wanted = bool if known[name].type in ("bool", bool) else str
+        if type(value) is not wanted:
+            raise ProtocolError(f"hello: capability '{name}' must be a {wanted.__name__}, got {value!r}")
+    for name, field in known.items():
+        if name not in said and field.default is MISSING:
+            raise ProtocolError(f"hello: capability '{name}' is missing; docs/bridge.md says what it means")
+    return Capabilities(**said)
+
+
+def _text(hello: Mapping[str, Any], key: str) -> str:
+    text = hello.get(key)
+    if not (isinstance(text, str) and text.strip()):
+        raise ProtocolError(f"hello: '{key}' must be a text, got {text!r}")
+    return text
+
+
+def _noise(speed: object) -> float:
+    if not (isinstance(speed, (int, float)) and 0.0 <= speed < 1.0):
+        raise ProtocolError(f"hello: 'solver_noise' must be a speed [m/s] from 0, got {speed!r}")
+    return float(speed)

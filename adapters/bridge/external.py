@@ -1,0 +1,195 @@
+"""Engines outside this repository: behind the bridge, as an engines.toml lists them, or classes of other packages.
+
+A file of engines has a table for each::
+
+    [NAME]
+    command = ["program", "argument"]     # started in the folder of this file
+    profiles = "NAME.toml"                # settings, as adapters/profile_files.py reads them; left out: one profile
+    timeout_s = 60                        # time in which each question is answered
+
+A package offers an adapter, a subclass of ``adapters.base.Simulation``, as an entry point of ``ENTRY_POINTS``.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from adapters.bridge.description import Description, described
+from adapters.bridge.messages import PROTOCOL, Kind, json_body, json_content
+from adapters.bridge.peer import SILENCE_S, Peer
+from adapters.bridge.simulation import BridgeSimulation
+from adapters.engines import ENGINES, Entry
+from adapters.profile import AS_SHIPPED, Profile
+from adapters.profile_files import EngineSettings, load_settings
+
+ENTRY_POINTS = "stillstack.engines"
+"""Group of the entry points by which packages offer their engines."""
+FILE_VARIABLE = "STILLSTACK_ENGINES"
+"""Environment variable that names a file of engines."""
+DEFAULT_FILE = Path("engines.toml")
+"""File of engines, in the working directory, that is read if the variable names none."""
+
+_KEYS = ("command", "profiles", "timeout_s")
+_BUILT_IN = frozenset(ENGINES)
+
+
+class EnginesFileError(ValueError):
+    """A file of engines is wrong; the message names the file, the entry and the fix."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExternalEntry:
+    """An engine behind the bridge."""
+
+    name: str
+    """Its name in this suite."""
+    command: tuple[str, ...]
+    folder: Path
+    """Working directory of its process."""
+    profiles: Path | None = None
+    """File of settings."""
+    timeout_s: float = SILENCE_S
+    source: str = "--bridge"
+    """Where it is written, for error messages."""
+
+    @property
+    def module(self) -> str:
+        """Module that a process loads before it plays trials of the engine."""
+        return BridgeSimulation.__module__
+
+    @property
+    def remedy(self) -> str:
+        """What to do if the engine cannot be loaded."""
+        return f"its command is {list(self.command)}, from {self.source}"
+
+    def version(self) -> str:
+        """Return the version that the engine tells."""
+        return _describe(self).version
+
+    def load(self) -> type[BridgeSimulation]:
+        """Return a class for the engine.
+
+        Raises:
+            PeerError: if the engine does not say a valid hello.
+            ProfileFileError: if there is something wrong in its file of settings.
+        """
+        return _class_of(self)
+
+
+def register_command(command: Sequence[str], profiles: Path | None) -> str:
+    """Add the engine that a command starts to ``ENGINES``, under the name that it gives itself; returns the name.
+
+    Raises:
+        EnginesFileError: if this suite has an engine of that name.
+        PeerError: if it cannot be started, or does not say a valid hello.
+    """
+    entry = ExternalEntry("", tuple(command), Path.cwd(), profiles.absolute() if profiles else None)
+    name = describe(entry).engine
+    _register(name, replace(entry, name=name), "--bridge")
+    return name
+
+
+def register_external() -> None:
+    """Add the engines of the file and of the entry points to ``ENGINES``; no engine is started or imported.
+
+    Raises:
+        EnginesFileError: if something in the file is wrong, or an engine has a name that this suite has.
+    """
+    for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
+        package = point.dist.name if point.dist else point.module
+        _register(point.name, Entry(point.module, point.attr, package), f"the package '{package}'")
+    named = os.environ.get(FILE_VARIABLE)
+    path = Path(named) if named else DEFAULT_FILE
+    if named or path.exists():
+        for name, entry in read_engines(path).items():
+            _register(name, entry, str(path))
+
+
+def read_engines(path: Path) -> Mapping[str, ExternalEntry]:
+    """Return the engines of a file.
+
+    Raises:
+        EnginesFileError: if it is missing, or something in it is wrong.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise EnginesFileError(
+            f"{path}: cannot be read ({error}); {FILE_VARIABLE} names the file of engines"
+        ) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise EnginesFileError(f"{path}: not TOML: {error}") from error
+    return {name: _entry(path, name, table) for name, table in content.items()}
+
+
+def describe(entry: ExternalEntry) -> Description:
+    """Start an engine, and return what it says of itself.
+
+    Raises:
+        PeerError: if it cannot be started, or does not say a valid hello.
+    """
+    peer = Peer(entry.command, entry.folder, entry.timeout_s)
+    try:
+        return described(json_content(peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
+    finally:
+        peer.close()
+
+
+_describe = cache(describe)
+
+
+@cache
+def _class_of(entry: ExternalEntry) -> type[BridgeSimulation]:
+    said = _describe(entry)
+    settings = _settings(entry.profiles)
+
+    class External(BridgeSimulation):
+        engine = entry.name
+        capabilities = said.capabilities
+        profiles = settings.profiles
+        sleep_knobs = settings.sleep_knobs
+        iterations = said.iterations
+        command = entry.command
+        folder = entry.folder
+        timeout_s = entry.timeout_s
+        contacts_at = said.contacts_at
+        solver_noise = said.solver_noise
+
+    return External
+
+
+def _settings(path: Path | None) -> EngineSettings:
+    if path is not None:
+        return load_settings(path.stem, folder=path.parent)
+    return EngineSettings({"default": Profile("default", AS_SHIPPED, 1)}, {})
+
+
+def _register(name: str, entry: Entry | ExternalEntry, source: str) -> None:
+    if name in _BUILT_IN:
+        raise EnginesFileError(f"{source}: the suite has an engine '{name}'; give yours another name")
+    ENGINES[name] = entry
+
+
+def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
+    where = f"{path}: [{name}]"
+    if not isinstance(table, dict):
+        raise EnginesFileError(f"{path}: '{name}' must be a table: [{name}] with a 'command'")
+    for key in table:
+        if key not in _KEYS:
+            raise EnginesFileError(f"{where}: unknown key '{key}'; keys are {', '.join(_KEYS)}")
+    command, profiles, timeout_s = table.get("command"), table.get("profiles"), table.get("timeout_s", SILENCE_S)
+    if not (isinstance(command, list) and command and all(isinstance(word, str) for word in command)):
+        raise EnginesFileError(f"{where}: 'command' must be a list of texts, the program first, got {command!r}")
+    if profiles is not None and not isinstance(profiles, str):
+        raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, got {profiles!r}")
+    if type(timeout_s) not in (int, float) or not 0.0 < timeout_s < float("inf"):
+        raise EnginesFileError(f"{where}: 'timeout_s' must be a time in seconds, got {timeout_s!r}")
+    folder = path.parent.absolute()
+    return ExternalEntry(name, tuple(command), folder, folder / profiles if profiles else None, float(timeout_s), where)

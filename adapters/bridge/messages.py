@@ -1,0 +1,164 @@
+"""The messages of the bridge, protocol version 1, as bytes: see docs/bridge.md.
+
+A message is a header of two 32-bit numbers, the length of the body in bytes and its kind, and the body. Numbers are
+little-endian. The body of a step is an array of 64-bit floats; other bodies are JSON in UTF-8.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from adapters.bridge.errors import ProtocolError
+from stability_core.port import FloatArray, IntArray
+
+PROTOCOL = 1
+"""Version of the protocol. It changes when an engine that keeps the earlier version would no longer work."""
+HEADER = struct.Struct("<II")
+"""Length of the body [bytes], kind."""
+MAX_BODY = 2**26
+"""Longest body [bytes] of a message: 64 MiB, the states of 100,000 bodies over five substeps. What announces more is
+not a message."""
+
+COMMAND_WIDTH = 13
+"""Numbers of a command: its code, the body, and up to 11 arguments."""
+STATE_WIDTH = 13
+"""Numbers of a body's state: position, quaternion (w, x, y, z), velocity, angular velocity."""
+CONTACT_WIDTH = 14
+"""Numbers of a contact point: bodies a and b, points on a and on b, normal from a to b, force on b."""
+FORCE_WIDTH = 6
+"""Numbers of a force of an earlier substep: number of the substep, bodies a and b, force on b."""
+POSITION, QUATERNION, LINEAR, ANGULAR = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
+"""Columns of a state."""
+_REPLY_HEAD = 5
+
+Command = tuple[float, ...]
+"""The numbers of a command, without the zeros behind them."""
+
+
+class Kind(IntEnum):
+    """What a message is; an answer has the kind of its question, or is an error."""
+
+    HELLO = 1
+    OPEN = 2
+    STEP = 3
+    ERROR = 4
+
+
+class Code(IntEnum):
+    """What a command does before the step, in the order in which commands are sent."""
+
+    SPAWN = 1
+    SPAWN_MOVED = 2
+    REMOVE = 3
+    MOVE = 4
+    PUSH = 5
+    PRESS = 6
+    DRIVE = 7
+    GRAVITY = 8
+    FREEZE = 9
+    UNFREEZE = 10
+
+
+@dataclass(frozen=True, slots=True)
+class StepReply:
+    """What an engine tells after a step of n substeps."""
+
+    engine_s: float
+    """Time [s] that the engine's own steps took, by its own clock."""
+    states: FloatArray
+    """States before each substep and after the last one, shape (n + 1, m, 13); (1, m, 13) if contacts are not read."""
+    contacts: FloatArray
+    """Contact points of the last substep, shape (k, 14)."""
+    forces: FloatArray
+    """Forces of earlier substeps, shape (l, 6)."""
+
+
+def json_body(content: object) -> bytes:
+    """Return the body of a message that is JSON."""
+    return json.dumps(content).encode()
+
+
+def json_content(body: bytes | bytearray) -> dict[str, Any]:
+    """Return what a JSON body holds.
+
+    Raises:
+        ProtocolError: if it is not a JSON object.
+    """
+    try:
+        content = json.loads(body)
+    except ValueError as error:
+        raise ProtocolError(f"the engine's answer is not JSON ({error}): {bytes(body[:60])!r}") from error
+    if not isinstance(content, dict):
+        raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}")
+    return content
+
+
+def step_body(seconds: float, substeps: int, is_read: bool, commands: Iterable[Command]) -> bytes:
+    """Return the body of a step.
+
+    Args:
+        seconds: length of a substep.
+        substeps: how many there are.
+        is_read: whether contacts, forces and the states before each substep are needed.
+        commands: to be carried out before the first substep.
+    """
+    rows = [command + (0.0,) * (COMMAND_WIDTH - len(command)) for command in commands]
+    words = [seconds, float(substeps), float(is_read), float(len(rows))]
+    for row in rows:
+        words += row
+    return struct.pack(f"<{len(words)}d", *words)
+
+
+def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepReply:
+    """Return the content of an answer to a step.
+
+    Args:
+        body: of the message.
+        bodies: ids of the bodies whose states must be in it, rising, shape (m,).
+        states: how many states of each.
+
+    Raises:
+        ProtocolError: if it is anything else.
+    """
+    if len(body) % 8:
+        raise ProtocolError(f"the answer to a step must be 64-bit floats, got {len(body)} bytes")
+    words = np.frombuffer(body, "<f8")
+    if len(words) < _REPLY_HEAD:
+        raise ProtocolError(f"the answer to a step begins with {_REPLY_HEAD} numbers, got {len(words)}")
+    engine_s, *counts = words[:_REPLY_HEAD].tolist()
+    if not (math.isfinite(engine_s) and engine_s >= 0.0):
+        raise ProtocolError(f"the time of the engine's steps must be a number of seconds from 0, got {engine_s}")
+    if not all(count >= 0.0 and count.is_integer() for count in counts):
+        raise ProtocolError(f"the answer to a step must count in whole numbers, got {counts}")
+    listed, blocks, points, forces = map(int, counts)
+    sizes = (listed, blocks * listed * STATE_WIDTH, points * CONTACT_WIDTH, forces * FORCE_WIDTH)
+    if len(words) != _REPLY_HEAD + sum(sizes):
+        raise ProtocolError(
+            f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces has "
+            f"{_REPLY_HEAD + sum(sizes)} numbers, got {len(words)}"
+        )
+    ids, rows, seen, felt = np.split(words[_REPLY_HEAD:], np.cumsum(sizes[:-1]))
+    if blocks != states or not np.array_equal(ids, bodies):
+        raise ProtocolError(
+            f"the answer must have {states} states of the bodies that are live or moved, by rising id, "
+            f"{_listed(bodies)}; got {blocks} of {_listed(ids)}"
+        )
+    contacts, felt = seen.reshape(points, CONTACT_WIDTH), felt.reshape(forces, FORCE_WIDTH)
+    rows = rows.reshape(blocks, listed, STATE_WIDTH)
+    if np.isfinite(rows).all() and not (np.isfinite(contacts).all() and np.isfinite(felt).all()):
+        raise ProtocolError("a contact point or a force in the answer is not finite, though all states are")
+    return StepReply(engine_s, rows, contacts, felt)
+
+
+def _listed(ids: FloatArray | IntArray) -> str:
+    """Return ids as text, the first ten of them."""
+    shown = ", ".join(f"{number:g}" for number in ids[:10].tolist())
+    return f"[{shown}{', ...' if len(ids) > 10 else ''}]"

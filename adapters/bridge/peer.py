@@ -1,0 +1,181 @@
+"""The process of an engine: starts it, asks it one thing at a time, and ends it."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import weakref
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic
+from typing import IO
+
+from adapters.bridge.errors import PeerError, PeerExitError, PeerTimeoutError, ProtocolError
+from adapters.bridge.messages import HEADER, MAX_BODY, Kind, json_content
+
+SILENCE_S = 60.0
+"""Time [s] after which an engine that has not answered is killed: longer than any engine's frame or start."""
+_END_S = 1.0
+"""Time [s] that an engine has to end by itself once its stdin is closed."""
+_PIPE_BYTES = 2**20
+"""Room of the pipes [bytes], so that a frame's states pass in one piece: 64 KiB as the system gives them hold those of
+100 bodies over four substeps and no contact."""
+_LAST_LINES = 2**12
+"""How much of what the engine printed is looked through for its last line [bytes]."""
+_LAUNCH = (
+    "import ctypes, os, signal, sys; ctypes.CDLL(None).prctl(1, signal.SIGKILL); os.execvp(sys.argv[1], sys.argv[1:])"
+)
+"""Start a program so that the kernel kills it when its parent dies (Linux, PR_SET_PDEATHSIG): an engine that computes
+without end does not see that its stdin is closed."""
+
+
+class Peer:
+    """An engine's process. Its stdout speaks the protocol; its stderr is kept for error messages."""
+
+    def __init__(self, command: Sequence[str], folder: Path, timeout_s: float = SILENCE_S) -> None:
+        """Start the process.
+
+        Args:
+            command: program and arguments.
+            folder: its working directory.
+            timeout_s: time in which it must answer each question.
+
+        Raises:
+            PeerError: if there is no such program.
+        """
+        program = shutil.which(command[0], path=f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
+        if program is None:
+            raise PeerError(f"cannot start the engine: no program '{command[0]}'; name it by its full path")
+        self._name = " ".join(command)
+        self._timeout_s = timeout_s
+        self._printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed as the process ends
+        launch = [sys.executable, "-ISc", _LAUNCH] if sys.platform == "linux" else []
+        process = subprocess.Popen(
+            [*launch, str(Path(program).absolute()), *command[1:]],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._printed,
+            cwd=folder,
+            bufsize=0,
+        )
+        self._process = process
+        assert process.stdin is not None
+        assert process.stdout is not None
+        self._in, self._out = process.stdin.fileno(), process.stdout.fileno()
+        for pipe in (self._in, self._out):
+            os.set_blocking(pipe, False)
+            _widen(pipe)
+        self._readable, self._writable = select.poll(), select.poll()
+        self._readable.register(self._out, select.POLLIN)
+        self._writable.register(self._in, select.POLLOUT)
+        self._buffer = bytearray(2**16)
+        self._end = weakref.finalize(self, _end, process, self._printed)
+
+    def ask(self, kind: Kind, body: bytes) -> bytearray:
+        """Send a message and return the body of the answer.
+
+        Raises:
+            PeerError: if the engine answers with an error.
+            ProtocolError: if the answer is not of this kind.
+            PeerExitError: if the process ends.
+            PeerTimeoutError: if no answer comes in time.
+        """
+        deadline = monotonic() + self._timeout_s
+        self._send(HEADER.pack(len(body), kind) + body, deadline)
+        answered, answer = self._receive(deadline)
+        if answered == Kind.ERROR:
+            raise PeerError(f"the engine reports: {json_content(answer).get('message', 'an error without a message')}")
+        if answered != kind:
+            raise ProtocolError(f"the engine answers with a message of kind {answered}, must be {kind.value} or 4")
+        return answer
+
+    def close(self) -> None:
+        """End the process: it sees the end of its stdin, and is killed if it stays."""
+        self._end()
+
+    def _send(self, message: bytes, deadline: float) -> None:
+        rest = memoryview(message)
+        while rest:
+            try:
+                rest = rest[os.write(self._in, rest) :]
+            except BlockingIOError:
+                self._await(self._writable, deadline)
+            except BrokenPipeError:
+                raise self._exited() from None
+
+    def _receive(self, deadline: float) -> tuple[int, bytearray]:
+        """Return kind and body of a message."""
+        have, need = 0, HEADER.size
+        while have < need:
+            self._await(self._readable, deadline)
+            with suppress(BlockingIOError):
+                count = os.readv(self._out, [memoryview(self._buffer)[have:]])
+                if not count:
+                    raise self._exited()
+                have += count
+            if have >= HEADER.size:
+                length, _ = HEADER.unpack_from(self._buffer)
+                need = HEADER.size + length
+                self._check_announced(length)
+                if need >= len(self._buffer):  # one byte more, so that what comes behind the message is seen
+                    self._buffer.extend(bytes(need + 1 - len(self._buffer)))
+        if have > need:
+            raise ProtocolError(f"the engine says more than it was asked: {have - need} bytes behind its answer")
+        return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
+
+    def _check_announced(self, length: int) -> None:
+        if length > MAX_BODY:
+            begin = bytes(self._buffer[: HEADER.size])
+            raise ProtocolError(
+                f"the engine announces a message of {length} bytes, more than {MAX_BODY}; its first bytes are {begin!r}"
+                f": does it print to stdout?"
+            )
+
+    def _await(self, poll: select.poll, deadline: float) -> None:
+        """Wait until a pipe can be read or written."""
+        if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
+            self._process.kill()
+            raise PeerTimeoutError(f"the engine did not answer within {self._timeout_s:g} s: {self._name}")
+
+    def _exited(self) -> PeerError:
+        """Return the error for a process that closed its end of a pipe."""
+        try:
+            code = self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            return ProtocolError("the engine closed its stdin or stdout and still runs; both stay open to the end")
+        ending = f"with status {code}" if code >= 0 else f"by signal {-code}"
+        return PeerExitError(f"the engine's process ended {ending}: {self._last_line()}")
+
+    def _last_line(self) -> str:
+        """Return the last line that the engine printed."""
+        size = self._printed.seek(0, os.SEEK_END)
+        self._printed.seek(max(0, size - _LAST_LINES))
+        lines = [line.strip() for line in self._printed.read().decode(errors="replace").splitlines() if line.strip()]
+        return lines[-1][:300] if lines else "it printed nothing"
+
+
+def _widen(pipe: int) -> None:
+    """Make room for a whole frame in a pipe, where the system allows it."""
+    if hasattr(fcntl, "F_SETPIPE_SZ"):
+        with suppress(OSError):  # a limit of the user's pipes
+            fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
+
+
+def _end(process: subprocess.Popen[bytes], printed: IO[bytes]) -> None:
+    """Close the pipes of a process and wait for its end."""
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with suppress(OSError):
+                pipe.close()
+    try:
+        process.wait(_END_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    printed.close()

@@ -1,0 +1,251 @@
+"""A world of an engine in a process of its own: one message a frame.
+
+What the host does between two frames, spawning, freezing or pushing bodies, is collected and sent with the next step.
+Until then the states that are shown are what they must be by then: a pushed body has its new velocity, a moved one its
+new pose. The state of a frozen body is the last one before it was frozen, and is never asked for again.
+
+``find_contacts`` opens a second process with the same bodies, weightless and at rest, and reads the contacts of one
+very short step: the world itself does not notice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from time import perf_counter
+from typing import ClassVar
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.bridge.carried import carried
+from adapters.bridge.description import Detection, described
+from adapters.bridge.errors import ProtocolError
+from adapters.bridge.messages import (
+    ANGULAR,
+    LINEAR,
+    POSITION,
+    PROTOCOL,
+    QUATERNION,
+    STATE_WIDTH,
+    Code,
+    Command,
+    Kind,
+    StepReply,
+    json_body,
+    json_content,
+    step_body,
+    step_reply,
+)
+from adapters.bridge.peer import SILENCE_S, Peer
+from adapters.bridge.plane import check_pose_in_plane, check_vector_in_plane
+from adapters.profile import Profile, Sleeping
+from adapters.shared.approach import Motions, fastest_approach
+from adapters.shared.contact_forces import SubstepForces, mean_force
+from adapters.shared.live_pairs import of_live
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import Contacts, FloatArray, IntArray
+
+_NEAR = 1e-4
+"""Points further apart than this [m] do not touch."""
+_INSTANT_S = 1e-6
+"""Step [s] in which contacts are found while nothing moves."""
+_CLOCK_S = 1e-3
+"""Difference [s] that two clocks may show over a frame."""
+
+
+class BridgeSimulation(Simulation):
+    """One world of an engine that is started by ``command``; subclasses say which engine it is."""
+
+    command: ClassVar[Sequence[str]]
+    """Program and arguments."""
+    folder: ClassVar[Path] = Path()
+    """Working directory of the process."""
+    timeout_s: ClassVar[float] = SILENCE_S
+    contacts_at: ClassVar[Detection] = "start"
+    solver_noise: ClassVar[float] = 0.0
+
+    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
+        super().__init__(profile, world, sleeping, expected)
+        self._commands: list[Command] = []
+        self._states = np.full((64, STATE_WIDTH), np.nan)  # by body
+        self._reply: StepReply | None = None  # of the latest frame, if it was read
+        self._replied: IntArray = np.empty(0, np.int64)
+        self._before: Motions | None = None
+        if self.capabilities.planar:
+            check_vector_in_plane(self.engine, "gravity [m/s2]", world.gravity)
+        self._peer = Peer(self.command, self.folder, self.timeout_s)
+        self._check_hello()
+        self._peer.ask(Kind.OPEN, json_body(self._opening()))
+
+    # -- bodies ------------------------------------------------------------------------------------
+
+    def _spawn(self, body: int, brick: Brick) -> None:
+        self._insert(Code.SPAWN, body, brick)
+
+    def _spawn_moved(self, body: int, brick: Brick) -> None:
+        self._insert(Code.SPAWN_MOVED, body, brick)
+
+    def _remove(self, body: int) -> None:
+        self._commands.append((Code.REMOVE, body))
+
+    def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        if self.capabilities.planar:
+            check_pose_in_plane(self.engine, position, quaternion)
+        self._commands.append((Code.MOVE, body, *position, *quaternion))
+        self._place(body, position, quaternion)
+
+    # -- actions -----------------------------------------------------------------------------------
+
+    def _push(self, body: int, impulse: Vector) -> None:
+        if self.capabilities.planar:
+            check_vector_in_plane(self.engine, "an impulse [N s]", impulse)
+        self._commands.append((Code.PUSH, body, *impulse))
+        self._states[body, LINEAR] += np.array(impulse) / self.bricks[body].mass
+
+    def _press(self, body: int, force: Vector) -> None:
+        self._commands.append((Code.PRESS, body, *force))
+
+    def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
+        self._commands.append((Code.DRIVE, body, *linear, *angular))
+
+    def _set_gravity(self, gravity: Vector) -> None:
+        if self.capabilities.planar:
+            check_vector_in_plane(self.engine, "gravity [m/s2]", gravity)
+        self._commands.append((Code.GRAVITY, 0.0, *gravity))
+
+    # -- time --------------------------------------------------------------------------------------
+
+    def _step(self, seconds: float) -> None:
+        begin = perf_counter()
+        substeps = self.info.profile.substeps
+        self._act_on_bodies(seconds / substeps)
+        is_read = self.is_observed and bool(self.bodies.live)
+        bodies = self.bodies.moving()
+        reply = self._exchange(seconds / substeps, substeps, is_read, bodies)
+        self._reply, self._replied, self._before = reply if is_read else None, bodies, None
+        self._states[bodies] = reply.states[-1]
+        if is_read:
+            earlier = reply.states[:-1]
+            linear, angular = earlier[:, :, LINEAR].copy(), earlier[:, :, ANGULAR].copy()
+            for substep in range(substeps):
+                self.as_driven(bodies, linear[substep], angular[substep])
+            self._before = Motions(bodies, earlier[:, :, POSITION], linear, angular)
+        elapsed = perf_counter() - begin
+        if reply.engine_s > elapsed + _CLOCK_S:
+            raise ProtocolError(f"the engine reports steps of {reply.engine_s:g} s in a frame of {elapsed:g} s")
+        self.own_step_s = min(reply.engine_s, elapsed)
+
+    # -- state -------------------------------------------------------------------------------------
+
+    def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        rows = self._states[bodies]
+        return rows[:, POSITION], rows[:, QUATERNION]
+
+    def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        rows = self._states[bodies]
+        return rows[:, LINEAR], rows[:, ANGULAR]
+
+    # -- called by the port ------------------------------------------------------------------------
+
+    def _freeze(self, body: int) -> None:
+        self._commands.append((Code.FREEZE, body))
+        self._states[body, QUATERNION.stop :] = 0.0
+
+    def _thaw(self, body: int) -> None:
+        self._commands.append((Code.UNFREEZE, body))
+
+    def _contacts(self) -> Contacts:
+        reply = self._reply
+        if reply is None or not np.isfinite(reply.states).all():
+            return Contacts.empty()
+        before = reply.states[-2 if self.contacts_at == "start" else -1]
+        contacts = self._as_contacts(reply.contacts, self._replied, before, reply.states[-1])
+        pairs, normal = (contacts.body_a, contacts.body_b), contacts.normal
+        velocity = fastest_approach(self._before, *pairs, contacts.point, normal, self.solver_noise)
+        force = None
+        if self.reads_forces and contacts.force is not None:
+            force = mean_force(SubstepForces(*pairs, contacts.force), normal, self._earlier_forces(reply))
+        return of_live(
+            Contacts(*pairs, contacts.point, normal, contacts.separation, velocity, contacts.friction, force),
+            self.bodies,
+        )
+
+    def _find_contacts(self) -> Contacts:
+        twin = self._twin()
+        try:
+            twin.bodies.moved.update(self.bodies.moved)
+            bodies = twin.bodies.moving()
+            reply = twin._exchange(_INSTANT_S, 1, True, bodies)
+            return self._as_contacts(reply.contacts, bodies, reply.states[0], reply.states[0])
+        finally:
+            twin.close()
+
+    # -- the end -----------------------------------------------------------------------------------
+
+    def _close(self) -> None:
+        self._peer.close()
+
+    # -- helpers -----------------------------------------------------------------------------------
+
+    def _check_hello(self) -> None:
+        """Ask for the hello, which must be of the version that the records name."""
+        said = described(json_content(self._peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
+        if said.version != self.info.version:
+            raise ProtocolError(f"{self.engine} {self.info.version} was expected to answer, version {said.version} did")
+
+    def _opening(self) -> Mapping[str, object]:
+        """Return the content of the message that opens the world."""
+        profile = self.info.profile
+        return {
+            "gravity": self.world.gravity,
+            "friction": self.world.friction,
+            "scale": self.scale,
+            "ground_half_edges": self.ground_half_edges,
+            "fixed": [_box(box) for box in self.world.fixed],
+            "sleeping": self.info.sleeping,
+            "knobs": {name: knob.value for name, knob in profile.knobs.items()},
+            "expected": len(self.expected),
+        }
+
+    def _insert(self, code: Code, body: int, brick: Brick) -> None:
+        if self.capabilities.planar:
+            check_pose_in_plane(self.engine, brick.position, brick.quaternion)
+        self._commands.append((code, body, *brick.size, brick.mass, *brick.position, *brick.quaternion))
+        if body >= len(self._states):
+            self._states = np.concatenate([self._states, np.full_like(self._states, np.nan)])
+        self._place(body, brick.position, brick.quaternion)
+
+    def _place(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        """Write down that a body rests there."""
+        self._states[body] = (*position, *quaternion, *(0.0,) * 6)
+
+    def _exchange(self, substep_s: float, substeps: int, is_read: bool, bodies: IntArray) -> StepReply:
+        """Send the collected commands with a step, and return the answer."""
+        question = step_body(substep_s, substeps, is_read, self._commands)
+        self._commands.clear()
+        return step_reply(self._peer.ask(Kind.STEP, question), bodies, substeps + 1 if is_read else 1)
+
+    def _as_contacts(self, rows: FloatArray, bodies: IntArray, before: FloatArray, after: FloatArray) -> Contacts:
+        """Return those of the engine's points that nearly touch, where they are when a substep has ended."""
+        points, normals, separations = carried(rows, bodies, before, after)
+        near = np.flatnonzero(separations <= _NEAR * self.scale)
+        a, b = rows[near, :2].astype(np.int64).T
+        friction = np.full(len(near), self.world.friction)
+        unknown = np.full((len(near), 3), np.nan)
+        return Contacts(a, b, points[near], normals[near], separations[near], unknown, friction, rows[near, 11:])
+
+    def _earlier_forces(self, reply: StepReply) -> list[SubstepForces]:
+        """Return the forces of each of the frame's substeps but the last."""
+        substep, body_a, body_b = reply.forces[:, :3].astype(np.int64).T
+        earlier = []
+        for number in range(self.info.profile.substeps - 1):
+            rows = substep == number
+            earlier.append(SubstepForces(body_a[rows], body_b[rows], reply.forces[rows, 3:]))
+        return earlier
+
+
+def _box(box: Brick) -> Mapping[str, object]:
+    fields = asdict(box)
+    return {name: fields[name] for name in ("size", "position", "quaternion")}
