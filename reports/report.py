@@ -30,6 +30,7 @@ from reports.tables.repeatability import repeat_tables
 from reports.tables.study import study_tables
 from reports.tables.table import Table, to_markdown, write_table_csv
 from reports.tables.thresholds import threshold_tables
+from reports.tables.tilt import tilt_tables
 
 
 def _of_fixed_scenes(folder: ResultsFolder) -> list[TrialRecord]:
@@ -52,6 +53,7 @@ SECTIONS = (
     Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_of_fixed_scenes(folder))))),
     Section("study", lambda folder: study_tables(fixed) if (fixed := _of_fixed_scenes(folder)) else ()),
     Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),
+    Section("tilt", lambda folder: tilt_tables(folder.records)),
     Section("piles", lambda folder: pile_tables(folder.records)),
     Section("collapse_levels", lambda folder: collapse_level_tables(folder.records)),
     Section("repeatability", lambda folder: repeat_tables(folder.path, folder.records)),

@@ -46,6 +46,7 @@ from scenarios.scenes.shared.transforms import resized
 from scenarios.scenes.slope import slope
 from scenarios.scenes.support_removal import robbed_stack
 from scenarios.scenes.table import table
+from scenarios.scenes.tilt_test import tilt_test
 from scenarios.scenes.tilted_ground import tilted_ground
 from scenarios.scenes.trapdoor import trapdoor
 from scenarios.scenes.wall_plank import wall_plank
@@ -82,6 +83,7 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         dropped_plank,
         pressed_plank,
         tilted_ground,
+        tilt_test,
         lifted_tower,
         belt_tower,
         trapdoor,

@@ -115,6 +115,11 @@ PUBLICATIONS: dict[str, Publication] = {
         "angle of an inverted V; profiles `game` and `tuned`, without the extension and with `equilibrium`",
         "thresholds",
     ),
+    "tilt": Publication(
+        "ground that tilts at 0.1 deg/s below prebuilt stacks: the angle of the first motion against exact statics, "
+        "profiles `game` and `tuned`, without the extension and with `equilibrium`",
+        "tilt",
+    ),
     "scale": Publication("what a world 10 or 100 times larger buys", "scale"),
     "ratio": Publication(
         "frame time with the extension over without, on 25 levels of PhysX and Rapier, every profile",

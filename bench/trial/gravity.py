@@ -23,7 +23,8 @@ class TurningGravity:
     """Those that go on, each with the gravity with which it began."""
 
     def begin(self, tilt: Tilt) -> None:
-        """Begin to turn gravity."""
+        """Begin to turn gravity, from where the tilts before leave it by then."""
+        self.turn_on(tilt.time)
         self.tilts.append((tilt, self.simulation.world.gravity))
 
     def turn_on(self, time: float) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from adapters.base import Simulation
 from bench.trial.builder import Builder
 from bench.trial.measure import FloatArray
+from bench.trial.onset_monitor import OnsetMonitor
 from bench.trial.pile_monitor import PileMonitor
 from bench.trial.sleep_stats import SleepStats
 from bench.trial.stack_monitor import StackMonitor
@@ -19,7 +20,7 @@ from bench.trial.stepping import FrameTimes, PlainFrames, SteeredFrames, Steerin
 from reports.records.frames import FrameRow
 from reports.records.recording import Recorder
 from reports.records.trial import Status
-from scenarios.model import Brick, Scene
+from scenarios.model import Brick, Scene, Tilt
 
 SEATING_S = 1.0
 """The last brick's share of time [s], as every other has a second before the next one comes; watching starts then.
@@ -85,6 +86,11 @@ class Playback:
             if scene.poured
             else StackMonitor(self._seated_s, scene.pace)
         )
+        self.onset = (
+            OnsetMonitor(scene, simulation, is_alone=policy is None)
+            if any(isinstance(action, Tilt) for action in scene.actions)
+            else None
+        )
         self.sleep_stats = SleepStats()
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
@@ -147,6 +153,8 @@ class Playback:
         self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
         builder = self.builder
         self.monitor.see(now, builder.plan, position, quaternion, builder.placed)
+        if self.onset is not None:
+            self.onset.see(now, position, quaternion)
         if steering is not None:
             self.sleep_stats.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
         if now <= self._seated_s + _ROUNDING_S:

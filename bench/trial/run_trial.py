@@ -169,6 +169,8 @@ def _seen(playback: Playback) -> dict[str, Any]:
         fields |= {"collapse_level": collapse.level, "collapse_kind": collapse.kind, "collapse_s": collapse.time}
     if isinstance(playback.monitor, PileMonitor):
         fields |= {"rest_s": playback.monitor.rest_s, "repose_deg": playback.monitor.repose_deg}
+    if playback.onset is not None:
+        fields |= playback.onset.fields()
     if playback.is_steered:
         fields |= {
             "adopted": playback.adopted,

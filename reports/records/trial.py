@@ -170,6 +170,15 @@ class TrialRecord(BaseModel):
     bridge_ms: float | None = None
     """Mean time [ms] a frame of reaching an engine in a process of its own, and back; it is in no other time. Null for
     engines in the trial's process."""
+    onset_deg: float | None = None
+    """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
+    if none did, and where no ground tilts."""
+    own_limit_deg: float | None = None
+    """Slope [deg] at which exact statics gives way with the points and normals of the engine's own contacts; null with
+    an extension, and where no ground tilts."""
+    ridge_deg: float | None = None
+    """Greatest angle [deg] between the engine's normal where two leaning planks meet and the bisector; null where none
+    was seen."""
 
     @model_validator(mode="before")
     @classmethod

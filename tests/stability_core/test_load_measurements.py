@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from bench.trial.own_contacts import PRECISION
 from scenarios.planks import MASS, MU, THICKNESS
 from tests.stability_core import pile_cost, steady_force, struck_wall, tilt
 from tests.stability_core.loaded_stacks import ARMS, kept_runs, standing
@@ -131,11 +132,11 @@ class TestTilt:
         assert across.exact == pytest.approx(16.699, abs=1e-3)
         centers = np.array([brick.position for brick in across.bricks])
         found = tilt.limit_angle(across, tilt.contact_patches(across.bricks), centers)
-        assert found == pytest.approx(across.exact, abs=2 * tilt.PRECISION)
+        assert found == pytest.approx(across.exact, abs=2 * PRECISION)
 
     def test_a_v_that_is_tilted_across_has_one_limit_whatever_the_ridge(self):
         least, most = tilt.exact_angles(tilt.STACKS["V across"])
-        assert least == pytest.approx(most, abs=2 * tilt.PRECISION)
+        assert least == pytest.approx(most, abs=2 * PRECISION)
 
     def test_what_wakes_late_or_not_at_all_does_not_pass(self):
         alone = {"onset": 10.3}

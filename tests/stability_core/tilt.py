@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -34,13 +34,13 @@ from adapters.base import Simulation
 from bench.machine.core_digest import present_core
 from bench.publishing.page_marks import write_page
 from bench.trial.gravity import turned
+from bench.trial.own_contacts import OwnContacts, limit_slope
 from scenarios.model import Brick, Vector, World
-from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH
+from scenarios.planks import MU, THICKNESS, WIDTH
 from scenarios.scenes.card_house import card_house
 from scenarios.scenes.plank_tower import plank_tower
 from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
-from scenarios.statics.force_balance import solve_balance
-from stability_core import Contacts, StabilityExtension
+from stability_core import StabilityExtension
 from tests.stability_core.loaded_stacks import PAGES, kept_runs, table
 
 ENGINES = ("bullet", "mujoco", "dart", "physx", "rapier")
@@ -55,12 +55,8 @@ REST_S, LONGEST_REST_S = 1.0, 5.0
 """How long a stack stands alone before the tilt [s], and how long the extension may take to freeze all of it."""
 MOVED, TURNED = 0.01 * THICKNESS, math.radians(0.5)
 """Onset [m, rad]."""
-TOUCHING = 20e-6
-"""Gap [m] up to which planks touch."""
 NEAR_EXACT, NEAR_ONSET = 0.05, 0.25
 """Tolerances [deg]."""
-PRECISION = 1e-3
-"""To which limits are searched [deg]."""
 RIDGES: tuple[Ridge, ...] = ("bisector", "face")
 NAME = "tilt"
 
@@ -94,24 +90,9 @@ STACKS = {
 
 
 def limit_angle(stack: Tilted, patches: Sequence[Patch], centers: np.ndarray) -> float:
-    """Return the angle [deg] up to which forces in the Coulomb cones of ``patches`` balance the stack, at most 45."""
-    mass = np.array([brick.mass for brick in stack.bricks])
-
-    def holds(degrees: float) -> bool:
-        weights = np.outer(mass, stack.gravity(degrees))
-        return bool(solve_balance(centers, weights, patches, MU, LENGTH).balanced)
-
-    return bisected(holds, 0.0, 45.0)
-
-
-def bisected(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Return where ``holds`` ends between ``low`` and ``high``; NaN if it does not hold at ``low``."""
-    if not holds(low):
-        return math.nan
-    while high - low > PRECISION:
-        middle = (low + high) / 2
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return (low + high) / 2
+    """Return the angle [deg] up to which forces in the Coulomb cones of ``patches`` hold the stack; NaN without one."""
+    limit = limit_slope(stack.bricks, World(friction=MU), stack.axis, patches, centers)
+    return math.nan if limit is None else limit
 
 
 def exact_angles(stack: Tilted) -> list[float]:
@@ -120,27 +101,6 @@ def exact_angles(stack: Tilted) -> list[float]:
         return [stack.exact]
     centers = np.array([brick.position for brick in stack.bricks])
     return [limit_angle(stack, contact_patches(stack.bricks, ridge=ridge), centers) for ridge in RIDGES]
-
-
-class _Seen:
-    """The contacts that an engine last showed of each pair."""
-
-    def __init__(self) -> None:
-        self._pairs: dict[tuple[int, int], list[Patch]] = {}
-
-    def look(self, contacts: Contacts) -> None:
-        """Take over what is listed now."""
-        touching = contacts.chosen(contacts.separation <= TOUCHING)
-        now: dict[tuple[int, int], list[Patch]] = {}
-        rows = zip(touching.body_a.tolist(), touching.body_b.tolist(), touching.point, touching.normal, strict=True)
-        for a, b, point, normal in rows:
-            now.setdefault((a, b), []).append(Patch(a, b, point[None].copy(), normal.copy()))
-        self._pairs |= now
-
-    @property
-    def patches(self) -> list[Patch]:
-        """One patch a point."""
-        return [patch for pair in self._pairs.values() for patch in pair]
 
 
 def play(engine: str, profile: str, name: str, policy: str) -> dict[str, Any]:
@@ -152,7 +112,7 @@ def play(engine: str, profile: str, name: str, policy: str) -> dict[str, Any]:
         for brick in stack.bricks:
             simulation.spawn(brick)
         extension = None if policy == "alone" else StabilityExtension(simulation.port, policy)
-        seen = _Seen()
+        seen = OwnContacts()
         frozen = _rest(simulation, extension, seen)
         own = limit_angle(stack, seen.patches, simulation.poses()[1]) if extension else math.nan
         start = np.nanmin([*exact, own]) - SLOWED
@@ -163,7 +123,7 @@ def play(engine: str, profile: str, name: str, policy: str) -> dict[str, Any]:
     return {"frozen": frozen, **{key: None if math.isnan(value) else value for key, value in figures.items()}}
 
 
-def _rest(simulation: Simulation, extension: StabilityExtension | None, seen: _Seen) -> bool:
+def _rest(simulation: Simulation, extension: StabilityExtension | None, seen: OwnContacts) -> bool:
     """Let the stack come to rest; return whether all of it was frozen."""
     frame_s = simulation.info.frame_s
     if extension is None:
@@ -172,7 +132,7 @@ def _rest(simulation: Simulation, extension: StabilityExtension | None, seen: _S
         return False
     for _ in range(round(LONGEST_REST_S / frame_s)):
         simulation.step(frame_s)
-        seen.look(simulation.port.contacts())
+        seen.see(simulation.port.contacts())
         extension.update(frame_s)
         if len(simulation.frozen) == len(simulation.bricks):
             return True

@@ -55,7 +55,7 @@ def at_once(scene: Scene) -> Scene:
         ValueError: if the scene is dynamic or has no known answer, or if no single brick bears what is left.
     """
     _check(scene)
-    scene = _closed(scene)
+    scene = closed(scene)
     level = _level_of_fall(scene)
     if level is not None:
         return _falling(scene, [brick for brick in scene.bricks if brick.level <= level])
@@ -70,7 +70,7 @@ def at_once_below(scene: Scene) -> Scene:
         ValueError: as ``at_once``; or if the scene has no such level, or it is the first.
     """
     _check(scene)
-    scene = _closed(scene)
+    scene = closed(scene)
     level = _level_of_fall(scene)
     if level is None or level == 1:
         raise ValueError(f"{scene.variant} has no levels below the one at which it falls; use built = 'at_once'")
@@ -90,7 +90,7 @@ def _check(scene: Scene) -> None:
         raise ValueError(f"{scene.variant} has no known answer ({scene.expectation.theory}): build it one by one")
 
 
-def _closed(scene: Scene) -> Scene:
+def closed(scene: Scene) -> Scene:
     """Return the scene with ridges closed: a hand leaves a hair between two planks that lean against each other."""
     corners = Boxes.of(scene.bricks).corners
     shift = np.zeros((len(scene.bricks), 3))

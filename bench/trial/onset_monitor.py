@@ -1,0 +1,73 @@
+"""Monitor a stack on ground that tilts: at which slope something first moves, and what the engine's contacts allow."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from adapters.base import Simulation
+from bench.trial.measure import FloatArray
+from bench.trial.own_contacts import OwnContacts, limit_slope
+from scenarios.model import Scene, Tilt, Vector, World
+
+MOVED = 0.01
+"""Distance from its place before the tilt from which a brick has moved, in thicknesses."""
+TURNED = math.radians(0.5)
+"""Angle [rad] from which it has turned."""
+_EARLY_S = 1e-9
+"""Frame times are rounded sums [s]."""
+
+
+class OnsetMonitor:
+    """Takes in the poses after every frame."""
+
+    def __init__(self, scene: Scene, simulation: Simulation, *, is_alone: bool) -> None:
+        """Prepare to watch.
+
+        Args:
+            scene: with at least one ``Tilt``.
+            simulation: in which it is played.
+            is_alone: whether no extension freezes bricks, so that the engine's own contacts can be read.
+        """
+        self._scene, self._simulation = scene, simulation
+        self._first: Tilt = next(action for action in scene.actions if isinstance(action, Tilt))
+        self._contacts = OwnContacts() if is_alone else None
+        if is_alone:
+            _ = simulation.port  # from the first step on, contacts are recorded
+        self._rest: tuple[FloatArray, FloatArray] | None = None
+        self.onset_deg: float | None = None
+        """Slope [deg] of the ground in the frame in which a brick had first moved."""
+
+    def see(self, time: float, position: FloatArray, quaternion: FloatArray) -> None:
+        """Take in one frame, which ended at ``time`` [s]."""
+        if time <= self._first.time + _EARLY_S:
+            self._rest = position, quaternion
+            if self._contacts is not None:
+                self._contacts.see(self._simulation.port.contacts())
+            return
+        if self.onset_deg is not None or self._rest is None or len(position) != len(self._rest[0]):
+            return
+        thickness = np.array([min(brick.size) for brick in self._simulation.bricks.values()])
+        moved = np.linalg.norm(position - self._rest[0], axis=1) > MOVED * thickness
+        cosine = np.abs((quaternion * self._rest[1]).sum(axis=1))
+        if moved.any() or (2 * np.arccos(np.minimum(1.0, cosine)) > TURNED).any():
+            self.onset_deg = slope_deg(self._simulation.world.gravity)
+
+    def fields(self) -> dict[str, Any]:
+        """Return the fields of the record."""
+        fields: dict[str, Any] = {"onset_deg": self.onset_deg}
+        if self._contacts is not None and self._rest is not None:
+            scene = self._scene
+            patches = self._contacts.patches
+            level = World(scene.world.friction, scene.world.gravity)
+            fields["own_limit_deg"] = limit_slope(scene.bricks, level, self._first.axis, patches, self._rest[0])
+            fields["ridge_deg"] = self._contacts.ridge_deg(scene.bricks)
+        return fields
+
+
+def slope_deg(gravity: Vector) -> float:
+    """Return the angle [deg] between gravity and the vertical."""
+    x, y, z = gravity
+    return math.degrees(math.atan2(math.hypot(x, y), -z))

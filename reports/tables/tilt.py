@@ -1,0 +1,115 @@
+"""The table of the tilt test: the slope at which a stack first moves, against exact statics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import groups_of
+from reports.tables.table import NOTHING, Table
+from scenarios.model import Scene, Tilt
+from scenarios.registry import build
+from scenarios.scenes.tilt_test import THETA, tilt_limits
+
+TITLE = "Onset on tilting ground"
+SCENARIO = "tilt_test"
+NEAR_DEG = 0.25
+"""Distance [deg] of an onset from a limit within which it counts as that limit. An onset lags by the time that it takes
+to move 1 % of a thickness or to turn by half a degree: 0.02 to 0.1 deg at 0.1 deg/s. An error of half a degree must be
+seen."""
+NAMED_DEG = 2.0
+"""Distance [deg] of a ridge's normal from the bisector or from a plank's face within which it goes by that name."""
+
+
+class Onset(NamedTuple):
+    """What one trial shows."""
+
+    trial: TrialRecord
+    exact_deg: float
+    """Limit by exact statics."""
+    own_deg: float | None
+    """Limit by exact statics with the engine's own contacts, as its run without an extension showed them."""
+    ridge_deg: float | None
+    fall_deg: float | None
+    """Slope when the collapse was first seen."""
+
+    @property
+    def off_deg(self) -> float | None:
+        """Distance of the onset from the nearer of both limits; None without an onset."""
+        onset = self.trial.onset_deg
+        if onset is None:
+            return None
+        limits = [self.exact_deg] if self.own_deg is None else [self.exact_deg, self.own_deg]
+        return min((onset - limit for limit in limits), key=abs)
+
+    @property
+    def is_near(self) -> bool:
+        """True if the stack first moves at a limit."""
+        return self.off_deg is not None and abs(self.off_deg) <= NEAR_DEG
+
+
+def onsets_of(records: Sequence[TrialRecord]) -> list[Onset]:
+    """Return what the trials of the tilt test show, in the order of their groups."""
+    tilted = [record for record in records if record.scenario == SCENARIO]
+    own = {(one.scene, one.engine, one.profile): one for one in tilted if one.ridge_deg or one.own_limit_deg}
+    found = []
+    for group in groups_of(tilted):
+        scene = build(SCENARIO, **group.trials[0].parameters)
+        alone = own.get(group.key[:3])
+        for trial in group.trials:
+            exact = tilt_limits(str(trial.parameters["stack"]), str(trial.parameters["heading"])).exact
+            fall = None if trial.collapse_s is None else slope_at(scene, trial.collapse_s)
+            limits = (alone.own_limit_deg, alone.ridge_deg) if alone else (None, None)
+            found.append(Onset(trial, exact, *limits, fall))
+    return found
+
+
+def slope_at(scene: Scene, time: float) -> float:
+    """Return the slope [deg] of the ground of a scene at a time [s]; all of its tilts are about one axis."""
+    tilts = [action for action in scene.actions if isinstance(action, Tilt)]
+    return sum(tilt.speed * min(max(time - tilt.time, 0.0), tilt.seconds) for tilt in tilts)
+
+
+def tilt_tables(records: Sequence[TrialRecord]) -> list[Table]:
+    """The table of the tilt test; none if it was not run."""
+    found = onsets_of(records)
+    if not found:
+        return []
+    header = (
+        *("stack", "heading", "engine", "profile", "policy"),
+        *("exact", "own contacts", "ridge", "onset", "fall", "off"),
+    )
+    notes = (
+        "Slopes in degrees. Exact: by statics of the ideal stack. Own contacts: by statics with the points and normals "
+        "that the engine itself shows at rest. Ridge: its normal where two planks lean against each other, namely the "
+        "bisector, a plank's face, or so many degrees off the bisector.",
+        "Onset: a brick had moved by 1 % of its thickness or turned by half a degree. Fall: the collapse was seen.",
+        f"Off: onset less the nearer of both limits, ✓ within {NEAR_DEG:g}; engines that creep or yield move before.",
+    )
+    return [Table(TITLE, header, tuple(map(_row, found)), notes, id="tilt")]
+
+
+def _row(one: Onset) -> tuple[str, ...]:
+    trial = one.trial
+    off = NOTHING if one.off_deg is None else f"{one.off_deg:+.2f}{' ✓' if one.is_near else ''}"
+    return (
+        *(str(trial.parameters[name]) for name in ("stack", "heading")),
+        *(trial.engine, trial.profile, trial.policy),
+        *(_degrees(value) for value in (one.exact_deg, one.own_deg)),
+        _ridge(one.ridge_deg),
+        *(_degrees(value) for value in (trial.onset_deg, one.fall_deg)),
+        off,
+    )
+
+
+def _degrees(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.2f}"
+
+
+def _ridge(angle: float | None) -> str:
+    """Return the name of a ridge's normal by its angle [deg] from the bisector."""
+    if angle is None:
+        return NOTHING
+    names = {"bisector": 0.0, "face": 90.0 - THETA}
+    return next((name for name, named in names.items() if abs(angle - named) <= NAMED_DEG), f"{angle:.0f} off")

@@ -1,0 +1,123 @@
+"""A prebuilt stack on ground that tilts slowly until something moves: gravity turns, 0.1 deg/s near the exact angle.
+
+Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 deg: angle of leaning planks):
+
+- column of 10 planks, along them: it slides at atan(mu) = 24.228 deg;
+- column, across: it tips at atan(b / 10 t) = 16.699 deg;
+- V along: its four forces are determinate. Moments about both feet give the ridge's force (h, v), with
+  v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))) at a slope a. The
+  ridge slips where v / h = mu if its normal is the bisector, which is horizontal: 2.117 deg. With the face of either
+  plank as the normal, the limits are those of v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
+- V and card house of three storeys, across: they tip at atan(b / 2 z), z the height of the centre of mass: 11.631 and
+  4.714 deg;
+- card house along: its top V slips first, as the V alone.
+
+What to look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures
+its angle, and that at which exact statics gives way with the normals of the engine's own contacts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, NamedTuple
+
+from scenarios.model import Brick, Expectation, Place, Tilt, World
+from scenarios.parameters import Choice
+from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, lay
+from scenarios.scenario import Plan, dynamic_scenario
+from scenarios.scenes.card_house import card_house
+from scenarios.scenes.leaning_pair import leaning_pair
+from scenarios.scenes.shared.prebuilt import closed
+
+THETA = 72.0
+"""Angle [deg] between leaning planks and the ground."""
+PLANKS = 10
+"""Of the column."""
+AXES = {"along": (0.0, 1.0), "across": (-1.0, 0.0)}
+"""About which a table would turn, by heading: its low end is at +x or at +y."""
+REST_S = 2.0
+"""How long [s] a stack rests before the tilt."""
+FAST, SLOW, LAST = 5.0, 0.1, 1.0
+"""Speeds [deg/s] of the tilt: up to the slow range, in it, and beyond it."""
+MARGIN = 1.0
+"""How far [deg] the slow range reaches below the least and beyond the greatest limit."""
+BEYOND = 5.0
+"""How far [deg] the tilt goes on beyond the slow range."""
+
+
+class TiltLimits(NamedTuple):
+    """The slopes [deg] at which a stack gives way."""
+
+    exact: float
+    """With the bisector as the normal of a ridge."""
+    least: float
+    """With the worst face of a plank as the normal there."""
+    greatest: float
+    """With the best one."""
+
+
+@dynamic_scenario
+def tilt_test(
+    *,
+    stack: Annotated[str, Choice("column", "v", "card_house")] = "column",
+    heading: Annotated[str, Choice(*AXES)] = "along",
+) -> Plan:
+    """A stack on ground that tilts until something moves.
+
+    Args:
+        stack: "column" of 10 planks, "v" of two, or "card_house" of three storeys.
+        heading: where the ground goes down: "along" the planks or "across" them.
+    """
+    bricks = tilted_bricks(stack)
+    limits = tilt_limits(stack, heading)
+    slow_from, slow_to = max(0.0, limits.least - MARGIN), limits.greatest + MARGIN
+    tilts: list[Tilt] = []
+    time = REST_S
+    for speed, degrees in ((FAST, slow_from), (SLOW, slow_to - slow_from), (LAST, BEYOND)):
+        if degrees > 0:
+            tilts.append(Tilt(time, AXES[heading], speed, degrees / speed))
+            time += degrees / speed
+    theory = f"exact statics gives way at {limits.exact:.3f} deg"
+    if limits.least < limits.greatest:
+        theory += f", or from {limits.least:.3f} to {limits.greatest:.3f} deg with a face as the ridge's normal"
+    begins = REST_S + slow_from / FAST
+    return Plan(
+        world=World(friction=MU),
+        actions=(Place(0.0, tuple(bricks), 0.0), *tilts),
+        expectation=Expectation("fall", theory, max(brick.level for brick in bricks), not_before_s=begins),
+        look_for="the angle at which the first brick moves",
+        planar=heading == "along",
+        watch_s=1.0,
+    )
+
+
+def tilted_bricks(stack: str) -> Sequence[Brick]:
+    """Return the bricks of a stack, ridges closed."""
+    if stack == "column":
+        return [lay(0.0, level=level) for level in range(1, PLANKS + 1)]
+    if stack == "v":
+        return leaning_pair(theta=THETA, friction=MU).bricks
+    return closed(card_house(storeys=3, theta=THETA)).bricks
+
+
+def tilt_limits(stack: str, heading: str) -> TiltLimits:
+    """Return the slopes [deg] at which a stack gives way: see the module."""
+    if heading == "across":
+        bricks = tilted_bricks(stack)
+        height = sum(brick.mass * brick.position[2] for brick in bricks) / sum(brick.mass for brick in bricks)
+        exact = math.degrees(math.atan(WIDTH / (2 * height)))
+        return TiltLimits(exact, exact, exact)
+    if stack == "column":
+        exact = math.degrees(math.atan(MU))
+        return TiltLimits(exact, exact, exact)
+    face, cone = math.radians(90.0 - THETA), math.atan(MU)
+    limits = (_slope_of_ridge(slip) for slip in (MU, math.tan(cone - face), math.tan(cone + face)))
+    return TiltLimits(*limits)
+
+
+def _slope_of_ridge(slip: float) -> float:
+    """Return the slope [deg] at which the ridge's force has the vertical part ``slip`` times its horizontal one."""
+    cos, sin = math.cos(math.radians(THETA)), math.sin(math.radians(THETA))
+    lever = cos * (LENGTH * cos - THICKNESS * sin) / (sin * (LENGTH * sin + THICKNESS * cos))
+    return math.degrees(math.atan(slip * lever))
