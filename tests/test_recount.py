@@ -23,7 +23,7 @@ from reports.tables.table import to_markdown
 ROOT = Path(__file__).parent.parent
 PUBLISHED = ROOT / "docs" / "results"
 STUDIES = sorted(path.parent.name for path in PUBLISHED.glob("*/study.toml"))
-DECIDED = ("right", "false_collapse", "false_stand", "failed")
+DECIDED = ("right", "false_collapse", "false_stand", "creeps", "failed")
 
 
 def rows_of(block: str) -> list[dict[str, str]]:
@@ -60,6 +60,8 @@ def ending(trial: Mapping[str, object]) -> str:
         text = f"≥{text}"
     elif trial["status"] == "collapsed":
         text = f"{'sinks' if trial['collapse_kind'] == 'sink' else 'falls'} at {trial['collapse_level']}"
+    elif trial["verdict"] == "creeps":
+        text += " creeps"
     return text + (" ✓" if trial["verdict"] == "right" else " ✗" if trial["verdict"] in DECIDED else "")
 
 

@@ -31,6 +31,8 @@ def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) ->
     better = [*_lost(head, base), *_less(head, base, tolerance)]
     if better:
         return "better", f"was: {'; '.join(better)}"
+    if base.verdict != head.verdict and _differ_in_what_counts(base, head):
+        return "open", f"{head.verdict}, was {base.verdict}: creep of one of them is not known"
     if base.verdict != head.verdict:
         return "open", f"{head.verdict}, was {base.verdict}: neither is right"
     return "same", ""
@@ -66,7 +68,15 @@ def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
     """A verdict that was right and is no longer."""
+    if _differ_in_what_counts(base, head):
+        return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
+
+
+def _differ_in_what_counts(base: TrialRecord, head: TrialRecord) -> bool:
+    """Tell whether only one side was judged by its creep, and that decides: a record from before format 3 was not."""
+    is_judged_alike = (base.creep_m_s is None) == (head.creep_m_s is None)
+    return not is_judged_alike and {base.verdict, head.verdict} == {"right", "creeps"}
 
 
 def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[str]:
@@ -81,9 +91,14 @@ def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[st
         if _exceeds(head.sink_m, allowed):
             found.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
     allowed = _allowed(base.creep_m_s, tolerance.creep_m_s, tolerance.creep_share)
-    if _exceeds(head.creep_m_s, allowed):
+    if _exceeds(_certain_creep(head), allowed):
         found.append(f"creeps {_figure(head.creep_m_s, 'mm/s')}, {_figure(base.creep_m_s, 'mm/s')} before")
     return found
+
+
+def _certain_creep(record: TrialRecord) -> float | None:
+    """The lower end [m/s] of the interval of a trial's creep: a stack that trembles may seem to creep."""
+    return None if record.creep_m_s is None else record.creep_m_s - (record.creep_error_m_s or 0.0)
 
 
 def _fall_error(record: TrialRecord) -> int:

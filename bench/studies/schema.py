@@ -30,6 +30,7 @@ from bench.studies.bisect import Bisect
 from bench.studies.errors import field_name, plain_words
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.tolerance import Tolerance
+from reports.records.creep import CREEP_LIMIT_PER_MIN
 from scenarios.lookup import UnknownNameError, look_up, unknown_name
 from scenarios.registry import SCENARIOS, build
 
@@ -153,12 +154,14 @@ class Sweep(_Model):
 
 
 class Limits(_Model):
-    """What ends a trial that does not end by itself."""
+    """What ends a trial that does not end by itself, and what ends a stack's standing."""
 
     trial_wall_s: float = Field(default=60.0, gt=0)
     """Wall time [s] after which a trial stops and is censored."""
     memory_mib: int = Field(default=4096, ge=1)
     """Memory [MiB] above which a trial's process is ended. A trial of a hundred planks takes about 300."""
+    creep_per_min: float = Field(default=CREEP_LIMIT_PER_MIN, gt=0)
+    """Creep, in thicknesses of a brick a minute, from which a stack that must stand does not."""
     ratio: bool = True
     """Whether trials with an extension also measure the frame time without it on the same stack."""
 

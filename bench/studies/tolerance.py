@@ -22,10 +22,11 @@ class Tolerance(BaseModel):
     sink_share: float = Field(default=0.2, ge=0)
     """Deeper sink that is allowed, as a share of the base's."""
     creep_m_s: float = Field(default=1e-6, ge=0)
-    """Faster creep [m/s] that is allowed in any case: 5 micrometres over the 5 s of watching. Below it lies chance: a
-    stack that is let go a nanometre aside creeps at 1.4 in place of 0.7 micrometres a second on Bullet."""
+    """Faster creep [m/s] that is allowed in any case: 2.5 micrometres over the last half of a watch of 5 s. Below
+    it lies chance: a stack that is let go a nanometre aside creeps at 1.4 in place of 0.7 micrometres a second on
+    Bullet."""
     creep_share: float = Field(default=0.5, ge=0)
-    """Faster creep that is allowed, as a share of the base's: it must find a doubled one, and let what another
-    processor's last digits do to a slow slide pass."""
+    """Faster creep that is allowed, as a share of the base's; of the head's, the lower end of its interval
+    counts. It must find a doubled one, and let what another processor's last digits do to a slow slide pass."""
     time_share: float = Field(default=0.1, ge=0)
     """Least slowdown that counts, as a share of the base's time: less is not worth a developer's attention."""

@@ -12,12 +12,14 @@ def verdict(
     collapse_level: int | None,
     kind: CollapseKind | None,
     collapse_s: float | None = None,
+    *,
+    creeps: bool = False,
 ) -> Verdict:
     """Was the outcome what theory demands?
 
-    Standing is right if the trial ran to its end; falling is right only at the level itself, not before it is due and
-    not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its end, and one that
-    sank where it had to fall, has failed; one that its time limit stopped is undecided.
+    Standing is right if the trial ran to its end and no brick creeps; falling is right only at the level itself, not
+    before it is due and not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its
+    end, and one that sank where it had to fall, has failed; one that its time limit stopped is undecided.
     """
     if expectation.outcome == "study" or status == "unsupported":
         return "none"
@@ -26,7 +28,9 @@ def verdict(
     if status not in {"completed", "collapsed"}:
         return "failed"
     if expectation.outcome == "stand":
-        return "right" if status == "completed" else "false_collapse"
+        if status == "collapsed":
+            return "false_collapse"
+        return "creeps" if creeps else "right"
     if expectation.level is None:
         raise ValueError("a scene that must fall names the level at which it does")
     if collapse_level is None or collapse_level > expectation.level:

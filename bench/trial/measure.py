@@ -192,6 +192,6 @@ def sink(plan: Plan, position: FloatArray, level: int) -> float:
     return float((plan.position[of_level, 2] - position[of_level, 2]).mean())
 
 
-def creep(before: FloatArray, after: FloatArray, seconds: float) -> float:
-    """Fastest mean motion [m/s] of a brick between two sets of positions (n, 3)."""
+def fastest(before: FloatArray, after: FloatArray, seconds: float) -> float:
+    """Return the mean speed [m/s] of the brick that moved farthest between two sets of positions (n, 3)."""
     return float(np.linalg.norm(after - before, axis=1).max() / seconds)

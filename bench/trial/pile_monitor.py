@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bench.trial import measure
+from bench.trial.creep import Creep, CreepMeter
 from bench.trial.measure import FloatArray, Plan
 from bench.trial.stack_monitor import Standing
 from scenarios.geometry import Boxes
@@ -42,10 +43,17 @@ class PileMonitor:
     is_over = False
     """A pile is always watched to the end."""
 
-    def __init__(self, last_action_s: float, watch_from_s: float) -> None:
-        """Watch from ``watch_from_s`` [s] on how it sinks and creeps: the last action, and time for it to land."""
+    def __init__(self, last_action_s: float, watch_from_s: float, creep_from_s: float) -> None:
+        """Watch how a pile sinks and creeps.
+
+        Args:
+            last_action_s: when [s] the last brick is poured.
+            watch_from_s: from when [s] on its sink is measured: that, and time for it to land.
+            creep_from_s: from when [s] on its creep is measured: the last half of the watch.
+        """
         self._last_action_s = last_action_s
         self._watch_from_s = watch_from_s
+        self._creep = CreepMeter(creep_from_s)
         self._first: tuple[float, FloatArray] | None = None
         self._latest: tuple[float, FloatArray] | None = None
         self._plan = Plan.of(())
@@ -77,12 +85,9 @@ class PileMonitor:
         return slope_deg(self._latest[1]) if self._latest is not None and len(self._latest[1]) else None
 
     @property
-    def creep_m_s(self) -> float | None:
-        """Fastest mean motion [m/s] of a brick over the time of watching; None if it never came."""
-        if self._first is None or self._latest is None or self._latest[0] == self._first[0]:
-            return None
-        (begin, before), (end, after) = self._first, self._latest
-        return measure.creep(before, after, end - begin)
+    def creep(self) -> Creep | None:
+        """How fast its bricks creep; None if it was not watched so long."""
+        return self._creep.measure(self._plan.thickness)
 
     @property
     def rest_s(self) -> float | None:
@@ -97,7 +102,7 @@ class PileMonitor:
         """Take in one frame, as ``StackMonitor.see`` does; each brick is a level of its own."""
         if self._latest is not None and len(self._latest[1]) == len(position):
             before, was = self._latest
-            if measure.creep(was, position, time - before) > MOVING_M_S:
+            if measure.fastest(was, position, time - before) > MOVING_M_S:
                 self._moved_s = time
         else:
             self._moved_s = time
@@ -105,3 +110,4 @@ class PileMonitor:
         self._plan, self._quaternion, self._poured = plan, quaternion, len(placed)
         if self._first is None and time >= self._watch_from_s:
             self._first = time, position
+        self._creep.see(time, position)

@@ -25,6 +25,8 @@ from scenarios.model import Brick, Scene, Tilt
 SEATING_S = 1.0
 """The last brick's share of time [s], as every other has a second before the next one comes; watching starts then.
 Times the scene's pace."""
+CREEP_SHARE = 0.5
+"""Share of the watch that is left out of the measurement of creep, because a stack still settles in it."""
 _ROUNDING_S = 1e-9
 """Frame times are rounded sums [s]."""
 
@@ -81,10 +83,11 @@ class Playback:
         self._seated_s = self._last_action_s + SEATING_S * scene.pace
         self._hash = blake2b(digest_size=16)
         self.builder = Builder(scene, simulation, self._frames)
+        creep_from_s = max(self._seated_s, self._last_action_s + CREEP_SHARE * scene.watch_s)
         self.monitor = (
-            PileMonitor(self._last_action_s, self._seated_s)
+            PileMonitor(self._last_action_s, self._seated_s, creep_from_s)
             if scene.poured
-            else StackMonitor(self._seated_s, scene.pace)
+            else StackMonitor(creep_from_s, scene.pace)
         )
         self.onset = (
             OnsetMonitor(scene, simulation, is_alone=policy is None)

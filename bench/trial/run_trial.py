@@ -23,6 +23,7 @@ from bench.trial.awake_baseline import HIGHEST_LEVEL, time_baseline
 from bench.trial.judging import verdict
 from bench.trial.pile_monitor import PileMonitor
 from bench.trial.playback import Playback, Progress
+from reports.records.creep import creep_limit_m_s, is_creeping
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 from reports.records.recording import Recording
 from reports.records.trial import Status, TrialRecord
@@ -89,6 +90,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
         return Outcome(bare_record(trial, scene, environment, status, message), [])
     fields = {
         **_seen(playback),
+        **_creep(playback, limits.creep_per_min),
         **_timings(_standing_rows(playback), info.frame_s),
         **(
             _ratio(trial, scene, playback) if policy.core is not None and limits.ratio and status not in _BROKEN else {}
@@ -109,6 +111,8 @@ def bare_record(
 ) -> TrialRecord:
     """The record of a trial: who it was, how it ended, what ``fields`` were measured, and the verdict."""
     collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
+    creep = fields.get("creep_m_s")
+    creeps = creep is not None and is_creeping(creep, fields["creep_error_m_s"], fields["creep_limit_m_s"])
     return TrialRecord(
         **{
             "trial": trial.id,
@@ -125,9 +129,10 @@ def bare_record(
             "status": status,
             "message": message,
             "expectation": scene.expectation,
-            "verdict": verdict(scene.expectation, status, *collapse),
+            "verdict": verdict(scene.expectation, status, *collapse, creeps=creeps),
             "environment": environment,
             "levels_planned": scene.levels,
+            "watch_s": scene.watch_s,
             **fields,
         }
     )
@@ -154,7 +159,6 @@ def _seen(playback: Playback) -> dict[str, Any]:
     standing, collapse = playback.monitor.standing, playback.monitor.collapse
     fields: dict[str, Any] = {
         "levels_placed": len(playback.builder.placed),
-        "creep_m_s": playback.monitor.creep_m_s,
         "pose_hash": playback.pose_hash,
         "simulated_s": playback.simulated_s,
     }
@@ -184,6 +188,21 @@ def _seen(playback: Playback) -> dict[str, Any]:
                 "live_last": playback.rows[-1].live,
             }
     return fields
+
+
+def _creep(playback: Playback, per_min: float) -> dict[str, float]:
+    """How fast its bricks creep, and from which creep on that counts."""
+    creep = playback.monitor.creep
+    if creep is None:
+        return {}
+    return {
+        "creep_m_s": creep.speed_m_s,
+        "creep_error_m_s": creep.error_m_s,
+        "creep_thickness_m": creep.thickness_m,
+        "creep_limit_m_s": creep_limit_m_s(creep.thickness_m, per_min),
+        "sliding_m_s": creep.sliding_m_s,
+        "sinking_m_s": creep.sinking_m_s,
+    }
 
 
 def _standing_rows(playback: Playback) -> list[FrameRow]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.trial import measure
+from bench.trial.creep import Creep, CreepMeter
 from bench.trial.measure import BoolArray, FloatArray, Plan
 from reports.records.trial import CollapseKind
 from scenarios.planks import THICKNESS
@@ -47,15 +48,15 @@ class Collapse:
 class StackMonitor:
     """Takes in the poses after every frame. Everything here is simulated time."""
 
-    def __init__(self, watch_from_s: float, pace: float = 1.0) -> None:
-        """Creep is measured from ``watch_from_s`` [s] on: the last action, and time for it to land.
+    def __init__(self, creep_from_s: float, pace: float = 1.0) -> None:
+        """Creep is measured from ``creep_from_s`` [s] on: the last half of the watch.
 
         ``pace`` is that of the scene: levels land so much more slowly.
         """
         self._landing_s = LANDING_S * pace
-        self._watch_from_s = watch_from_s
-        self._first: tuple[float, FloatArray] | None = None
-        self._latest: tuple[float, FloatArray] | None = None
+        self._creep = CreepMeter(creep_from_s)
+        self._latest_s = 0.0
+        self._thickness: FloatArray = np.empty(0)
         self._judged: tuple[Plan, FloatArray, FloatArray] | None = None
         self._kind: CollapseKind | None = None
         self._out_of_place: BoolArray = np.empty(0, np.bool_)
@@ -66,17 +67,12 @@ class StackMonitor:
     @property
     def is_over(self) -> bool:
         """True when the aftermath of a collapse has been watched."""
-        if self.collapse is None or self._latest is None:
-            return False
-        return self._latest[0] - self.collapse.time >= self.collapse.aftermath_s
+        return self.collapse is not None and self._latest_s - self.collapse.time >= self.collapse.aftermath_s
 
     @property
-    def creep_m_s(self) -> float | None:
-        """Fastest mean motion [m/s] of a brick over the time of watching; None if the stack fell or it never came."""
-        if self.collapse or self._first is None or self._latest is None or self._latest[0] == self._first[0]:
-            return None
-        (begin, before), (end, after) = self._first, self._latest
-        return measure.creep(before, after, end - begin)
+    def creep(self) -> Creep | None:
+        """How fast its bricks creep; None if the stack fell, or if it was not watched so long."""
+        return None if self.collapse else self._creep.measure(self._thickness)
 
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
@@ -92,9 +88,8 @@ class StackMonitor:
             quaternion: their orientations, shape (n, 4).
             placed: the levels that are complete, and when [s] the last brick of each was let go.
         """
-        self._latest = time, position
-        if self._first is None and time >= self._watch_from_s:
-            self._first = time, position
+        self._latest_s, self._thickness = time, plan.thickness
+        self._creep.see(time, position - plan.position)
         self._judge(plan, position, quaternion)
         if self._kind is None and self.collapse is None:
             landed = [level for level, released in placed.items() if time - released >= self._landing_s]

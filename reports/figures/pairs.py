@@ -24,12 +24,14 @@ _SHARE_NAMES = {
     "right": "both right",
     "false_stand": "false stand",
     "false_collapse": "false collapse",
+    "creeps": "creeps",
     "failed": "failed",
 }
 _SHARE_MARKS: Mapping[str, dict[str, Any]] = {
     "right": {"marker": "o", "markersize": 7, "linestyle": ""},
     "false_stand": {"marker": "^", "markersize": 6, "linestyle": "", "fillstyle": "none"},
     "false_collapse": {"marker": "v", "markersize": 6, "linestyle": "", "fillstyle": "none"},
+    "creeps": {"marker": "s", "markersize": 5, "linestyle": "", "fillstyle": "none"},
     "failed": {"marker": "x", "markersize": 5, "linestyle": ""},
 }
 
@@ -51,7 +53,7 @@ def pairs_figure(rows: Sequence[PairRow]) -> Figure:
         for spare in panels[len(engines) :]:
             spare.set_visible(False)
         handles = [Line2D([], [], color=INK, label=told, **_SHARE_MARKS[name]) for name, told in _SHARE_NAMES.items()]
-        figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
+        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), frameon=False)
         figure.supxlabel("share of pairs", fontsize=9)
     return figure
 

@@ -189,6 +189,9 @@ def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_fr
     }
     ends = [record.status for record in records]
     found = [f"{ends.count(s)} of {len(ends)} trials {text}." for s, text in words.items() if s in ends]
+    earlier = [one for one in records if one.mean_motion_m_s is not None and one.creep_m_s is None]
+    if earlier:
+        found.append(f"{len(earlier)} trials are from before creep counted: their verdicts do not consider it.")
     if missing:
         found.append(f"{len(missing)} planned trials have no record (not yet run, or cut off): {_some(missing)}.")
     if without_frames:

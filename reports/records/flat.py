@@ -8,18 +8,29 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from reports.records.trial import TrialRecord
+from reports.records.trial import FORMAT, TrialRecord
 
 EXPECTATION_PREFIX = "expectation_"
 EXPECTATION_FIELDS = ("outcome", "level", "not_before_s", "within_s", "theory")
 _WHOLE = ("format",)
+_SINCE_FORMAT_3 = (
+    "watch_s",
+    "creep_error_m_s",
+    "creep_limit_m_s",
+    "creep_thickness_m",
+    "sliding_m_s",
+    "sinking_m_s",
+    "mean_motion_m_s",
+)
 _MISSING = (None, "")
 
 
-def flat_columns() -> list[str]:
+def flat_columns(of_format: int = FORMAT) -> list[str]:
     """Return the columns of a flat row: the fields of a record, with the expectation's own in its place."""
     columns: list[str] = []
     for name in TrialRecord.model_fields:
+        if name in _SINCE_FORMAT_3 and of_format < 3:
+            continue
         columns += [EXPECTATION_PREFIX + field for field in EXPECTATION_FIELDS] if name == "expectation" else [name]
     return columns
 

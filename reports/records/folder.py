@@ -13,8 +13,9 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from reports.records.creep import with_creep
 from reports.records.flat import from_flat
-from reports.records.recording import Recording, read_recording
+from reports.records.recording import Recording, RecordingError, read_recording
 from reports.records.trial import RecordError, TrialRecord, read_records
 
 TRIALS = "trials.jsonl"
@@ -71,11 +72,20 @@ class ResultsFolder:
         """
         file = self.trials_file
         if file.name == TRIALS:
-            return read_records(file)
+            return [self._with_creep(record) for record in read_records(file)]
         try:
             return [from_flat(row) for row in published_rows(file)]
         except (ValueError, pa.ArrowException) as error:
             raise RecordError(f"{file}: not a table of trials ({error})") from error
+
+    def _with_creep(self, record: TrialRecord) -> TrialRecord:
+        """Add to a record from before format 3 the creep that its recorded poses prove, if there are any."""
+        if record.mean_motion_m_s is None or not self.recording_file(record.trial).exists():
+            return record
+        try:
+            return with_creep(record, self.recording(record.trial))
+        except RecordingError:  # a torn recording proves nothing
+            return record
 
     def recording(self, trial: str) -> Recording:
         """Read the recorded poses of a trial; errors as of ``read_recording``."""

@@ -31,7 +31,7 @@ QUATERNION_STEP = 1e-4
 MOST_BYTES = 1_000_000
 """A recording that is larger keeps only every third frame, but every change of state."""
 THINNED = 3
-_LENGTH_BAND = 5e-5
+LENGTH_BAND = 5e-5
 _QUATERNION_BAND = 4e-4
 """Dead bands [m] and [1]: a solver's trembling is not kept. The second moves a plank's end by 0.05 mm."""
 FIXED_FIELDS = ("size", "position", "quaternion")
@@ -125,7 +125,7 @@ class Recorder:
         state[[body for body in frozen if body < len(state)]] = FROZEN
         quaternion = np.where((quaternion * self._quaternion[bodies]).sum(1)[:, None] < 0, -quaternion, quaternion)
         moved = state != self._state
-        moved[bodies] |= (np.abs(position - self._position[bodies]) > _LENGTH_BAND).any(1)
+        moved[bodies] |= (np.abs(position - self._position[bodies]) > LENGTH_BAND).any(1)
         moved[bodies] |= (np.abs(quaternion - self._quaternion[bodies]) > _QUATERNION_BAND).any(1)
         here = moved[bodies]
         self._position[bodies[here]], self._quaternion[bodies[here]] = position[here], quaternion[here]

@@ -21,7 +21,7 @@ from scenarios.model import Expectation
 Status: TypeAlias = Literal[
     "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
 ]
-Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "failed", "undecided", "none"]
+Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "creeps", "failed", "undecided", "none"]
 CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
 
 CENSORED: frozenset[Status] = frozenset({"timeout"})
@@ -30,9 +30,13 @@ CENSORED: frozenset[Status] = frozenset({"timeout"})
 NOT_JUDGED: frozenset[Verdict] = frozenset({"none", "undecided"})
 """Verdicts that count as neither right nor wrong."""
 
-FORMAT: Literal[2] = 2
-"""Version of the schema; raised when a field changes its meaning. Records of format 1 are converted when they are read:
-their verdict of a trial that was stopped by its time limit was ``failed``."""
+FORMAT: Literal[3] = 3
+"""Version of the schema; raised when a field changes its meaning. Older records are converted when they are read:
+
+- format 1: the verdict of a trial that its time limit stopped was ``failed``, and becomes ``undecided``;
+- formats 1 and 2: ``creep_m_s`` was the mean motion over the whole watch, and becomes ``mean_motion_m_s``. Creep did
+  not count, and cannot be told from such a record: it is missing, and the verdict stays as it was.
+"""
 
 
 class RecordError(ValueError):
@@ -51,7 +55,7 @@ class TrialRecord(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    format: Literal[2] = FORMAT
+    format: Literal[3] = FORMAT
     """Version of the schema."""
     trial: str
     """Id of the trial, unique within a study."""
@@ -93,7 +97,8 @@ class TrialRecord(BaseModel):
     """Farthest distance [m] of a brick, when the highest level was last seen intact, sideways from where it was let
     go."""
     creep_m_s: float | None = None
-    """Fastest mean motion [m/s] of a brick over the time of watching; null if the stack did not stand through it."""
+    """Creep [m/s]: slope of the centre's position over the last half of the watch, of the brick that is fastest for its
+    thickness; null if the stack did not stand through it, and for trials from before format 3."""
     frame_ms_p50: float | None = None
     """Median time [ms] of a frame: engine, read-back, core and port calls, without the bridge to an engine in a process
     of its own. The first five frames are left out."""
@@ -126,8 +131,9 @@ class TrialRecord(BaseModel):
     expectation: Expectation
     """What must happen by theory."""
     verdict: Verdict
-    """Whether the outcome is what theory demands: ``undecided`` if the time limit stopped the trial, ``none`` where
-    theory does not say or the engine cannot play the scene, ``failed`` if it sank, diverged or crashed."""
+    """Whether the outcome is what theory demands: ``creeps`` if it had to stand and did, but a brick certainly crept
+    faster than the limit, ``undecided`` if the time limit stopped the trial, ``none`` where theory does not say or the
+    engine cannot play the scene, ``failed`` if it sank, diverged or crashed."""
     environment: str
     """Digest of the environment.json of the run."""
     collapse_kind: CollapseKind | None = None
@@ -165,6 +171,22 @@ class TrialRecord(BaseModel):
     adopted: int | None = None
     """Number of bodies of prebuilt stacks that the core froze before the first step after they were set down; null
     without an extension, and for a scene without a prebuilt stack."""
+    watch_s: float | None = None
+    """How long [s] the trial watches after its last action."""
+    creep_error_m_s: float | None = None
+    """Half width [m/s] of the 95 % interval of ``creep_m_s``; frames are not taken to be independent. A stack creeps if
+    the whole interval lies above ``creep_limit_m_s``."""
+    creep_limit_m_s: float | None = None
+    """Creep [m/s] from which the brick of ``creep_m_s`` counts: by default 1 % of its thickness a minute."""
+    creep_thickness_m: float | None = None
+    """Thickness [m] of the brick of ``creep_m_s``."""
+    sliding_m_s: float | None = None
+    """Fastest horizontal creep [m/s] of any centre."""
+    sinking_m_s: float | None = None
+    """Fastest vertical creep [m/s] of any centre, downward or upward."""
+    mean_motion_m_s: float | None = None
+    """Of trials from before format 3, which called it creep: fastest mean motion [m/s] of a brick over the whole watch,
+    in which a stack still settles; null since."""
     host: str | None = None
     """Name of the machine: timings of different machines are not to be compared."""
     bridge_ms: float | None = None
@@ -183,11 +205,13 @@ class TrialRecord(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _of_present_format(cls, fields: object) -> object:
-        """Convert a record of format 1."""
-        if not isinstance(fields, dict) or fields.get("format") != 1:
+        """Convert a record of an earlier format."""
+        if not isinstance(fields, dict) or fields.get("format") not in (1, 2):
             return fields
-        is_stopped = fields.get("status") in CENSORED and fields.get("verdict") == "failed"
-        return {**fields, "format": FORMAT, **({"verdict": "undecided"} if is_stopped else {})}
+        converted = {**fields, "format": FORMAT, "creep_m_s": None, "mean_motion_m_s": fields.get("creep_m_s")}
+        if fields["format"] == 1 and fields.get("status") in CENSORED and fields.get("verdict") == "failed":
+            converted["verdict"] = "undecided"
+        return converted
 
     @property
     def is_judged(self) -> bool:

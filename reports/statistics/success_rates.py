@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from reports.records.trial import Verdict
 from reports.statistics.intervals import Estimate, success_rate
 
-Miss: TypeAlias = Literal["false_stand", "false_collapse", "failed"]
-MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "failed")
-"""Stood where it must fall; fell where, or before, it must not; sank, diverged or crashed."""
+Miss: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "failed"]
+MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "creeps", "failed")
+"""Stood where it must fall; fell where, or before, it must not; crept where it must stand; sank, diverged or
+crashed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,7 @@ class SuccessRates:
     right: Estimate
     false_stand: Estimate
     false_collapse: Estimate
+    creeps: Estimate
     failed: Estimate
 
     @property
@@ -43,10 +45,17 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
     """
     right = success_rate([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
     missed = [success_rate([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
-    stand, collapse, failed = missed
-    if right is None or stand is None or collapse is None or failed is None:
-        return None
-    return SuccessRates(right, stand, collapse, failed)
+    found = [rate for rate in (right, *missed) if rate is not None]
+    return SuccessRates(*found) if len(found) == 1 + len(MISSES) else None
+
+
+def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
+    """Return the ways of missing that a table shows: creep only where something crept.
+
+    Trials from before creep counted have none, and their tables stay as they were.
+    """
+    crept = any(one is not None and one.creeps.value > 0 for one in rates)
+    return tuple(miss for miss in MISSES if crept or miss != "creeps")
 
 
 def count(estimate: Estimate) -> int:

@@ -19,6 +19,10 @@ _WENT_WRONG = {
 TITLE = "What stood and what fell"
 ADOPTED = "†"
 """Marks trials in which the core froze bodies of a prebuilt stack before the first step."""
+CREEPS_NOTE = (
+    "“creeps”: it stood, but in the last half of the watch the 95 % interval of a brick's creep lay above the limit "
+    "(by default 1 % of its thickness a minute)."
+)
 ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and froze bodies before the first step."
 
 
@@ -38,6 +42,8 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
         "“falls at k”: it toppled, slid or dropped when k levels were complete, 0: before the first was; “sinks at k”: "
         "it sank upright by half a plank."
     ]
+    if any(record.verdict == "creeps" for record in records):
+        notes.append(CREEPS_NOTE)
     if any(record.status in CENSORED for record in records):
         notes.append("≥: stopped by the time limit; at least so many levels stand. Counted as neither right nor wrong.")
     if any(record.adopted for record in records):
@@ -85,7 +91,7 @@ def _end(trial: TrialRecord) -> str:
         return f"≥{trial.height_levels}/{trial.levels_planned}"
     if trial.collapse_level is not None:
         return f"{'sinks' if trial.collapse_kind == 'sink' else 'falls'} at {trial.collapse_level}"
-    return f"{trial.height_levels}/{trial.levels_planned}"
+    return f"{trial.height_levels}/{trial.levels_planned}{' creeps' if trial.verdict == 'creeps' else ''}"
 
 
 def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:

@@ -13,11 +13,11 @@ from reports.statistics.pairs import (
     PairRow,
     SetUp,
 )
-from reports.statistics.success_rates import MISSES, SuccessRates, count
+from reports.statistics.success_rates import MISSES, SuccessRates, count, misses_shown
 from reports.tables.table import NOTHING, Table
 from reports.tables.wording import percent
 
-_LETTERS = {"false_stand": "s", "false_collapse": "c", "failed": "f"}
+_LETTERS = {"false_stand": "s", "false_collapse": "c", "creeps": "r", "failed": "f"}
 
 
 def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
@@ -41,21 +41,22 @@ def pairs_csv(rows: Sequence[PairRow]) -> str:
 
 
 def _headline(rows: Sequence[PairRow]) -> Table:
+    misses = misses_shown(row.success_rates for row in rows)
     told = [
         (
             *row.set_up,
             right_of_judged(row.success_rates),
-            *(_percent(row.success_rates, name) for name in ("right", *MISSES)),
+            *(_percent(row.success_rates, name) for name in ("right", *misses)),
             _some(row),
         )
         for row in rows
         if row.family == ALL
     ]
-    header = (*SetUp._fields, "pairs", "right", "false stand", "false collapse", "failed", "undecided")
+    header = (*SetUp._fields, "pairs", "right", *(miss.replace("_", " ") for miss in misses), "undecided")
     notes = (
         "Of pairs of scenes, one of which must stand and one fall: those with both sides right; those in which what "
-        "must fall stood, in which something fell that must not (or not yet), and in which something sank, diverged or "
-        "crashed. A pair may go wrong in more than one way.",
+        "must fall stood, in which something fell that must not (or not yet), in which what must stand crept, and in "
+        "which something sank, diverged or crashed. A pair may go wrong in more than one way.",
         "Undecided: a side was stopped by the time limit, is impossible on the engine, or was built too near its "
         f"limit; counted nowhere. {_intervals(rows)}",
     )
@@ -74,8 +75,8 @@ def _by_family(rows: Sequence[PairRow]) -> Table:
             if any(those):
                 told.append((family, engine, profile, *(_family_cell(row) for row in those)))
     note = (
-        "Pairs with both sides right, of those judged. s: false stands, c: false collapses, f: failed; pairs in which "
-        f"they happened. “{NOTHING}”: none could be judged."
+        "Pairs with both sides right, of those judged. s: false stands, c: false collapses, r: creeps, f: failed; "
+        f"pairs in which they happened. “{NOTHING}”: none could be judged."
     )
     return Table(
         "Pairs by family of scenes",

@@ -14,7 +14,7 @@ FIGURES = (
     ("height", "height_m", "{:.1f}", 1e3),
     ("repose", "repose_deg", "{:.1f}", 1.0),
     ("sink", "sink_m", "{:.3f}", 1e3),
-    ("creep", "creep_m_s", "{:.4f}", 1e3),
+    ("creep", "creep_m_s", "{:.3f}", 1e6),
     ("awake", "live_mean", "{:.1f}", 1.0),
     ("last", "live_last", "{:.0f}", 1.0),
     ("p50", "frame_ms_p50", "{:.2f}", 1.0),
@@ -42,7 +42,8 @@ def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
         "Bricks poured (≥: stopped by the time limit); seconds from the last one until none moves faster than 10 mm/s "
         "(“moves”: some did to the end); height of the top [mm]; angle of repose [deg], of the cone with the same "
         "median height and radius.",
-        "While it is watched: sink of the bricks' mean height [mm], and the fastest creep of one of them [mm/s].",
+        "While it is watched: sink of the bricks' mean height [mm], and creep over its last half [µm/s], of the brick "
+        "that is fastest for its thickness.",
         "Bricks awake, in the mean of all frames and in the last one; without an extension nobody can tell. Times in "
         "ms a frame.",
     )

@@ -84,7 +84,7 @@ def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_
 @pytest.mark.parametrize(
     ("line", "complaint"),
     [
-        ('{"format": 99}', "a record of format 99, newer than this suite's 2: update the suite"),
+        ('{"format": 99}', "a record of format 99, newer than this suite's 3: update the suite"),
         ('{"name": "somebody else"}', "not a trial record"),
     ],
 )

@@ -166,6 +166,6 @@ def test_a_baseline_of_format_1_is_converted_when_it_is_read() -> None:
     old = json.loads(path.read_text(encoding="utf-8"))["trials"]
     assert [(one["format"], one["verdict"]) for one in old] == [(1, "right"), (1, "failed")]
     baseline = read_baseline(path)
-    assert [(one.format, one.verdict) for one in baseline.trials] == [(2, "right"), (2, "undecided")]
+    assert [(one.format, one.verdict) for one in baseline.trials] == [(3, "right"), (3, "undecided")]
     found = [one for one in compare_runs(baseline, baseline, NAMES).findings if one.gate == "outcome"]
     assert sorted(one.judgement for one in found) == ["open", "same"]

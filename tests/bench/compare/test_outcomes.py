@@ -40,6 +40,29 @@ def test_differences_within_tolerance_are_the_same(make) -> None:
     assert judge_outcome(make.record(), make.record(height_levels=2), Tolerance(levels=1))[0] == "same"
 
 
+def test_what_creeps_is_worse_than_what_stands_and_better_than_what_falls(make) -> None:
+    stands, creeps = make.record(), make.record(creep_m_s=9e-6, verdict="creeps")
+    falls = make.record(status="collapsed", height_levels=2, collapse_level=3, verdict="false_collapse", creep_m_s=None)
+    assert judge_outcome(stands, creeps, EXACT)[0] == "worse"
+    assert "creeps, was right" in judge_outcome(stands, creeps, EXACT)[1]
+    assert judge_outcome(creeps, falls, EXACT)[0] == "worse"
+    assert judge_outcome(falls, creeps, EXACT)[0] == "better"
+    assert judge_outcome(creeps, creeps, EXACT) == ("same", "")
+
+
+def test_a_creep_that_may_be_trembling_is_no_alarm(make) -> None:
+    trembles = make.record(creep_m_s=20e-6, creep_error_m_s=15e-6)
+    assert judge_outcome(make.record(), trembles, EXACT)[0] == "same"
+    assert judge_outcome(make.record(), make.record(creep_m_s=20e-6, creep_error_m_s=5e-6), EXACT)[0] == "worse"
+
+
+def test_a_base_from_before_creep_counted_raises_no_alarm_by_it(make) -> None:
+    base, head = make.record(creep_m_s=None, mean_motion_m_s=4e-6), make.record(creep_m_s=9e-6, verdict="creeps")
+    judgement, told = judge_outcome(base, head, EXACT)
+    assert (judgement, "creep of one of them is not known" in told) == ("open", True)
+    assert judge_outcome(base, make.record(), EXACT)[0] == "same"
+
+
 def test_a_lost_verdict_is_worse_whatever_levels_are_tolerated(make) -> None:
     head = make.record(status="collapsed", height_levels=2, collapse_level=3, verdict="false_collapse")
     assert judge_outcome(make.record(), head, Tolerance(levels=10))[0] == "worse"

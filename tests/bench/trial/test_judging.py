@@ -38,6 +38,13 @@ def test_verdict(expectation, status, collapse_level, kind, expected) -> None:
     assert verdict(expectation, status, collapse_level, kind) == expected
 
 
+def test_creep_decides_only_whether_what_must_stand_does() -> None:
+    assert verdict(STANDS, "completed", None, None, creeps=True) == "creeps"
+    assert verdict(STANDS, "collapsed", 3, "slide", creeps=True) == "false_collapse"
+    assert verdict(FALLS_AT_9, "completed", None, None, creeps=True) == "false_stand"
+    assert verdict(replace(STANDS, outcome="study"), "completed", None, None, creeps=True) == "none"
+
+
 def test_what_falls_before_it_is_due_is_no_right_fall() -> None:
     """A stack that is undermined at 11 s must stand until then."""
     undermined = replace(FALLS_AT_9, not_before_s=11.0)

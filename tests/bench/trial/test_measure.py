@@ -111,9 +111,9 @@ def test_sink_of_a_level_is_the_mean_over_its_bricks() -> None:
     assert measure.sink(pair, pair.position - [[0, 0, 1e-3], [0, 0, 3e-3]], 1) == pytest.approx(2e-3)
 
 
-def test_creep_is_the_fastest_mean_motion() -> None:
+def test_the_fastest_mean_motion_is_that_of_the_brick_that_moved_farthest() -> None:
     after = PLAN.position + np.array([[0, 0, 0], [3e-3, 0, -4e-3], [1e-3, 0, 0]])
-    assert measure.creep(PLAN.position, after, 5.0) == pytest.approx(1e-3)
+    assert measure.fastest(PLAN.position, after, 5.0) == pytest.approx(1e-3)
 
 
 def test_the_limits_are_those_that_the_time_of_a_fall_is_worked_out_for() -> None:

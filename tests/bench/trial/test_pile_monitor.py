@@ -35,7 +35,7 @@ def test_a_brick_that_rolled_away_makes_a_heap_no_flatter():
 
 def monitor_pile(speeds) -> PileMonitor:
     """A pile of which one brick moves along x, frame by frame, at these speeds [m/s]; the last action is at 0."""
-    monitor = PileMonitor(last_action_s=0.0, watch_from_s=1.0)
+    monitor = PileMonitor(last_action_s=0.0, watch_from_s=1.0, creep_from_s=1.0)
     position = PLAN.position.copy()
     for frame, speed in enumerate(speeds, start=1):
         position = position + [[speed * FRAME_S, 0.0, -0.1 * speed * FRAME_S]] * (len(PLAN.level) == 5)
@@ -51,7 +51,8 @@ def test_it_is_at_rest_when_nothing_was_last_seen_moving():
 
 def test_creep_and_sink_are_of_the_time_of_watching():
     monitor = monitor_pile([0.1] * 60 + [0.001] * 60)
-    assert monitor.creep_m_s == pytest.approx(0.001 * math.hypot(1, 0.1))
+    assert monitor.creep is not None
+    assert monitor.creep.speed_m_s == pytest.approx(0.001 * math.hypot(1, 0.1))
     assert monitor.standing is not None
     assert monitor.standing.sink_m == pytest.approx(0.1 * 0.001)
     assert monitor.collapse is None
@@ -66,5 +67,5 @@ def test_a_heap_is_as_high_as_its_highest_corner():
 
 
 def test_nothing_poured_is_no_heap():
-    monitor = PileMonitor(0.0, 1.0)
-    assert (monitor.standing, monitor.repose_deg, monitor.rest_s, monitor.creep_m_s) == (None, None, None, None)
+    monitor = PileMonitor(0.0, 1.0, 1.0)
+    assert (monitor.standing, monitor.repose_deg, monitor.rest_s, monitor.creep) == (None, None, None, None)

@@ -93,7 +93,8 @@ def test_a_stack_that_stays_is_completed_and_still(fake_engine) -> None:
     assert run.simulated_s == pytest.approx(2.0 + scene.watch_s)
     assert run.monitor.standing is not None
     assert run.monitor.standing.level == 3
-    assert run.monitor.creep_m_s == 0.0
+    assert run.monitor.creep is not None
+    assert run.monitor.creep.speed_m_s == 0.0
     assert sorted(run.at_level) == [1, 2, 3]
     assert [len(run.frames_of(level)) for level in (1, 2, 3)] == [60, 60, 60]  # each brick's second, no more
 
@@ -188,7 +189,8 @@ def test_watching_begins_when_a_pull_is_over(fake_engine) -> None:
     run = play(scene_of(Place(0.0, bricks), Pull(0.5, 0, (0.05, 0.0), 3.0)), fake_engine())
     assert run.run() == "completed"
     assert run.simulated_s == pytest.approx(0.5 + 3.0 + 2.0)
-    assert run.monitor.creep_m_s == 0.0
+    assert run.monitor.creep is not None
+    assert run.monitor.creep.speed_m_s == 0.0
 
 
 def test_a_poured_brick_has_no_place_to_leave(fake_engine) -> None:

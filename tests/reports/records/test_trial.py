@@ -94,8 +94,8 @@ def test_a_last_line_that_lost_only_its_line_break_is_whole(tmp_path) -> None:
     ("line", "complaint"),
     [
         ("not json", "not a line of JSON"),
-        ('{"format": 99}', "a record of format 99, newer than this suite's 2: update the suite"),
-        ('{"format": "x"}', "not a record of format 2"),
+        ('{"format": 99}', "a record of format 99, newer than this suite's 3: update the suite"),
+        ('{"format": "x"}', "not a record of format 3"),
         ('{"format": 1, "hello": 2}', "not a trial record: field 'trial': Field required"),
     ],
 )
@@ -133,15 +133,18 @@ def test_a_trial_that_its_time_limit_stopped_was_called_failed_in_format_1(tmp_p
     ]
     records = ResultsFolder(FORMAT_1).records
     assert [(one.format, one.verdict, one.is_judged) for one in records] == [
-        (2, "undecided", False),
-        (2, "right", True),
-        (2, "failed", True),
+        (3, "undecided", False),
+        (3, "right", True),
+        (3, "failed", True),
     ]
-    kept = [{name: one[name] for name in one if name not in ("format", "verdict")} for one in old]
-    for one, before in zip(records, kept, strict=True):
-        now = one.model_dump(mode="json", exclude={"format", "verdict"})
-        assert {name: now[name] for name in before} == before
-        assert all(now[name] is None for name in now.keys() - before.keys()), "nobody measured what came later"
+    changed = ("format", "verdict", "creep_m_s")
+    kept = [{name: one[name] for name in one if name not in changed} for one in old]
+    again = [one.model_dump(mode="json") for one in records]
+    assert [{name: new[name] for name in was} for new, was in zip(again, kept, strict=True)] == kept
+    assert [(one.creep_m_s, one.mean_motion_m_s) for one in records] == [(None, one["creep_m_s"]) for one in old]
+    for new, was in zip(again, kept, strict=True):
+        later = new.keys() - was.keys() - {*changed, "mean_motion_m_s"}
+        assert all(new[name] is None for name in later), "nobody measured what came later"
     pd.DataFrame(
         [{name: json.dumps(value) if isinstance(value, dict) else value for name, value in one.items()} for one in old],
         dtype=object,

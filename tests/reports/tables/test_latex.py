@@ -63,8 +63,8 @@ def test_pairs_stand_under_who_built_them_with_their_interval() -> None:
     assert [row[0] for row in rows] == [r"\quad none", r"\quad table\_2"], "all together, then by family"
     for row in rows:
         # of three builds two were right; a draw of three of them has any number from none to all
-        assert row[1:] == ["3", "67 [0, 100]", "33 [0, 100]", "0", "0", "0"]
-    assert r"\multicolumn{7}{@{}l}{bullet, game, none}" in pairs()
+        assert row[1:] == ["3", "67 [0, 100]", "33 [0, 100]", "0", "0", "0", "0"]
+    assert r"\multicolumn{8}{@{}l}{bullet, game, none}" in pairs()
 
 
 def test_caption_and_label_are_escaped() -> None:

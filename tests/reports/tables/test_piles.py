@@ -22,7 +22,7 @@ def test_a_row_tells_rest_height_slope_and_who_is_awake():
     entries = dict(zip(table.header, table.rows[0], strict=True))
     wanted = {"policy": "pile", "rest s": "1.5", "height": "100.0", "repose": "30.0", "awake": "12.5", "last": "3"}
     assert {name: entries[name] for name in wanted} == wanted
-    assert (entries["sink"], entries["creep"]) == ("0.010", "0.0010")
+    assert (entries["sink"], entries["creep"]) == ("0.010", "1.000")
 
 
 def test_what_never_rests_and_what_was_cut_off_is_marked():

@@ -1,0 +1,108 @@
+"""What counts as creep, and what the recording of a trial from before format 3 still tells of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.records.recording import FROZEN, LENGTH_BAND, LENGTH_STEP, REMOVED, Recording
+from reports.records.trial import TrialRecord
+from scenarios.lookup import UnknownNameError
+from scenarios.registry import build
+
+CREEP_LIMIT_PER_MIN = 0.01
+"""Creep from which a stack no longer stands, in thicknesses of a brick a minute: a plank of 7.8 mm may creep by 1.3
+micrometres a second, so that it takes more than 100 minutes to move by its thickness."""
+_MINUTE_S = 60.0
+_RECORDED_M = math.sqrt(3) * (LENGTH_BAND + LENGTH_STEP / 2)
+"""How far [m] a recorded centre may lie from the actual one: dead band and rounding, in three directions."""
+
+
+def creep_limit_m_s(thickness_m: float, per_min: float = CREEP_LIMIT_PER_MIN) -> float:
+    """Return the creep [m/s] from which a brick of this thickness [m] counts as creeping."""
+    return per_min * thickness_m / _MINUTE_S
+
+
+def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
+    """Tell whether the whole 95 % interval of a creep lies above the limit: a stack that trembles may not creep."""
+    return creep_m_s - error_m_s > limit_m_s
+
+
+def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
+    """Return a record of an earlier format with the creep that its recording proves, and the verdict that follows.
+
+    A recording keeps poses to 0.05 mm, so that it proves two things only: that frozen bricks did not move at all, and
+    that a brick crept by far more than the limit. What it does not prove stays missing, and the verdict as it was.
+    """
+    begin = _watch_half_s(record)
+    if record.creep_m_s is not None or record.mean_motion_m_s is None or begin is None or recording.every != 1:
+        return record
+    first = math.ceil(begin / recording.frame_s)
+    if recording.frames - first < 2:
+        return record
+    found = _proven(recording, first)
+    if found is None:
+        return record
+    crept, error, thickness = found
+    limit = creep_limit_m_s(thickness)
+    fields = {
+        "creep_m_s": crept,
+        "creep_error_m_s": error,
+        "creep_thickness_m": thickness,
+        "creep_limit_m_s": limit,
+    }
+    stood = record.verdict == "right" and record.expectation.outcome == "stand"
+    verdict = "creeps" if stood and is_creeping(crept, error, limit) else record.verdict
+    return record.model_copy(update={**fields, "verdict": verdict})
+
+
+def _watch_half_s(record: TrialRecord) -> float | None:
+    """When [s] the last half of the watch begins; None if the scene cannot be built any more."""
+    try:
+        return record.simulated_s - build(record.scenario, **record.parameters).watch_s / 2
+    except (ValueError, TypeError, UnknownNameError):
+        return None
+
+
+def _proven(recording: Recording, first: int) -> tuple[float, float, float] | None:
+    """Creep, its greatest error [m/s] and the thickness [m] of the fastest brick from frame ``first`` on, if proven."""
+    fastest: tuple[float, float, float] | None = None
+    all_frozen = True
+    thinnest = math.inf
+    for body in np.unique(recording.body).tolist():
+        rows = recording.body == body
+        frame, state = recording.frame[rows], recording.state[rows]
+        latest = int(np.searchsorted(frame, first, "right")) - 1
+        if latest < 0:
+            return None
+        if state[latest] == REMOVED:
+            continue
+        thickness = min(recording.sizes[body])
+        thinnest = min(thinnest, thickness)
+        all_frozen &= bool((state[latest:] == FROZEN).all())
+        crept, error = _slope(frame, recording.position[rows] * LENGTH_STEP, first, recording)
+        if fastest is None or (crept - error) / thickness > (fastest[0] - fastest[1]) / fastest[2]:
+            fastest = crept, error, thickness
+    if all_frozen and fastest is not None:
+        return 0.0, 0.0, thinnest
+    if fastest is not None and is_creeping(fastest[0], fastest[1], creep_limit_m_s(fastest[2])):
+        return fastest
+    return None
+
+
+def _slope(
+    frame: npt.NDArray[np.int32], position: npt.NDArray[np.float64], first: int, recording: Recording
+) -> tuple[float, float]:
+    """Speed [m/s] of a brick by regression over its recorded poses, and by how much it may err at most.
+
+    A slope is a weighted sum of positions, so that it errs by no more than the sum of the weights' sizes times the
+    greatest error of a position.
+    """
+    frames = np.arange(first, recording.frames)
+    time = frames * recording.frame_s
+    time -= time.mean()
+    held = position[np.searchsorted(frame, frames, "right") - 1]
+    slope = time @ (held - held[0]) / (time @ time)
+    return float(np.linalg.norm(slope)), float(_RECORDED_M * np.abs(time).sum() / (time @ time))
