@@ -27,6 +27,7 @@ from reports.tables.latex import table_to_latex
 from reports.tables.pairs import pair_tables
 from reports.tables.piles import pile_tables
 from reports.tables.repeatability import repeat_tables
+from reports.tables.sleep_audit import sleep_tables
 from reports.tables.study import study_tables
 from reports.tables.table import Table, to_markdown, write_table_csv
 from reports.tables.thresholds import threshold_tables
@@ -54,6 +55,7 @@ SECTIONS = (
     Section("study", lambda folder: study_tables(fixed) if (fixed := _of_fixed_scenes(folder)) else ()),
     Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),
     Section("tilt", lambda folder: tilt_tables(folder.records)),
+    Section("sleep", lambda folder: sleep_tables(folder.records)),
     Section("piles", lambda folder: pile_tables(folder.records)),
     Section("collapse_levels", lambda folder: collapse_level_tables(folder.records)),
     Section("repeatability", lambda folder: repeat_tables(folder.path, folder.records)),

@@ -171,6 +171,20 @@ class Drive:
         return self.time + self.seconds
 
 
+@dataclass(frozen=True, slots=True)
+class MustMove:
+    """A brick that must move by theory, from one time on until it has gone some way."""
+
+    brick: int
+    """The brick's index in the order of placement, from 0."""
+    from_s: float
+    """From when [s]."""
+    way_m: float
+    """How far [m] its centre must go, in a straight line from where it was."""
+    takes_s: float | None
+    """How long [s] that takes by theory; None if theory does not say."""
+
+
 Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
 
 
@@ -218,6 +232,8 @@ class Scene:
     """True if bricks find their own places: none is ever out of place, and what is measured is the heap."""
     watch_s: float = 5.0
     """How long [s] the trial watches after the last action."""
+    must_move: tuple[MustMove, ...] = ()
+    """Bricks that may not sleep: the harness measures for how long they do."""
     size: float = 1.0
     """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows with it."""
     bricks: tuple[Brick, ...] = field(init=False)

@@ -10,6 +10,7 @@ from scenarios.lookup import look_up
 from scenarios.model import Scene
 from scenarios.parameters import Value
 from scenarios.scenario import AT_ONCE, ONE_BY_ONE, Scenario
+from scenarios.scenes.asleep import asleep
 from scenarios.scenes.belt_tower import belt_tower
 from scenarios.scenes.branches import branches
 from scenarios.scenes.brick_wall import brick_wall
@@ -48,6 +49,7 @@ from scenarios.scenes.support_removal import robbed_stack
 from scenarios.scenes.table import table
 from scenarios.scenes.tilt_test import tilt_test
 from scenarios.scenes.tilted_ground import tilted_ground
+from scenarios.scenes.tipping_post import tipping_post
 from scenarios.scenes.trapdoor import trapdoor
 from scenarios.scenes.wall_plank import wall_plank
 
@@ -90,6 +92,8 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         slope,
         overhang,
         leaning_pair,
+        tipping_post,
+        asleep,
         poured_pile,
         own_scene,
     )

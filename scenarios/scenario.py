@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, ParamSpec, get_type_hints
 
-from scenarios.model import Action, Expectation, Place, Scene, World
+from scenarios.model import Action, Expectation, MustMove, Place, Scene, World
 from scenarios.parameters import Choice, Range, Real, Value, variant_of
 
 ONE_BY_ONE, AT_ONCE, AT_ONCE_BELOW = BUILT = ("one_by_one", "at_once", "at_once_below")
@@ -41,6 +41,7 @@ class Plan:
     planar: bool = False
     poured: bool = False
     watch_s: float = 5.0
+    must_move: tuple[MustMove, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +109,7 @@ class Scenario(Generic[P]):
             planar=planned.planar,
             poured=planned.poured,
             watch_s=planned.watch_s,
+            must_move=planned.must_move,
         )
 
     def _shared(self) -> Mapping[str, tuple[Value, Range]]:

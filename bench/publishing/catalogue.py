@@ -120,6 +120,11 @@ PUBLICATIONS: dict[str, Publication] = {
         "profiles `game` and `tuned`, without the extension and with `equilibrium`",
         "tilt",
     ),
+    "sleep": Publication(
+        "what must move though it rests or is slow: for how long engines (`native`, `raised`) and the extension let it "
+        "sleep, every profile",
+        "sleep",
+    ),
     "scale": Publication("what a world 10 or 100 times larger buys", "scale"),
     "ratio": Publication(
         "frame time with the extension over without, on 25 levels of PhysX and Rapier, every profile",

@@ -37,7 +37,8 @@ class Builder:
         self._is_driving = False
         self._pending = list(reversed(scene.actions))
         self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
-        self._bodies: list[int] = []  # in the order of placement
+        self.bodies: list[int] = []
+        """Ids of all bricks let go so far, in the order of placement."""
         self._planned: dict[int, Brick] = {}  # by body, of those now in the world
         self._drop_below: dict[int, float] = {}  # by body, of those that lost their support
         self.placed: dict[int, float] = {}
@@ -88,9 +89,9 @@ class Builder:
             if (
                 isinstance(action, Push | Press | Pull)
                 and action.time <= time + HOLD_S
-                and action.brick < len(self._bodies)
+                and action.brick < len(self.bodies)
             ):
-                self._manipulator.hold(self._bodies[action.brick])
+                self._manipulator.hold(self.bodies[action.brick])
         if self._manipulator.pulls:
             self._follow_pulls()
 
@@ -100,17 +101,17 @@ class Builder:
             case Place():
                 self._place(action, time)
             case Remove():
-                body = self._bodies[action.brick]
+                body = self.bodies[action.brick]
                 self._simulation.remove(body)
                 self._forget(body)
             case Push():
-                self._manipulator.push(self._bodies[action.brick], action.impulse)
+                self._manipulator.push(self.bodies[action.brick], action.impulse)
             case Press():
-                self._manipulator.press(self._bodies[action.brick], action)
+                self._manipulator.press(self.bodies[action.brick], action)
             case Pull():
-                self._manipulator.pull(self._bodies[action.brick], action)
+                self._manipulator.pull(self.bodies[action.brick], action)
             case Drive():
-                self._drives.begin(self._bodies[action.brick], action)
+                self._drives.begin(self.bodies[action.brick], action)
             case Tilt():
                 self._gravity.begin(action)
 
@@ -157,7 +158,7 @@ class Builder:
         for brick in action.bricks:
             x, y, z = brick.position
             body = self._simulation.spawn(replace(brick, position=(x, y, z + shift)))
-            self._bodies.append(body)
+            self.bodies.append(body)
             self._planned[body] = brick
             if action.height == 0.0:
                 self._set_down.append(body)

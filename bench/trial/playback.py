@@ -14,6 +14,7 @@ from bench.trial.builder import Builder
 from bench.trial.measure import FloatArray
 from bench.trial.onset_monitor import OnsetMonitor
 from bench.trial.pile_monitor import PileMonitor
+from bench.trial.sleep_audit import SleepAudit
 from bench.trial.sleep_stats import SleepStats
 from bench.trial.stack_monitor import StackMonitor
 from bench.trial.stepping import FrameTimes, PlainFrames, SteeredFrames, Steering
@@ -94,6 +95,7 @@ class Playback:
             if any(isinstance(action, Tilt) for action in scene.actions)
             else None
         )
+        self.sleep_audit = SleepAudit(scene.must_move) if scene.must_move else None
         self.sleep_stats = SleepStats()
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
@@ -158,6 +160,10 @@ class Playback:
         self.monitor.see(now, builder.plan, position, quaternion, builder.placed)
         if self.onset is not None:
             self.onset.see(now, position, quaternion)
+        if self.sleep_audit is not None:
+            rows = dict(zip(bodies.tolist(), np.hstack([position, quaternion]), strict=True))
+            placed = {index: rows[body] for index, body in enumerate(self.builder.bodies) if body in rows}
+            self.sleep_audit.see(begin, now, placed)
         if steering is not None:
             self.sleep_stats.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
         if now <= self._seated_s + _ROUNDING_S:

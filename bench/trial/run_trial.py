@@ -175,6 +175,8 @@ def _seen(playback: Playback) -> dict[str, Any]:
         fields |= {"rest_s": playback.monitor.rest_s, "repose_deg": playback.monitor.repose_deg}
     if playback.onset is not None:
         fields |= playback.onset.fields()
+    if playback.sleep_audit is not None:
+        fields |= playback.sleep_audit.fields()
     if playback.is_steered:
         fields |= {
             "adopted": playback.adopted,

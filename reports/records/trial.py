@@ -201,6 +201,11 @@ class TrialRecord(BaseModel):
     ridge_deg: float | None = None
     """Greatest angle [deg] between the engine's normal where two leaning planks meet and the bisector; null where none
     was seen."""
+    asleep_s: float | None = None
+    """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null where no brick
+    must."""
+    moved_after_s: float | None = None
+    """Simulated time [s] in which the bricks that must move went as far as they must; null if one did not."""
 
     @model_validator(mode="before")
     @classmethod

@@ -1,0 +1,69 @@
+"""Audit sleeping: for how long a brick that must move by theory keeps its pose, whatever holds it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bench.trial.measure import FloatArray
+from scenarios.model import MustMove
+
+_EARLY_S = 1e-9
+"""Frame times are rounded sums [s]."""
+
+
+@dataclass(slots=True)
+class _Watched:
+    """A brick that must move."""
+
+    due: MustMove
+    start: FloatArray | None = None
+    """Its centre [m] when it had to begin, shape (3,)."""
+    moved_after_s: float | None = None
+    """Time [s] that it took to go its way; None if it has not."""
+
+
+class SleepAudit:
+    """Takes in the poses after every frame."""
+
+    def __init__(self, must_move: Sequence[MustMove]) -> None:
+        """Watch the bricks that must move."""
+        self._watched = [_Watched(due) for due in must_move]
+        self._before: dict[int, FloatArray] = {}
+        self.asleep_s = 0.0
+        """Simulated time [s] in which a brick that must move kept its pose to the last bit."""
+
+    @property
+    def moved_after_s(self) -> float | None:
+        """Time [s] in which all bricks went as far as they must; None if one did not."""
+        times = [one.moved_after_s for one in self._watched]
+        return None if None in times else max(time for time in times if time is not None)
+
+    def see(self, begin: float, end: float, poses: Mapping[int, FloatArray]) -> None:
+        """Take in one frame.
+
+        Args:
+            begin: when it began [s].
+            end: when it ended [s].
+            poses: positions [m] and quaternions (7,) of the bricks in the world, by their order of placement.
+        """
+        sleeps = False
+        for one in self._watched:
+            if one.moved_after_s is not None or one.due.brick not in poses or begin < one.due.from_s - _EARLY_S:
+                continue
+            pose, before = poses[one.due.brick], self._before.get(one.due.brick)
+            if one.start is None:
+                one.start = (pose if before is None else before)[:3]
+            sleeps |= before is not None and np.array_equal(pose, before)
+            if math.dist(pose[:3], one.start) >= one.due.way_m:
+                one.moved_after_s = end - one.due.from_s
+        self.asleep_s += (end - begin) * sleeps
+        self._before = dict(poses)
+
+    def fields(self) -> dict[str, Any]:
+        """Return the fields of the record."""
+        return {"asleep_s": self.asleep_s, "moved_after_s": self.moved_after_s}

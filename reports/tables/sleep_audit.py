@@ -1,0 +1,56 @@
+"""The table of the sleep audit: for how long bricks slept that had to move, and when they had gone their way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import grouped, ordered_policies
+from reports.tables.table import NOTHING, Table
+from scenarios.registry import build
+
+TITLE = "Asleep while it must move"
+NEVER = "never"
+
+
+def sleep_tables(records: Sequence[TrialRecord]) -> list[Table]:
+    """The table of all trials in which a brick must move; none if there are none."""
+    audited = [record for record in records if _must_move(record)]
+    if not any(record.asleep_s is not None for record in audited):
+        return []
+    policies = ordered_policies(record.policy for record in audited)
+    rows = []
+    for (scene, engine, profile), trials in grouped(audited, "scene", "engine", "profile").items():
+        by_policy = {policy: list(those) for (policy,), those in grouped(trials, "policy").items()}
+        cells = (_cell(by_policy.get(policy, [])) for policy in policies)
+        rows.append((scene, engine, profile, _exact(trials[0]), *cells))
+    notes = (
+        "Seconds in which a brick that must move kept its pose to the last bit, then those after which it had gone the "
+        f"way that it must go (“{NEVER}”: not within the trial); the worst of several trials. Exact: the latter by "
+        "closed form. A frame is 1/60 s.",
+    )
+    return [Table(TITLE, ("scene", "engine", "profile", "exact", *policies), tuple(rows), notes, id="sleep")]
+
+
+def _must_move(record: TrialRecord) -> bool:
+    return record.asleep_s is not None or (record.status == "unsupported" and bool(_due(record)))
+
+
+def _due(record: TrialRecord) -> tuple[float | None, ...]:
+    """Return the times [s] that the bricks of a scene that must move take by theory."""
+    return tuple(due.takes_s for due in build(record.scenario, **record.parameters).must_move)
+
+
+def _exact(record: TrialRecord) -> str:
+    known = [seconds for seconds in _due(record) if seconds is not None]
+    return f"{max(known):.2f}" if known else NOTHING
+
+
+def _cell(trials: Sequence[TrialRecord]) -> str:
+    seen = [(trial.asleep_s, trial.moved_after_s) for trial in trials if trial.asleep_s is not None]
+    if not seen:
+        return "n/a" if any(trial.status == "unsupported" for trial in trials) else NOTHING
+    asleep = max(seconds for seconds, _ in seen)
+    times = [moved for _, moved in seen if moved is not None]
+    moved = f"{max(times):.2f}" if len(times) == len(seen) else NEVER
+    return f"{asleep:.2f}, {moved}"

@@ -1,0 +1,98 @@
+"""What bodies at rest must not sleep through: a support that goes, a fall in company, a load that comes.
+
+Theory, by case:
+
+- ``support``: a block lies on a pillar for ``PAUSE_S``; then the pillar is taken. The block falls by s in
+  sqrt(2 s / g): 0.2 m in 0.202 s.
+- ``pair``: two blocks, one on the other, fall together. They touch and do not move against each other, and fall all the
+  same: 0.2 m in 0.202 s.
+- ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``; then a block drops on its end. The plank's mass m has
+  a lever arm of 0.05 m about the pillar's edge, the block's mass 3 m one of 0.10 m: the plank tips.
+
+What to look for: what hangs in the air, and a plank that carries on one side what it cannot.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from scenarios.model import Expectation, MustMove, Place, Remove, World
+from scenarios.parameters import Choice
+from scenarios.planks import GRAVITY, MU, box
+from scenarios.scenario import Plan, dynamic_scenario
+
+PAUSE_S = 8.0
+"""How long [s] a stack rests before anything happens: every engine has let it sleep by then."""
+EDGE = 0.1
+"""Edge of a block [m]."""
+PILLAR = 0.4
+"""Height of the pillar [m]."""
+FALL = 0.2
+"""How far [m] what falls must have come."""
+FALL_S = math.sqrt(2 * FALL / GRAVITY)
+"""In which time [s], from rest."""
+DROP = 1.0
+"""From where [m] the pair falls."""
+PLANK = (0.3, EDGE, 0.02)
+"""Edges of the balanced plank [m]."""
+STRIKER = 0.05
+"""Edge of what drops on it [m], and from where [m]."""
+TIPPED = 0.01
+"""How far [m] its centre has moved when it has tipped."""
+
+
+@dynamic_scenario
+def asleep(*, case: Annotated[str, Choice("support", "pair", "striker")] = "support") -> Plan:
+    """Bodies that have come to rest, or fall together, and must move.
+
+    Args:
+        case: "support" that is taken, "pair" that falls, or "striker" on a balanced plank.
+    """
+    return {"support": _support, "pair": _pair, "striker": _striker}[case]()
+
+
+def _support() -> Plan:
+    pillar = box((EDGE, EDGE, PILLAR), 0.0, level=1)
+    block = box((EDGE, EDGE, EDGE), 0.0, level=2, bottom=PILLAR)
+    return Plan(
+        world=World(friction=MU),
+        actions=(Place(0.0, (pillar, block), 0.0), Remove(PAUSE_S, 0)),
+        expectation=Expectation(
+            "fall", f"without its support it falls by {FALL:g} m in {FALL_S:.3f} s", 2, not_before_s=PAUSE_S
+        ),
+        look_for="a block that hangs in the air",
+        planar=True,
+        must_move=(MustMove(1, PAUSE_S, FALL, FALL_S),),
+    )
+
+
+def _pair() -> Plan:
+    blocks = tuple(box((EDGE, EDGE, EDGE / 2), 0.0, level=k + 1, bottom=k * EDGE / 2) for k in range(2))
+    return Plan(
+        world=World(friction=MU),
+        actions=(Place(0.0, blocks, DROP),),
+        expectation=Expectation("study", f"both fall by {FALL:g} m in {FALL_S:.3f} s; how they land is not asked"),
+        look_for="blocks that stop in the air because they do not move against each other",
+        planar=True,
+        watch_s=2.0,
+        must_move=tuple(MustMove(brick, 0.0, FALL, FALL_S) for brick in range(2)),
+    )
+
+
+def _striker() -> Plan:
+    pillar = box((EDGE, EDGE, PILLAR), 0.0, level=1)
+    plank = box(PLANK, 0.0, level=2, bottom=PILLAR)
+    x = (PLANK[0]) / 2
+    block = box((STRIKER,) * 3, x, level=3, bottom=PILLAR + PLANK[2], mass=3 * plank.mass)
+    strikes_s = PAUSE_S + math.sqrt(2 * STRIKER / GRAVITY)
+    return Plan(
+        world=World(friction=MU),
+        actions=(Place(0.0, (pillar, plank), 0.0), Place(PAUSE_S, (block,), STRIKER)),
+        expectation=Expectation(
+            "fall", "three times its mass at its end, 0.10 m beyond the edge, tip the plank", 3, not_before_s=PAUSE_S
+        ),
+        look_for="a plank that carries at its end what it cannot",
+        planar=True,
+        must_move=(MustMove(1, strikes_s, TIPPED, None),),
+    )

@@ -1,0 +1,79 @@
+"""A tall post on its lower edge, leaning a little beyond its balance: it must fall, though slowly at first.
+
+Theory: a post of width b and height h balances on an edge at atan(b / h), 5.711 deg. With phi the angle of its centre
+of mass beyond the vertical above the edge, and R = sqrt(b^2 + h^2) / 2 its distance from it,
+
+    phi'' = k sin(phi),    k = 3 g / (4 R)          (moment of inertia about the edge: m (b^2 + h^2) / 3)
+    t(phi0 -> phi) = (K(m) - F(asin(cos(phi / 2) / cos(phi0 / 2)), m)) / sqrt(k),    m = cos(phi0 / 2)^2
+
+with the complete and the incomplete elliptic integral of the first kind. From 0.2 (0.05) deg beyond the balance it lies
+on the ground after 1.77 (2.14) s, and half a second after its release its centre moves at 22 (5.7) mm/s.
+
+What to look for: an engine that lets slow bodies sleep lets the post stand where nothing can.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from scipy.special import ellipkinc, ellipkm1
+
+from scenarios.model import Brick, Expectation, MustMove, Place, World
+from scenarios.parameters import Real
+from scenarios.planks import DENSITY, GRAVITY
+from scenarios.scenario import Plan, dynamic_scenario
+from scenarios.scenes.shared.prebuilt import WITHIN
+
+WIDTH, HEIGHT = 0.1, 1.0
+"""Edges [m] of the post."""
+BALANCE = math.degrees(math.atan(WIDTH / HEIGHT))
+"""Angle [deg] off the vertical at which it balances on an edge."""
+FALLEN = 15.0
+"""Angle [deg] by which a brick has fallen."""
+FRICTION = 0.9
+"""Enough that the foot does not slip before the post has fallen."""
+
+
+@dynamic_scenario
+def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0)] = 0.2) -> Plan:
+    """A post on its lower edge, leaning beyond its balance.
+
+    Args:
+        beyond: angle [deg] beyond the balance.
+    """
+    lean, arm = math.radians(BALANCE + beyond), math.hypot(WIDTH, HEIGHT) / 2
+    height = (HEIGHT * math.cos(lean) + WIDTH * math.sin(lean)) / 2
+    turn = (math.cos(lean / 2), 0.0, math.sin(lean / 2), 0.0)
+    post = Brick((WIDTH, WIDTH, HEIGHT), DENSITY * WIDTH * WIDTH * HEIGHT, (0.0, 0.0, height), turn)
+    seconds = post_fall_s(beyond, beyond + FALLEN)
+    way = 2 * arm * math.sin(math.radians(FALLEN) / 2)
+    return Plan(
+        world=World(friction=FRICTION),
+        actions=(Place(0.0, (post,), 0.0),),
+        expectation=Expectation(
+            "fall",
+            f"{beyond:g} deg beyond its balance it turns by {FALLEN:g} deg in {seconds:.2f} s, and lies after "
+            f"{post_fall_s(beyond, 90.0 - BALANCE):.2f} s",
+            1,
+            within_s=round(WITHIN * seconds, 3),
+        ),
+        look_for="it hardly moves at first: what rests by its speed alone sleeps here, and must not",
+        planar=True,
+        watch_s=WITHIN * seconds,
+        must_move=(MustMove(0, 0.0, way, seconds),),
+    )
+
+
+def post_fall_s(start: float, end: float) -> float:
+    """Return the time [s] in which the post turns, from rest, between two angles [deg] beyond its balance.
+
+    Args:
+        start: where it is let go; above 0.
+        end: where it arrives; ``90 - BALANCE`` is flat on the ground.
+    """
+    first, last = math.radians(start) / 2, math.radians(end) / 2
+    rate = math.sqrt(3 * GRAVITY / (2 * math.hypot(WIDTH, HEIGHT)))
+    amplitude = math.asin(min(1.0, math.cos(last) / math.cos(first)))
+    quarter, passed = float(ellipkm1(math.sin(first) ** 2)), float(ellipkinc(amplitude, math.cos(first) ** 2))
+    return (quarter - passed) / rate
