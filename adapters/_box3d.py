@@ -27,27 +27,24 @@ are reported as NaN.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 from robox3d._ffi import lib
-from robox3d.core import _log
 
-from adapters._box3d_arrays import ContactReader, Manifolds, poses_of, raw_handle, velocities_of, with_room
-from adapters._box3d_world import WORLD_KNOBS, add_box, open_world, set_velocity, split
-from adapters.profile import Capabilities, Profile, Sleeping
+from adapters._box3d_contacts import ContactReader, Manifolds
+from adapters._box3d_state import poses_of, velocities_of
+from adapters._box3d_world import KNOBS, Box3dWorld, set_velocity, split
+from adapters.profile import Capabilities, Profile
 from adapters.profile_files import load_settings
-from adapters.shared.contact_completion import fixed_id
+from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces
 from adapters.substeps import SubstepSimulation
-from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
+from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
-_NEAR = 1e-4
-"""Points further apart than this [m] do not touch."""
-
-_SETTINGS = load_settings("box3d", (*WORLD_KNOBS, "subStepCount", "sleepThreshold").__contains__)
+_SETTINGS = load_settings("box3d", KNOBS.__contains__)
 
 
 class Box3dSimulation(SubstepSimulation):
@@ -71,37 +68,26 @@ class Box3dSimulation(SubstepSimulation):
         deterministic="across processes",
     )
 
-    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        super().__init__(profile, world, sleeping, expected)
-        self._knobs = {name: knob.value for name, knob in self.info.profile.knobs.items()}
-        self._iterations = int(self._knobs["subStepCount"])
-        self._handles: dict[int, Any] = {}
-        self._shapes: dict[int, int] = {}
-        self._raw_handles = np.zeros(64, np.uint64)  # by body, as batch functions take them
-        self._body_of = np.full(64, GROUND)  # by shape
+    def _open(self) -> None:
+        self._engine = Box3dWorld(self.world, self.info.profile)
         self._reader = ContactReader()
         self._solved: Manifolds | None = None  # contacts of the latest substep, once read
-        self._has_diverged = False
-        self._engine = open_world(world, self._knobs)
-        x, y, z = self.ground_half_edges
-        self._create(GROUND, Brick((2 * x, 2 * y, 2 * z), 1.0, (0.0, 0.0, -z), UPRIGHT), lib.b3_staticBody)
-        for index, box in enumerate(world.fixed):
-            self._create(fixed_id(index), box, lib.b3_staticBody)
+        for body, box in self._fixed_boxes():
+            self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        self._insert(body, brick, lib.b3_dynamicBody)
+        self._engine.add_live(body, brick)
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._insert(body, brick, lib.b3_kinematicBody)
+        self._engine.add_moved(body, brick)
 
     def _remove(self, body: int) -> None:
-        self._body_of[self._shapes.pop(body)] = GROUND
-        lib.b3DestroyBody(self._handles.pop(body))
+        self._engine.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        handle = self._handle(body)
+        handle = self._engine.handle(body)
         lib.b3Body_SetTransform(handle, position, split(quaternion))
         set_velocity(handle)
         lib.b3Body_SetAwake(handle, True)
@@ -109,18 +95,18 @@ class Box3dSimulation(SubstepSimulation):
     # -- actions --------------------------------------------------------------------------------------
 
     def _push(self, body: int, impulse: Vector) -> None:
-        lib.b3Body_ApplyLinearImpulseToCenter(self._handle(body), impulse, True)
+        lib.b3Body_ApplyLinearImpulseToCenter(self._engine.handle(body), impulse, True)
 
     def _press(self, body: int, force: Vector) -> None:
-        lib.b3Body_ApplyForceToCenter(self._handle(body), force, True)
+        lib.b3Body_ApplyForceToCenter(self._engine.handle(body), force, True)
 
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
-        set_velocity(self._handle(body), linear, angular)
+        set_velocity(self._engine.handle(body), linear, angular)
 
     def _set_gravity(self, gravity: Vector) -> None:
-        lib.b3World_SetGravity(self._engine, gravity)
+        self._engine.set_gravity(gravity)
         for body in self.bodies.live:
-            lib.b3Body_SetAwake(self._handle(body), True)
+            lib.b3Body_SetAwake(self._engine.handle(body), True)
 
     # -- time -----------------------------------------------------------------------------------------
 
@@ -129,43 +115,44 @@ class Box3dSimulation(SubstepSimulation):
 
     def _forces_of_substep(self) -> SubstepForces:
         read = self._read()
-        return SubstepForces(self._body_of[read.shape_a], self._body_of[read.shape_b], read.impulse / self._iteration_s)
+        body_of = self._engine.body_of
+        return SubstepForces(body_of[read.shape_a], body_of[read.shape_b], read.impulse / self._iteration_s)
 
     def _substep(self) -> None:
-        self._advance(self._substep_s, self._iterations)
+        self._engine.step(self._substep_s, self._engine.iterations)
 
     # -- state ----------------------------------------------------------------------------------------
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        rows = poses_of(self._raw_handles[bodies])
-        if self._has_diverged:
+        rows = poses_of(self._engine.raw_handles[bodies])
+        if self._engine.has_diverged:
             rows[:] = np.nan
         return rows[:, :3], rows[:, [6, 3, 4, 5]]
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        rows = velocities_of(self._raw_handles[bodies])
+        rows = velocities_of(self._engine.raw_handles[bodies])
         return rows[:, :3], rows[:, 3:]
 
     # -- called by the port ---------------------------------------------------------------------------
 
     def _freeze(self, body: int) -> None:
-        handle = self._handle(body)
+        handle = self._engine.handle(body)
         set_velocity(handle)
         lib.b3Body_SetType(handle, lib.b3_staticBody)
 
     def _thaw(self, body: int) -> None:
-        handle = self._handle(body)
+        handle = self._engine.handle(body)
         lib.b3Body_SetType(handle, lib.b3_dynamicBody)
         lib.b3Body_SetAwake(handle, True)
 
     def _contacts(self) -> Contacts:
         if self.reads_forces and self._solved is None and self._substep_s:
             self._solved = self._read()  # finding contacts drops some of the impulses
-        self._advance(0.0, 1)
+        self._engine.step(0.0, 1)
         fresh = self._read()
-        listed = fresh.exists & (fresh.separation <= _NEAR * self.scale)
+        listed = fresh.exists & (fresh.separation <= NEAR * self.scale)
         row, point = np.nonzero(listed)
-        body_a, body_b = self._body_of[fresh.shape_a[row]], self._body_of[fresh.shape_b[row]]
+        body_a, body_b = self._engine.body_of[fresh.shape_a[row]], self._engine.body_of[fresh.shape_b[row]]
         is_fixed = body_a <= GROUND
         anchor = np.where(is_fixed[:, None], fresh.anchor_b[row, point], fresh.anchor_a[row, point])
         force = None
@@ -184,44 +171,14 @@ class Box3dSimulation(SubstepSimulation):
     # -- the end --------------------------------------------------------------------------------------
 
     def _close(self) -> None:
-        lib.b3DestroyWorld(self._engine)
+        self._engine.close()
 
     # -- helpers --------------------------------------------------------------------------------------
 
-    def _set_length_unit(self) -> None:
-        """Set the unit of the engine's tolerances, which all worlds of the process share."""
-        lib.b3SetLengthUnitsPerMeter(self._knobs["lengthUnitsPerMeter"])
-
-    def _handle(self, body: int) -> Any:
-        """Return the handle of a body that is about to be changed."""
-        self._set_length_unit()
-        return self._handles[body]
-
-    def _create(self, body: int, brick: Brick, kind: int) -> tuple[Any, int]:
-        """Add a box, which contacts name ``body``; returns its handle and the index of its shape."""
-        self._set_length_unit()
-        handle, index = add_box(self._engine, brick, kind, self.world.friction, self._knobs.get("sleepThreshold", 1.0))
-        self._body_of = with_room(self._body_of, index)
-        self._body_of[index] = body
-        return handle, index
-
-    def _insert(self, body: int, brick: Brick, kind: int) -> None:
-        handle, self._shapes[body] = self._create(body, brick, kind)
-        self._handles[body] = handle
-        self._raw_handles = with_room(self._raw_handles, body)
-        self._raw_handles[body] = raw_handle(handle)
-
-    def _advance(self, seconds: float, iterations: int) -> None:
-        """Make one step, unless the world has diverged: the engine would never come back."""
-        if not self._has_diverged:
-            self._set_length_unit()
-            lib.b3World_Step(self._engine, seconds, iterations)
-            self._has_diverged = any("unstable" in message for message in _log.drain())
-
     @property
     def _iteration_s(self) -> float:
-        return self._substep_s / self._iterations
+        return self._substep_s / self._engine.iterations
 
     def _read(self) -> Manifolds:
         """Return the contacts that the latest step found, of live bodies."""
-        return self._reader.read(self._handles[body] for body in self.bodies.live)
+        return self._reader.read(self._engine.handles[body] for body in self.bodies.live)

@@ -22,30 +22,24 @@ does not end when a support is removed, and its speed threshold (between 0.2 and
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from functools import partial
 from typing import ClassVar
 
 from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
-from adapters.profile import Capabilities, Profile, Sleeping
+from adapters._bullet_world import HEAVY, BulletWorld
+from adapters.profile import Capabilities, Profile
 from adapters.profile_files import load_settings
-from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
 from adapters.shared.quiet_import import silenced_stderr
-from adapters.shared.vectors import half_edges, rows_of, scalar_last
+from adapters.shared.vectors import rows_of, scalar_last
 from adapters.substeps import SubstepSimulation
-from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
-with silenced_stderr():  # it announces when it was built
+with silenced_stderr():
     import pybullet
-
-_HEAVY = 1e6
-"""Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
-step of 1/240 s, before the next step sets it anew."""
 
 _SETTINGS = load_settings("bullet")
 
@@ -69,54 +63,39 @@ class BulletSimulation(SubstepSimulation):
         deterministic="across processes",
     )
 
-    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        if sleeping == "raised":
+    def _open(self) -> None:
+        if self.info.sleeping == "raised":
             raise NotImplementedError(
                 "bullet cannot raise its sleep threshold: PyBullet reaches that of multibodies only"
             )
-        super().__init__(profile, world, sleeping, expected)
-        self._awake = (
-            pybullet.ACTIVATION_STATE_DISABLE_SLEEPING if sleeping == "off" else pybullet.ACTIVATION_STATE_WAKE_UP
-        )
-        self._client = pybullet.connect(pybullet.DIRECT)
-        self._handles: dict[int, int] = {}
-        self._bodies: dict[int, int] = {}
-        self._shapes: dict[Vector, int] = {}
-        self._configured_s = 0.0
+        self._engine = BulletWorld(self.world, self.info)
+        self._client = self._engine.client
+        self._handles = self._engine.handles
         self._thaws_to_old_gravity: set[int] = set()
-        pybullet.setGravity(*world.gravity, physicsClientId=self._client)
-        self._configure(**{name: knob.value for name, knob in profile.knobs.items()})
-        ground_half = self.ground_half_edges
-        ground = self._create(ground_half, 0.0, (0.0, 0.0, -ground_half[2]), (1.0, 0.0, 0.0, 0.0))
-        self._bodies[ground] = GROUND
-        for index, box in enumerate(world.fixed):
-            self._bodies[self._create(half_edges(box.size), 0.0, box.position, box.quaternion)] = fixed_id(index)
+        for body, box in self._fixed_boxes():
+            self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        handle = self._create(half_edges(brick.size), brick.mass, brick.position, brick.quaternion)
-        self._handles[body] = handle
-        self._bodies[handle] = body
+        self._engine.add_live(body, brick)
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._spawn(body, replace(brick, mass=_HEAVY))
-        for handle, other in self._bodies.items():
+        self._engine.add_moved(body, brick)
+        for handle, other in self._engine.body_of.items():
             if other <= GROUND or other in self.bodies.moved or other in self.frozen:
-                self._let_collide(self._handles[body], handle, False)
+                self._engine.let_collide(self._handles[body], handle, do=False)
 
     def _remove(self, body: int) -> None:
         self._thaws_to_old_gravity.discard(body)
-        handle = self._handles.pop(body)
-        del self._bodies[handle]
-        pybullet.removeBody(handle, physicsClientId=self._client)
+        self._engine.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         handle = self._handles[body]
         if body not in self.frozen:
-            self._rouse(handle)
+            self._engine.rouse(handle)
         pybullet.resetBasePositionAndOrientation(handle, position, scalar_last(quaternion), self._client)
-        self._stop(handle)
+        self._engine.stop(handle)
 
     # -- actions --------------------------------------------------------------------------------------
 
@@ -125,13 +104,13 @@ class BulletSimulation(SubstepSimulation):
         (vx, vy, vz), angular = pybullet.getBaseVelocity(handle, self._client)
         mass = self.bricks[body].mass
         linear = (vx + impulse[0] / mass, vy + impulse[1] / mass, vz + impulse[2] / mass)
-        self._rouse(handle)
+        self._engine.rouse(handle)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
 
     def _press(self, body: int, force: Vector) -> None:
         handle, frame = self._handles[body], pybullet.WORLD_FRAME
         if self.info.sleeping != "off":
-            self._rouse(handle)
+            self._engine.rouse(handle)
         place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
         pybullet.applyExternalForce(handle, -1, force, place, frame, self._client)
 
@@ -139,22 +118,20 @@ class BulletSimulation(SubstepSimulation):
         handle = self._handles[body]
         place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
         x, y, z = self.world.gravity
-        lift = (-_HEAVY * x, -_HEAVY * y, -_HEAVY * z)
+        lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)
         pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
 
     def _set_gravity(self, gravity: Vector) -> None:
         for body in self.bodies.live:
-            self._rouse(self._handles[body])
-        pybullet.setGravity(*gravity, physicsClientId=self._client)
+            self._engine.rouse(self._handles[body])
+        self._engine.set_gravity(gravity)
         self._thaws_to_old_gravity |= set(self.frozen)
 
     # -- time -----------------------------------------------------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
-        if substep_s != self._configured_s:
-            self._configure(fixedTimeStep=substep_s)
-            self._configured_s = substep_s
+        self._engine.set_step(substep_s)
 
     def _forces_of_substep(self) -> SubstepForces:
         listed = self._listed()
@@ -183,23 +160,23 @@ class BulletSimulation(SubstepSimulation):
 
     def _freeze(self, body: int) -> None:
         handle = self._handles[body]
-        self._stop(handle)
+        self._engine.stop(handle)
         pybullet.changeDynamics(
             handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self._client
         )
         for other in self.bodies.moved:  # which is heavy, not kinematic: it would be stopped, and kick what is thawed
-            self._let_collide(self._handles[other], handle, False)
+            self._engine.let_collide(self._handles[other], handle, do=False)
 
     def _thaw(self, body: int) -> None:
         handle = self._handles[body]
         mass = self.bricks[body].mass
-        pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._awake, physicsClientId=self._client)
-        self._stop(handle)
+        pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._engine.awake, physicsClientId=self._client)
+        self._engine.stop(handle)
         for other in self.bodies.moved:
-            self._let_collide(self._handles[other], handle, True)
+            self._engine.let_collide(self._handles[other], handle, do=True)
         if body in self._thaws_to_old_gravity:  # Bullet changes the gravity of active bodies only
             self._thaws_to_old_gravity.remove(body)
-            pybullet.setGravity(*self.world.gravity, physicsClientId=self._client)
+            self._engine.set_gravity(self.world.gravity)
 
     def _contacts(self) -> Contacts:
         listed = self._listed()
@@ -219,51 +196,13 @@ class BulletSimulation(SubstepSimulation):
     # -- the end --------------------------------------------------------------------------------------
 
     def _close(self) -> None:
-        pybullet.disconnect(self._client)
+        self._engine.close()
 
     # -- helpers --------------------------------------------------------------------------------------
 
-    def _configure(self, **parameters: float | str) -> None:
-        pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self._client)
-
-    def _create(self, half_extents: Vector, mass: float, position: Vector, quaternion: Quaternion) -> int:
-        shape = self._shapes.get(half_extents)
-        if shape is None:
-            shape = pybullet.createCollisionShape(
-                pybullet.GEOM_BOX, halfExtents=half_extents, physicsClientId=self._client
-            )
-            self._shapes[half_extents] = shape
-        handle: int = pybullet.createMultiBody(
-            baseMass=mass,
-            baseCollisionShapeIndex=shape,
-            basePosition=position,
-            baseOrientation=scalar_last(quaternion),
-            useMaximalCoordinates=True,
-            physicsClientId=self._client,
-        )
-        pybullet.changeDynamics(
-            handle,
-            -1,
-            lateralFriction=math.sqrt(self.world.friction),
-            activationState=self._awake,
-            physicsClientId=self._client,
-        )
-        return handle
-
-    def _let_collide(self, handle: int, other: int, do: bool) -> None:
-        """Say whether two of Bullet's bodies collide; what it remembers of their contact is dropped."""
-        pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self._client)
-
-    def _rouse(self, handle: int) -> None:
-        """End the engine's own sleep: a new velocity alone does not."""
-        pybullet.changeDynamics(handle, -1, activationState=self._awake, physicsClientId=self._client)
-
-    def _stop(self, handle: int) -> None:
-        pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self._client)
-
     def _listed(self) -> list[Listed]:
         """Return Bullet's own row of every contact that touches a live body, each once, with bodies a and b."""
-        body_of, handles = self._bodies, self._handles
+        body_of, handles = self._engine.body_of, self._handles
         read = partial(pybullet.getContactPoints, physicsClientId=self._client)
         pairs = live_pairs(
             self.bodies, read, lambda body: read(handles[body]), lambda row: (body_of[row[1]], body_of[row[2]])

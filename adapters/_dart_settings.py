@@ -7,7 +7,7 @@ from typing import Any
 
 import dartpy
 
-from adapters.profile import Sleeping
+from adapters.profile import KnobValue
 from scenarios.model import Brick
 
 _MATRIX_FREE_OPTIONS = {
@@ -25,38 +25,39 @@ alike."""
 _PLANK_MASS = 0.0119
 """Mass [kg] of the planks for which they were chosen."""
 
-KNOBS = frozenset({"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS})
+_DEACTIVATION_OPTIONS = {
+    "deactivation": "mEnabled",
+    "deactivation_linear_speed": "mLinearSpeedThreshold",
+    "deactivation_angular_speed": "mAngularSpeedThreshold",
+}
+"""Knob -> field of ``DeactivationOptions``, DART's own sleeping."""
+
+KNOBS = frozenset({"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS, *_DEACTIVATION_OPTIONS})
 """Knobs that a profile may have."""
 
-RAISED_THRESHOLD = 5.0
-"""Factor on the shipped speed thresholds (0.01 m/s, 0.05 rad/s) when sleeping is "raised": 0.05 m/s lies above what
-a settling stack still moves, and well below one frame of free fall (0.16 m/s)."""
 
-
-def configure(world: Any, knobs: Mapping[str, float | int | str | bool], bricks: Sequence[Brick]) -> None:
+def configure(world: Any, knobs: Mapping[str, KnobValue], bricks: Sequence[Brick]) -> None:
     """Set a world's knobs; ``bricks`` are those that are expected, which the impulse tolerances must suit."""
     if "collision_detector" in knobs:
         detectors = dartpy.simulation.CollisionDetectorType
         world.setCollisionDetector(getattr(detectors, str(knobs["collision_detector"])))
+    deactivation = world.getDeactivationOptions()
+    _set_fields(deactivation, _DEACTIVATION_OPTIONS, knobs)
+    world.setDeactivationOptions(deactivation)
     solver = world.getConstraintSolver()
     options = solver.getMatrixFreeContactSolverOptions()
-    for knob, option in _MATRIX_FREE_OPTIONS.items():
-        if knob in knobs:
-            setattr(options, option, knobs[knob])
+    _set_fields(options, _MATRIX_FREE_OPTIONS, knobs)
     for knob in _IMPULSE_TOLERANCES:
         if knob in knobs:
             setattr(options, _MATRIX_FREE_OPTIONS[knob], float(knobs[knob]) * _mass_in_planks(bricks))
     solver.setMatrixFreeContactSolverOptions(options)
 
 
-def allow_sleep(world: Any, sleeping: Sleeping) -> None:
-    """Switch DART's own sleeping off or on, or raise its thresholds."""
-    deactivation = world.getDeactivationOptions()
-    deactivation.mEnabled = sleeping != "off"
-    if sleeping == "raised":
-        deactivation.mLinearSpeedThreshold *= RAISED_THRESHOLD
-        deactivation.mAngularSpeedThreshold *= RAISED_THRESHOLD
-    world.setDeactivationOptions(deactivation)
+def _set_fields(options: Any, fields: Mapping[str, str], knobs: Mapping[str, KnobValue]) -> None:
+    """Write those of the knobs that are ``fields`` of a structure of options into it."""
+    for knob, field in fields.items():
+        if knob in knobs:
+            setattr(options, field, knobs[knob])
 
 
 def _mass_in_planks(bricks: Sequence[Brick]) -> float:

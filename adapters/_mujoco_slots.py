@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 import mujoco
+import numpy as np
 
 from adapters.profile import Profile
+from adapters.shared.vectors import rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import FloatArray
 
@@ -27,6 +30,8 @@ _NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
 collide with live bricks only."""
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
+_SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
+"""Flags with which MuJoCo leaves out sleeping pairs, or lists distances that it did not measure."""
 
 
 def shape_of(brick: Brick) -> Shape:
@@ -77,6 +82,15 @@ class SlotModel:
         self.poses[slot, 3:] = quaternion
         self._stop(slot)
 
+    def set_motion(
+        self, slot: int, position: FloatArray, quaternion: FloatArray, linear: Vector, angular: Vector
+    ) -> None:
+        """Put a brick somewhere, and let it move at these velocities [m/s], [rad/s], in the world's frame."""
+        self.poses[slot, :3], self.poses[slot, 3:] = position, quaternion
+        self.velocities[slot, :3] = linear
+        inverse = self.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
+        self.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
+
     def unpark(self, slot: int) -> None:
         """Hand a brick to the engine."""
         self._collide(1 + slot, _LIVE)
@@ -114,6 +128,17 @@ class SlotModel:
         self.poses[slot, :3] = self.data.mocap_pos[slot]
         self.poses[slot, 3:] = self.data.mocap_quat[slot]
         self._collide(1 + self.slots + slot, _NOTHING)
+
+    def collided_copy(self) -> mujoco.MjData:
+        """Return a copy of the state, with the contacts of the present poses."""
+        data = copy.copy(self.data)
+        flags = self.model.opt.enableflags
+        self.model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        mujoco.mj_collision(self.model, data)
+        self.model.opt.enableflags = flags
+        return data
 
     def _stop(self, slot: int) -> None:
         self.velocities[slot] = 0

@@ -26,38 +26,31 @@ rendered.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
 
 from adapters._physx_contacts import Listed, all_impulses, touching_points
-from adapters._physx_state import BodyStates
-from adapters.profile import Capabilities, Profile, Sleeping
+from adapters._physx_world import KNOBS, PhysxWorld, stop
+from adapters.profile import Capabilities, Profile
 from adapters.profile_files import load_settings
-from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.driven_pose import advanced
 from adapters.shared.live_pairs import pairs_with_live
 from adapters.shared.quiet_import import silenced_stderr
-from adapters.shared.vectors import half_edges
 from adapters.substeps import SubstepSimulation
-from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+from scenarios.model import Brick, Quaternion, Vector
+from stability_core.port import Contacts, FloatArray, IntArray
 
 with silenced_stderr(), warnings.catch_warnings():
     warnings.simplefilter("ignore")
     import sapien
-    from sapien import physx
 
 _INSTANT = 1e-6
 """Step [s] of a twin whose contacts are wanted: too short for its solver to press a gap shut."""
 
-_SCENE = ("enable_tgs", "bounce_threshold")
-_BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
-_SHAPE = ("contact_offset",)
-
-_SETTINGS = load_settings("physx", {*_SCENE, *_BODY, *_SHAPE}.__contains__)
+_SETTINGS = load_settings("physx", KNOBS.__contains__)
 
 
 class PhysxSimulation(SubstepSimulation):
@@ -80,53 +73,24 @@ class PhysxSimulation(SubstepSimulation):
         deterministic="across processes",
     )
 
-    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        super().__init__(profile, world, sleeping, expected)
-        knobs = {name: knob.value for name, knob in self.info.profile.knobs.items()}
-        self._for_bodies = {name: knobs[name] for name in _BODY if name in knobs}
-        self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
-        scene = {name: knobs[name] for name in _SCENE if name in knobs}
-        physx.set_scene_config(gravity=world.gravity, **scene)
-        self._built_gravity = world.gravity
-        self._gravity_change = np.zeros(3, np.float32)
-        self._system = physx.PhysxCpuSystem()
-        self._scene = sapien.Scene([self._system])
-        self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
-        self._components: dict[int, Any] = {}
-        self._removed_components: list[Any] = []  # since the latest step
-        self._bodies: dict[Any, int] = {}  # SAPIEN hands out one and the same object for a component that is held
-        self._states = BodyStates(self._system, self._components, self._bodies)
+    def _open(self) -> None:
+        self._engine = PhysxWorld(self.world, self.info.profile)
+        self._components = self._engine.components
         self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies, in double precision
-        ground_half = self.ground_half_edges
-        self._add_fixed(GROUND, ground_half, (0.0, 0.0, -ground_half[2]), UPRIGHT)
-        for index, box in enumerate(world.fixed):
-            self._add_fixed(fixed_id(index), half_edges(box.size), box.position, box.quaternion)
+        for body, box in self._fixed_boxes():
+            self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        x, y, z = brick.size
-        component = physx.PhysxRigidDynamicComponent()
-        self._add(component, half_edges(brick.size), brick.position, brick.quaternion)
-        component.mass = brick.mass
-        component.inertia = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
-        for name, value in self._for_bodies.items():
-            setattr(component, name, value)
-        self._components[body] = component
-        self._bodies[component] = body
-        self._states.count_rows()
+        self._engine.add_live(body, brick)
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        self._spawn(body, brick)
-        self._components[body].kinematic = True
+        self._engine.add_moved(body, brick)
         self._places[body] = np.array(brick.position), np.array(brick.quaternion)
 
     def _remove(self, body: int) -> None:
-        component = self._components.pop(body)
-        del self._bodies[component]
-        self._scene.remove_entity(component.entity)
-        self._removed_components.append(component)
-        self._states.count_rows()
+        self._engine.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         component = self._components[body]
@@ -134,7 +98,7 @@ class PhysxSimulation(SubstepSimulation):
         if body in self.bodies.moved:
             self._places[body] = np.array(position), np.array(quaternion)
         elif body not in self.frozen:
-            self._stop(component)
+            stop(component)
 
     # -- actions --------------------------------------------------------------------------------------
 
@@ -152,41 +116,41 @@ class PhysxSimulation(SubstepSimulation):
         self._components[body].kinematic_target = sapien.Pose(*place)
 
     def _set_gravity(self, gravity: Vector) -> None:
-        self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
+        self._engine.set_gravity(gravity)
         for body in self.bodies.live:
             self._components[body].wake_up()
 
     # -- time -----------------------------------------------------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
-        self._system.timestep = substep_s
+        self._engine.system.timestep = substep_s
 
     def _forces_of_substep(self) -> SubstepForces:
         pairs, impulses = all_impulses(self._listed())
         return SubstepForces(*pairs, impulses / self._substep_s)
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        state = self._states.read(bodies)
+        state = self._engine.states.read(bodies)
         return state[:, 4:7], *self.as_driven(bodies, state[:, 7:10], state[:, 10:])
 
     def _substep(self) -> None:
-        self._add_gravity_change()
-        self._system.step()
+        self._engine.add_gravity_change(self.bodies.live)
+        self._engine.system.step()
 
     def _end_frame(self) -> None:
-        self._removed_components.clear()
+        self._engine.forget_removed()
 
     # -- state ----------------------------------------------------------------------------------------
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._states.read(bodies)
+        state = self._engine.states.read(bodies)
         return state[:, 4:7], state[:, :4]
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        return self._states.positions(bodies)
+        return self._engine.states.positions(bodies)
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        state = self._states.read(bodies)
+        state = self._engine.states.read(bodies)
         return state[:, 7:10], state[:, 10:13]
 
     # -- called by the port ---------------------------------------------------------------------------
@@ -196,7 +160,7 @@ class PhysxSimulation(SubstepSimulation):
 
     def _thaw(self, body: int) -> None:
         self._components[body].kinematic = False
-        self._stop(self._components[body])
+        stop(self._components[body])
 
     def _contacts(self) -> Contacts:
         pairs, numbers = touching_points(self._listed(), self.scale)
@@ -208,8 +172,8 @@ class PhysxSimulation(SubstepSimulation):
     def _find_contacts(self) -> Contacts:
         twin = self._twin()
         try:
-            twin._system.timestep = _INSTANT
-            twin._system.step()
+            twin._engine.system.timestep = _INSTANT
+            twin._engine.system.step()
             return twin._contacts()
         finally:
             twin.close()
@@ -217,47 +181,19 @@ class PhysxSimulation(SubstepSimulation):
     # -- the end --------------------------------------------------------------------------------------
 
     def _close(self) -> None:
-        self._components.clear()
-        self._scene.clear()
+        self._engine.close()
 
     # -- helpers --------------------------------------------------------------------------------------
 
-    def _add(self, component: Any, half: Vector, position: Vector, quaternion: Quaternion) -> None:
-        shape = physx.PhysxCollisionShapeBox(half, self._material)
-        for name, value in self._for_shapes.items():
-            setattr(shape, name, value)
-        component.attach(shape)
-        entity = sapien.Entity()
-        entity.add_component(component)
-        entity.pose = sapien.Pose(position, quaternion)
-        self._scene.add_entity(entity)
-
-    def _add_fixed(self, body: int, half: Vector, position: Vector, quaternion: Quaternion) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
-        component = physx.PhysxRigidStaticComponent()
-        self._add(component, half, position, quaternion)
-        self._bodies[component] = body
-
-    def _add_gravity_change(self) -> None:
-        """Let the difference from the gravity of the system, which SAPIEN cannot change, act in the next substep."""
-        if self._gravity_change.any():
-            for body, mass in self.bodies.live.items():
-                self._components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
-
-    @staticmethod
-    def _stop(component: Any) -> None:
-        component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
-        component.wake_up()
-
     def _listed(self) -> Iterator[Listed]:
         """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
-        body_of = self._bodies.get  # None for a brick that was removed since the step
+        body_of = self._engine.body_of.get  # None for a brick that was removed since the step
 
         def ids_of(contact: Any) -> tuple[int | None, int | None]:
             first, second = contact.bodies
             return body_of(second), body_of(first)
 
-        for a, b, contact in pairs_with_live(self._system.get_contacts(), ids_of, self.bodies):
+        for a, b, contact in pairs_with_live(self._engine.system.get_contacts(), ids_of, self.bodies):
             points = contact.points
             if points:
                 yield a, b, points

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numba
 import numpy as np
 import pymunk
 from pymunk import batch
 
-from adapters._pymunk_arrays import sort_by_id
 from stability_core.port import FloatArray, IntArray
 
 _ARBITER = (
@@ -83,7 +83,7 @@ class SpaceReader:
             batch.get_space_bodies(self._space, _STATE, self._buffer)
             bodies, values = self._buffered(1, 6)
             self._latest = np.zeros((self.rows, 6))
-            sort_by_id(self.engine_ids, self.ids, bodies[:, 0], values, self._latest)
+            _sort_by_id(self.engine_ids, self.ids, bodies[:, 0], values, self._latest)
         return self._latest
 
     def arbiters(self) -> Arbiters:
@@ -118,3 +118,20 @@ class SpaceReader:
             np.frombuffer(self._buffer.int_buf(), np.int64).reshape(-1, integers),
             np.frombuffer(self._buffer.float_buf()).reshape(-1, floats),
         )
+
+
+@numba.njit(cache=True)
+def _sort_by_id(engine_ids: IntArray, ids: IntArray, bodies: IntArray, values: FloatArray, rows: FloatArray) -> None:
+    """Write ``values`` (k, w) of ``bodies`` (k,), which are engine ids, into those ``rows`` that are our ids.
+
+    Args:
+        engine_ids: every engine id, sorted.
+        ids: our id of each; the ground's is -1 and so finds the last row.
+        bodies: whose values they are.
+        values: as the engine lists them.
+        rows: written to.
+    """
+    for k in range(len(bodies)):
+        row = ids[np.searchsorted(engine_ids, bodies[k])]
+        for column in range(values.shape[1]):  # a whole row at once takes seconds to compile
+            rows[row, column] = values[k, column]

@@ -29,7 +29,7 @@ finite is silently put back and the body disabled: poses are then reported as Na
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -37,22 +37,18 @@ import rapier3d
 
 from adapters._rapier_contacts import in_world, local_points
 from adapters._rapier_rotation import settle_rotation
-from adapters.profile import Capabilities, Profile, Sleeping
+from adapters._rapier_world import RapierWorld, knows, stop
+from adapters.profile import Capabilities, Profile
 from adapters.profile_files import load_settings
-from adapters.shared.contact_completion import fixed_id
+from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
-from adapters.shared.vectors import dot, half_edges, rows_of, scalar_last
+from adapters.shared.vectors import dot, rows_of, scalar_last
 from adapters.substeps import SubstepSimulation
-from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
-from stability_core.port import GROUND, Contacts, FloatArray, IntArray
+from scenarios.model import Brick, Quaternion, Vector
+from stability_core.port import Contacts, FloatArray, IntArray
 
-_NEAR = 1e-4
-"""Points further apart than this [m] do not touch."""
-
-_BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
-
-_SETTINGS = load_settings("rapier", lambda knob: not knob.startswith("body.") or knob in _BODY_KNOBS)
+_SETTINGS = load_settings("rapier", knows)
 
 
 class RapierSimulation(SubstepSimulation):
@@ -75,49 +71,32 @@ class RapierSimulation(SubstepSimulation):
         deterministic="across processes",
     )
 
-    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        super().__init__(profile, world, sleeping, expected)
-        self._engine = rapier3d.PhysicsWorld(gravity=world.gravity)
-        self._handles: dict[int, rapier3d.RigidBodyHandle] = {}
-        self._views: dict[int, rapier3d.RigidBody] = {}
-        self._colliders: dict[int, rapier3d.ColliderHandle] = {}
-        self._body_of: dict[rapier3d.ColliderHandle, int] = {}
+    def _open(self) -> None:
+        self._engine = RapierWorld(self.world, self.info.profile)
+        self._views = self._engine.views
         self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
         self._turning: set[int] = set()  # moved bodies that turned in the latest substep
         self._has_diverged = False
-        for name, knob in self.info.profile.knobs.items():
-            self._configure(name, knob.value)
-        ground_center = (0.0, 0.0, -self.ground_half_edges[2])
-        ground = rapier3d.Collider.cuboid(*self.ground_half_edges).translation(ground_center)
-        self._body_of[self._engine.add_collider(ground.friction(world.friction))] = GROUND
-        for index, box in enumerate(world.fixed):
-            self._body_of[self._engine.add_collider(self._fixed_collider(box))] = fixed_id(index)
-        self._fixed_poses = (
-            np.array([*(box.position for box in reversed(world.fixed)), ground_center]),
-            np.array([*(box.quaternion for box in reversed(world.fixed)), UPRIGHT]),
-        )
+        for body, box in self._fixed_boxes():
+            self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
-        free = rapier3d.RigidBody.dynamic().position((brick.position, scalar_last(brick.quaternion)))
-        self._insert(body, brick, free)
+        self._engine.add_live(body, brick)
 
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        moved = rapier3d.RigidBody.kinematic_velocity_based().position((brick.position, scalar_last(brick.quaternion)))
-        self._insert(body, brick, moved)
+        self._engine.add_moved(body, brick)
 
     def _remove(self, body: int) -> None:
         self._still_active.discard(body)
         self._turning.discard(body)
-        del self._views[body]
-        del self._body_of[self._colliders.pop(body)]
-        self._engine.remove_body(self._handles.pop(body))
+        self._engine.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         view = self._views[body]
         view.position = rapier3d.Isometry3(position, scalar_last(quaternion))
-        self._stop(view)
+        stop(view)
         view.wake_up()
         if body in self.frozen:
             settle_rotation(view)
@@ -136,13 +115,11 @@ class RapierSimulation(SubstepSimulation):
         view = self._views[body]
         view.linvel, view.angvel = rapier3d.Vec3(*linear), rapier3d.Vec3(*angular)
         if any(angular) or body in self._turning:
-            collider = self._engine.colliders[self._colliders[body]]
-            collider.shape = collider.shape  # makes Rapier find the contacts anew
+            self._engine.find_anew(body)
             (self._turning.add if any(angular) else self._turning.discard)(body)
 
     def _set_gravity(self, gravity: Vector) -> None:
-        self._engine.gravity = rapier3d.Vec3(*gravity)
-        self._engine.wake_up_all()
+        self._engine.set_gravity(gravity)
 
     # -- time -----------------------------------------------------------------------------------------
 
@@ -150,17 +127,17 @@ class RapierSimulation(SubstepSimulation):
         if not self.bodies.live:
             for body in sorted(self._still_active):
                 self._replace_by_fixed(body)
-        self._engine.integration_parameters.dt = substep_s
+        self._engine.world.integration_parameters.dt = substep_s
 
     def _forces_of_substep(self) -> SubstepForces:
-        listed = list(self._live_pairs(self._engine.narrow_phase))
+        listed = list(self._live_pairs(self._engine.world.narrow_phase))
         body_a, body_b = np.array([pair[:2] for pair in listed], np.int64).reshape(-1, 2).T
         impulses = rows_of([pair.total_impulse().to_tuple() for _, _, pair in listed], 3)
         return SubstepForces(body_a, body_b, impulses / self._substep_s)
 
     def _substep(self) -> None:
-        self._engine.step()
-        self._has_diverged |= not self._engine.quarantine.is_empty()
+        self._engine.world.step()
+        self._has_diverged |= not self._engine.world.quarantine.is_empty()
 
     # -- state ----------------------------------------------------------------------------------------
 
@@ -184,7 +161,7 @@ class RapierSimulation(SubstepSimulation):
 
     def _freeze(self, body: int) -> None:
         view = self._views[body]
-        self._stop(view)  # a fixed body that still has a velocity flies on
+        stop(view)  # a fixed body that still has a velocity flies on
         view.body_type = rapier3d.RigidBodyType.FIXED
         settle_rotation(view)
         self._still_active.add(body)
@@ -196,85 +173,42 @@ class RapierSimulation(SubstepSimulation):
         view.wake_up()
 
     def _contacts(self) -> Contacts:
-        return self._read_contacts(self._engine.narrow_phase)
+        return self._read_contacts(self._engine.world.narrow_phase)
 
     def _find_contacts(self) -> Contacts:
-        copied = rapier3d.PhysicsWorld.restore(self._engine.snapshot())  # its colliders have the same handles
+        copied = rapier3d.PhysicsWorld.restore(self._engine.world.snapshot())  # its colliders have the same handles
         copied.detect_collisions()
         return self._read_contacts(copied.narrow_phase)
 
     # -- the end --------------------------------------------------------------------------------------
 
     def _close(self) -> None:
-        self._views.clear()
-        del self._engine
+        self._engine.close()
 
     # -- helpers --------------------------------------------------------------------------------------
 
-    def _configure(self, name: str, value: float | int | str | bool) -> None:
-        """Set what belongs to the world; what belongs to a body is set as it is spawned."""
-        parameters = self._engine.integration_parameters
-        owner, _, attribute = name.rpartition(".")
-        if name == "num_threads":
-            self._engine.set_num_threads(int(value))
-        elif not owner:
-            setattr(parameters, name, value)
-        elif not name.startswith("body."):
-            coefficients = getattr(parameters, owner)  # a copy: set back whole
-            setattr(coefficients, attribute, value)
-            setattr(parameters, owner, coefficients)
-
-    def _fixed_collider(self, box: Brick) -> rapier3d.ColliderBuilder:
-        collider = rapier3d.Collider.cuboid(*half_edges(box.size)).friction(self.world.friction)
-        return collider.position((box.position, scalar_last(box.quaternion)))
-
-    def _insert(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
-        """Add the body that ``builder`` describes to Rapier's world, with the brick's box."""
-        box = rapier3d.Collider.cuboid(*half_edges(brick.size)).mass(brick.mass).friction(self.world.friction)
-        handle = self._engine.add_body(builder.can_sleep(self.info.sleeping != "off"), [box])
-        view = self._engine.rigid_bodies[handle]
-        if self.info.sleeping == "raised":
-            view.activation = self._raised(view.activation)
-        (collider,) = view.colliders
-        self._handles[body], self._views[body], self._colliders[body] = handle, view, collider
-        self._body_of[collider] = body
-
     def _replace_by_fixed(self, body: int) -> None:
-        """Replace a frozen body by a fixed copy at the same pose, which Rapier does not visit in each step."""
-        position = self._views[body].position
-        self._remove(body)
-        self._insert(body, self.bricks[body], rapier3d.RigidBody.fixed().position(position))
+        """Replace a frozen body by a fixed copy, which Rapier does not visit in each step."""
+        self._still_active.remove(body)
+        self._engine.replace_by_fixed(body, self.bricks[body])
         settle_rotation(self._views[body])
 
-    def _raised(self, activation: rapier3d.RigidBodyActivation) -> rapier3d.RigidBodyActivation:
-        for name, knob in self.sleep_knobs["raised"].items():
-            setattr(activation, name.rpartition(".")[2], knob.value)
-        return activation
-
-    @staticmethod
-    def _stop(view: rapier3d.RigidBody) -> None:
-        view.linvel = view.angvel = rapier3d.Vec3.zeros()
-
     def _read_contacts(self, narrow_phase: rapier3d.NarrowPhase) -> Contacts:
-        pairs, local, impulses = self._listed(narrow_phase)
+        pairs, local, impulses = local_points(self._live_pairs(narrow_phase))
         if not len(pairs):
             return Contacts.empty()
-        normals, points_a, points_b = in_world(pairs, local, self._fixed_poses, self._poses)
+        normals, points_a, points_b = in_world(pairs, local, self._engine.fixed_poses, self._poses)
         separations = dot(points_b - points_a, normals)
-        near = np.flatnonzero(separations <= _NEAR * self.scale)
+        near = np.flatnonzero(separations <= NEAR * self.scale)
         point, normal = (points_a[near] + points_b[near]) / 2, normals[near]
         has_forces = self.reads_forces and self._substep_s
         force = normal * impulses[near, None] / self._substep_s if has_forces else None
         body_a, body_b = pairs[near].T
         return self._with_friction(self._contacts_of_step((body_a, body_b), point, normal, separations[near], force))
 
-    def _listed(self, narrow_phase: rapier3d.NarrowPhase) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return the points of every contact that touches a live body: see ``local_points``."""
-        return local_points(self._live_pairs(narrow_phase))
-
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
         """Return every pair of colliders close to each other that touches a live body, each once, with its bodies."""
-        body_of, colliders = self._body_of, self._colliders
+        body_of, colliders = self._engine.body_of, self._engine.colliders
         return live_pairs(
             self.bodies,
             narrow_phase.contact_pairs,

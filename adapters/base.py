@@ -5,7 +5,7 @@ An adapter fills in the hooks of ``adapters.hooks``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar, Self
 
@@ -16,11 +16,11 @@ from adapters.hooks import EngineHooks
 from adapters.port import EnginePort
 from adapters.profile import Capabilities, EngineInfo, Knob, Profile, Sleeping
 from adapters.shared.bodies import NO_FORCE, Bodies
-from adapters.shared.contact_completion import prepare
-from adapters.shared.ground import ground_half_edges
+from adapters.shared.contact_completion import fixed_id, prepare
+from adapters.shared.ground import ground_box
 from adapters.shared.input_checks import check_box, check_finite, check_mass, check_pose
 from scenarios.model import Brick, Quaternion, Vector, World
-from stability_core.port import FloatArray, IntArray
+from stability_core.port import GROUND, FloatArray, IntArray
 
 __all__ = ["Capabilities", "EngineInfo", "EnginePort", "Knob", "Profile", "Simulation", "Sleeping"]
 
@@ -53,6 +53,7 @@ class Simulation(EngineHooks):
         self._is_observed = False
         self.own_step_s: float | None = None
         """Time [s] of the engine's own step in the latest frame; None where the time of ``step`` is the engine's."""
+        self._open()
 
     @classmethod
     def check_installed(cls) -> None:
@@ -72,11 +73,6 @@ class Simulation(EngineHooks):
     def scale(self) -> float:
         """What an adapter's own lengths [m] must be multiplied by, such as its ground's: the profile's scale."""
         return self.info.profile.scale
-
-    @property
-    def ground_half_edges(self) -> Vector:
-        """Half the ground's edges, in the engine's world; larger scenes get a larger ground."""
-        return ground_half_edges((*self.expected, *self.world.fixed), self.scale)
 
     @property
     def is_observed(self) -> bool:
@@ -223,6 +219,15 @@ class Simulation(EngineHooks):
         self._close()
 
     # -- for adapters ------------------------------------------------------------------------------
+
+    def _fixed_boxes(self) -> Iterator[tuple[int, Brick]]:
+        """The ground and the fixed boxes, which an adapter builds as it opens its world, under the ids for contacts.
+
+        Larger scenes get a larger ground.
+        """
+        yield GROUND, ground_box((*self.expected, *self.world.fixed), self.scale)
+        for index, box in enumerate(self.world.fixed):
+            yield fixed_id(index), box
 
     def _act_on_bodies(self, seconds: float) -> None:
         """Let steady forces act, and driven bodies move, in the engine's next substep; adapters call it before each.

@@ -33,8 +33,26 @@ class EngineHooks(ABC):
     """Name of the knob that says how often the solver iterates, at most, in a step."""
 
     info: EngineInfo
+    """Engine, version, profile and sleeping. Its profile is complete: it holds the knobs that its sleeping adds, and
+    lengths that suit the expected bricks."""
     world: World
+    """Friction, gravity and fixed boxes; gravity is the present one."""
     bodies: Bodies
+    expected: tuple[Brick, ...]
+    """The bricks that will be spawned, as far as the host knows; others may come as well."""
+
+    # -- the world ---------------------------------------------------------------------------------
+
+    @abstractmethod
+    def _open(self) -> None:
+        """Open the engine's world as ``info`` says, with the ground and the fixed boxes but no body.
+
+        Called once, at the end of the constructor: before it only ``info``, ``world``, ``bodies`` and ``expected`` are
+        set. An adapter has no constructor of its own, and creates its attributes here.
+
+        Raises:
+            NotImplementedError: if the engine cannot sleep as ``info.sleeping`` says; the message says why.
+        """
 
     # -- bodies ------------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from scenarios.model import Brick
 
@@ -26,11 +26,14 @@ Sleeping = Literal["off", "native", "raised"]
 """The engine's own sleeping: off, as shipped, or with its threshold raised."""
 
 
+KnobValue: TypeAlias = float | int | str | bool
+
+
 @dataclass(frozen=True, slots=True)
 class Knob:
     """One engine setting that differs from how the engine is shipped, and why."""
 
-    value: float | int | str | bool
+    value: KnobValue
     reason: str
     follows_world: bool = False
     """True for a length that was chosen for the size of the bricks: in a scaled world it grows with them, and where all
@@ -53,6 +56,11 @@ class Profile:
     """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
     forces: bool = True
     """False to report no contact forces (``Contacts.force`` is None), whether or not the engine reports them."""
+
+    @property
+    def values(self) -> dict[str, KnobValue]:
+        """The values of the knobs, by their names."""
+        return {name: knob.value for name, knob in self.knobs.items()}
 
     def with_knobs(self, knobs: Mapping[str, Knob]) -> Profile:
         """Return the profile with these knobs added or replaced."""

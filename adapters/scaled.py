@@ -12,15 +12,13 @@ Outside, all is in SI units of the scene, and the corners that an engine does no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import ClassVar
 
 from adapters.base import Simulation
 from adapters.port import EnginePort
-from adapters.profile import Profile, Sleeping
-from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 
 
@@ -29,13 +27,12 @@ class _ScaledSimulation(Simulation):
 
     unscaled: ClassVar[type[Simulation]]
 
-    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        super().__init__(profile, world, sleeping, expected)
-        bricks = [_enlarged(profile.scale, brick) for brick in expected]
-        fixed = tuple(_enlarged(profile.scale, box) for box in world.fixed)
-        larger = replace(world, gravity=_times(profile.scale, world.gravity), fixed=fixed)
-        self._larger = self.unscaled(profile, larger, sleeping, bricks)
-        self.info = replace(self._larger.info, unit_scale=self._larger.info.unit_scale * profile.scale)
+    def _open(self) -> None:
+        bricks = [_enlarged(self.scale, brick) for brick in self.expected]
+        fixed = tuple(_enlarged(self.scale, box) for box in self.world.fixed)
+        larger = replace(self.world, gravity=_times(self.scale, self.world.gravity), fixed=fixed)
+        self._larger = self.unscaled(self._unfitted, larger, self.info.sleeping, bricks)
+        self.info = replace(self._larger.info, unit_scale=self._larger.info.unit_scale * self.scale)
 
     @property
     def port(self) -> EnginePort:

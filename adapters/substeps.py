@@ -31,11 +31,11 @@ class SubstepSimulation(Simulation):
     """Speed [m/s] at which bodies at rest tremble: see ``fastest_approach``."""
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        super().__init__(profile, world, sleeping, expected)
         self._substep_s = 0.0  # of the latest frame
         self._recorded: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         self._before: Motions | None = None
         self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
+        super().__init__(profile, world, sleeping, expected)  # opens the engine's world: last
 
     def _step(self, seconds: float) -> None:
         self._substep_s = seconds / self.info.profile.substeps

@@ -40,15 +40,14 @@ from adapters.bridge.messages import (
 )
 from adapters.bridge.peer import SILENCE_S, Peer
 from adapters.bridge.plane import check_pose_in_plane, check_vector_in_plane
-from adapters.profile import Profile, Sleeping
 from adapters.shared.approach import Motions, fastest_approach
+from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.live_pairs import of_live
-from scenarios.model import Brick, Quaternion, Vector, World
+from adapters.shared.vectors import half_edges
+from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 
-_NEAR = 1e-4
-"""Points further apart than this [m] do not touch."""
 _INSTANT_S = 1e-6
 """Step [s] in which contacts are found while nothing moves."""
 _CLOCK_S = 1e-3
@@ -66,15 +65,14 @@ class BridgeSimulation(Simulation):
     contacts_at: ClassVar[Detection] = "start"
     solver_noise: ClassVar[float] = 0.0
 
-    def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        super().__init__(profile, world, sleeping, expected)
+    def _open(self) -> None:
         self._commands: list[Command] = []
         self._states = np.full((64, STATE_WIDTH), np.nan)  # by body
         self._reply: StepReply | None = None  # of the latest frame, if it was read
         self._replied: IntArray = np.empty(0, np.int64)
         self._before: Motions | None = None
         if self.capabilities.planar:
-            check_vector_in_plane(self.engine, "gravity [m/s2]", world.gravity)
+            check_vector_in_plane(self.engine, "gravity [m/s2]", self.world.gravity)
         self._peer = Peer(self.command, self.folder, self.timeout_s)
         self._check_hello()
         self._peer.ask(Kind.OPEN, json_body(self._opening()))
@@ -197,15 +195,15 @@ class BridgeSimulation(Simulation):
 
     def _opening(self) -> Mapping[str, object]:
         """Return the content of the message that opens the world."""
-        profile = self.info.profile
+        ground, *fixed = (box for _, box in self._fixed_boxes())
         return {
             "gravity": self.world.gravity,
             "friction": self.world.friction,
             "scale": self.scale,
-            "ground_half_edges": self.ground_half_edges,
-            "fixed": [_box(box) for box in self.world.fixed],
+            "ground_half_edges": half_edges(ground.size),
+            "fixed": [_box(box) for box in fixed],
             "sleeping": self.info.sleeping,
-            "knobs": {name: knob.value for name, knob in profile.knobs.items()},
+            "knobs": self.info.profile.values,
             "expected": len(self.expected),
         }
 
@@ -230,7 +228,7 @@ class BridgeSimulation(Simulation):
     def _as_contacts(self, rows: FloatArray, bodies: IntArray, before: FloatArray, after: FloatArray) -> Contacts:
         """Return those of the engine's points that nearly touch, where they are when a substep has ended."""
         points, normals, separations = carried(rows, bodies, before, after)
-        near = np.flatnonzero(separations <= _NEAR * self.scale)
+        near = np.flatnonzero(separations <= NEAR * self.scale)
         a, b = rows[near, :2].astype(np.int64).T
         friction = np.full(len(near), self.world.friction)
         unknown = np.full((len(near), 3), np.nan)

@@ -1,11 +1,11 @@
-"""Size of the ground, which every engine has as a box: its top is z = 0."""
+"""The ground, which most engines have as a box: its top is z = 0."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 
-from scenarios.model import Brick, Vector
+from scenarios.model import Brick
 
 MIN_HALF_EDGES = (2.0, 2.0, 0.5)
 """Half the least edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
@@ -13,11 +13,14 @@ ROOM_TO_FALL = 2.0
 """Reach of the ground over the distance of the farthest brick that is expected."""
 
 
-def ground_half_edges(bricks: Iterable[Brick], scale: float) -> Vector:
-    """Return half the edges [m] of a ground for these bricks, at least ``MIN_HALF_EDGES`` times ``scale``."""
-    x, y, z = MIN_HALF_EDGES
+def ground_box(bricks: Iterable[Brick], scale: float) -> Brick:
+    """Return a ground for these bricks, with half edges of at least ``MIN_HALF_EDGES`` times ``scale``.
+
+    It is as thick as it must be in any scene; only its length and its width grow with the reach of the bricks.
+    """
+    x, y, z = (scale * edge for edge in MIN_HALF_EDGES)
     reach = ROOM_TO_FALL * max((_reach(brick) for brick in bricks), default=0.0)
-    return max(x * scale, reach), max(y * scale, reach), z * scale
+    return Brick((2 * max(x, reach), 2 * max(y, reach), 2 * z), 1.0, (0.0, 0.0, -z))
 
 
 def _reach(brick: Brick) -> float:

@@ -63,9 +63,9 @@ def test_the_engine_has_the_recorded_settings(profile: str) -> None:
     knobs = {name: knob.value for name, knob in simulation.info.profile.knobs.items()}
     assert lib.b3GetLengthUnitsPerMeter() == pytest.approx(knobs["lengthUnitsPerMeter"])
     recycled = knobs.get("contactRecycleDistance", 0.05 * float(knobs["lengthUnitsPerMeter"]))
-    assert lib.b3World_GetContactRecycleDistance(simulation._engine) == pytest.approx(recycled)
-    assert not lib.b3World_IsSleepingEnabled(simulation._engine)
-    assert lib.b3World_GetWorkerCount(simulation._engine) <= 1
+    assert lib.b3World_GetContactRecycleDistance(simulation._engine.world) == pytest.approx(recycled)
+    assert not lib.b3World_IsSleepingEnabled(simulation._engine.world)
+    assert lib.b3World_GetWorkerCount(simulation._engine.world) <= 1
     simulation.close()
 
 
@@ -99,10 +99,10 @@ def test_contacts_keep_their_bodies_when_box3d_uses_a_shape_again() -> None:
     first, second = simulation.spawn(plank(0.0)), simulation.spawn(plank(0.2))
     assert simulation.port.masses().body.tolist() == [first, second]
     advance(simulation, 0.1)
-    shape = simulation._shapes[first]
+    shape = simulation._engine.shapes[first]
     simulation.remove(first)
     third = place_on(simulation, 0)
-    assert simulation._shapes[third] == shape
+    assert simulation._engine.shapes[third] == shape
     advance(simulation, 0.5)
     assert pairs(simulation.port.contacts()) == {(GROUND, second), (GROUND, third)}
     simulation.close()
@@ -149,7 +149,7 @@ def test_inertia_is_that_of_a_plank_also_after_a_freeze() -> None:
     simulation = opened()
     body = simulation.spawn(plank())
     for _ in range(2):
-        data = lib.b3Body_GetMassData(simulation._handles[body])
+        data = lib.b3Body_GetMassData(simulation._engine.handles[body])
         assert data.mass == pytest.approx(MASS)
         assert [data.inertia.cx.x, data.inertia.cy.y, data.inertia.cz.z] == pytest.approx(expected, rel=1e-5)
         simulation.port.sleep([body])
@@ -164,7 +164,7 @@ def test_the_engines_own_sleep_ends_when_the_support_leaves(sleeping: Sleeping, 
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
     advance(simulation, 2.0)
-    handle = simulation._handles[body]
+    handle = simulation._engine.handles[body]
     assert lib.b3Body_GetSleepThreshold(handle) == pytest.approx(threshold)
     assert lib.b3Body_IsAwake(handle) == (sleeping == "off")
     simulation.remove(support)
@@ -181,7 +181,7 @@ def test_a_state_that_is_not_finite_is_reported_as_diverged() -> None:
     simulation = opened()
     body = simulation.spawn(plank())
     _ = simulation.port
-    lib.b3Body_SetLinearVelocity(simulation._handles[body], (float("nan"), 0.0, 0.0))
+    lib.b3Body_SetLinearVelocity(simulation._engine.handles[body], (float("nan"), 0.0, 0.0))
     advance(simulation, 0.1)
     simulation.port.contacts()
     assert np.isnan(simulation.poses()[1]).all()

@@ -156,9 +156,15 @@ class DrivenUnseenByFrozen(EnginePort):
 class DrivenStoppedByFrozen(BulletSimulation):
     """Lets the solver see a moved body against frozen bricks, and remember the impulses that stopped it."""
 
-    def _let_collide(self, handle: int, other: int, do: bool) -> None:
-        if do or other not in {self._handles[body] for body in self.bodies.live}:
-            super()._let_collide(handle, other, do)
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        let_collide = self._engine.let_collide
+
+        def let_frozen_collide(handle: int, other: int, *, do: bool) -> None:
+            if do or other not in {self._handles[body] for body in self.bodies.live}:
+                let_collide(handle, other, do=do)
+
+        self._engine.let_collide = let_frozen_collide
 
 
 class NothingAhead(EnginePort):
@@ -197,7 +203,7 @@ class NoContactsWithFrozen(BulletSimulation):
 class FrozenPairsListed(BulletSimulation):
     def _listed(self) -> list[tuple[Any, ...]]:
         every = pybullet.getContactPoints(physicsClientId=self._client)
-        return [(self._bodies[row[1]], self._bodies[row[2]], row) for row in every]
+        return [(self._engine.body_of[row[1]], self._engine.body_of[row[2]], row) for row in every]
 
 
 class FlickeringContacts(BulletSimulation):
@@ -216,10 +222,21 @@ class ChangedBricks(BulletSimulation):
 
     change: dict[str, float]
 
-    def _create(self, *args: Any) -> int:
-        handle = super()._create(*args)
-        pybullet.changeDynamics(handle, -1, **self.change, physicsClientId=self._client)
-        return handle
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._change_all()
+
+    def _spawn(self, *args: Any) -> None:
+        super()._spawn(*args)
+        self._change_all()
+
+    def _spawn_moved(self, *args: Any) -> None:
+        super()._spawn_moved(*args)
+        self._change_all()
+
+    def _change_all(self) -> None:
+        for handle in self._engine.body_of:
+            pybullet.changeDynamics(handle, -1, **self.change, physicsClientId=self._client)
 
 
 class FrictionSquared(ChangedBricks):
@@ -265,7 +282,7 @@ class MerelyAsleep(BulletSimulation):
     """The engine's own sleep, which the next touch ends."""
 
     def _freeze(self, body: int) -> None:
-        self._stop(self._handles[body])
+        self._engine.stop(self._handles[body])
         asleep = pybullet.ACTIVATION_STATE_SLEEP
         pybullet.changeDynamics(self._handles[body], -1, activationState=asleep, physicsClientId=self._client)
 
@@ -322,7 +339,7 @@ class ContactsOutliveTheirBricks(BulletSimulation):
 
 class MoveIgnored(BulletSimulation):
     def _move(self, body: int, *args: Any) -> None:
-        self._stop(self._handles[body])
+        self._engine.stop(self._handles[body])
 
 
 class QuaternionsAsInBullet(BulletSimulation):
@@ -357,12 +374,12 @@ class FlippedNormalsOfFixedBoxes(BulletSimulation):
 class FixedBoxesTooSmooth(BulletSimulation):
     """Their material has the pair's coefficient; Bullet multiplies it by the brick's."""
 
-    def _create(self, half_extents: Any, mass: float, *args: Any) -> int:
-        handle = super()._create(half_extents, mass, *args)
-        if mass == 0 and half_extents != self.ground_half_edges:
-            friction = self.world.friction
-            pybullet.changeDynamics(handle, -1, lateralFriction=friction, physicsClientId=self._client)
-        return handle
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        for handle, body in self._engine.body_of.items():
+            if body < GROUND:
+                friction = self.world.friction
+                pybullet.changeDynamics(handle, -1, lateralFriction=friction, physicsClientId=self._client)
 
 
 class FixedBoxesAside(BulletSimulation):

@@ -67,9 +67,9 @@ def listed(profile: str, bricks: list[Brick], expected: list[Brick]) -> Counter[
     for brick in bricks:
         simulation.spawn(brick)
     found = dartpy.collision.CollisionResult()
-    simulation._world.checkCollision(simulation._world.getConstraintSolver().getCollisionOption(), found)
+    simulation._engine.world.checkCollision(simulation._engine.world.getConstraintSolver().getCollisionOption(), found)
     pairs = [(one.collisionObject2, one.collisionObject1) for one in found.getContacts()]
-    counts = Counter((simulation._body_of(a), simulation._body_of(b)) for a, b in pairs)
+    counts = Counter((simulation._objects.body_of(a), simulation._objects.body_of(b)) for a, b in pairs)
     simulation.close()
     return counts
 
@@ -110,7 +110,7 @@ def test_the_recorded_limit_is_the_one_that_dart_has() -> None:
             simulation.spawn(plank(0.0, 1))
         recorded = simulation.info.profile.knobs["max_contacts"].value
         per_pair = int(str(recorded).removesuffix(" for each pair of bodies"))
-        limit = simulation._world.getConstraintSolver().getCollisionOption().maxNumContacts
+        limit = simulation._engine.world.getConstraintSolver().getCollisionOption().maxNumContacts
         assert limit == max(1000, per_pair * bricks * (bricks + 1) // 2)
         simulation.close()
 
@@ -149,7 +149,7 @@ def test_the_solver_is_asked_for_as_many_digits_whatever_the_bricks_weigh(scale:
     bricks = [Brick((length, width, thickness), factor * mass, (0.0, 0.0, thickness / 2)) for factor in (1.0, 6.0)]
     simulation = open_engine("dart", "tuned", expected=bricks)
     assert isinstance(simulation, DartSimulation)
-    options = simulation._world.getConstraintSolver().getMatrixFreeContactSolverOptions()
+    options = simulation._engine.world.getConstraintSolver().getMatrixFreeContactSolverOptions()
     assert options.mDeltaTolerance == pytest.approx(1e-7 * larger)
     assert options.mRelativeDeltaTolerance == pytest.approx(1e-7 * larger)
     simulation.close()

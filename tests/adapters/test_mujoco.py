@@ -149,10 +149,10 @@ def test_knobs_are_what_the_engine_runs_with(profile: str) -> None:
     simulation = open_engine("mujoco", profile, sleeping="raised")
     simulation.spawn(PLANK)
     simulation.step(FRAME_S)
-    option, knobs = simulation._engine.model.opt, simulation.info.profile.knobs
+    option, knobs = simulation._engine.slots.model.opt, simulation.info.profile.knobs
     assert option.sleep_tolerance == knobs["option.sleep_tolerance"].value
     assert option.timestep * simulation.info.profile.substeps == pytest.approx(FRAME_S)
     if profile != "default":
         assert option.impratio == knobs["option.impratio"].value
         two_steps = float(knobs["contact_steps"].value) * option.timestep
-        assert simulation._engine.model.geom_solref.tolist() == [[two_steps, 1.0]] * 2
+        assert simulation._engine.slots.model.geom_solref.tolist() == [[two_steps, 1.0]] * 2

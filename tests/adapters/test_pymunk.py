@@ -8,7 +8,7 @@ from pymunk import batch
 
 from adapters import open_engine
 from adapters._pymunk import PymunkSimulation
-from adapters._pymunk_arrays import lift_contacts
+from adapters._pymunk_contacts import lift_contacts
 from scenarios.model import Brick, Quaternion, Vector, World
 
 LENGTH, DEPTH, THICKNESS = 0.117, 0.0234, 0.0078
@@ -39,7 +39,7 @@ def opened(profile: str = "game", **options: object) -> PymunkSimulation:
 def engine_pairs(simulation: PymunkSimulation) -> int:
     """How many pairs Chipmunk lists, frozen ones too."""
     buffer = batch.Buffer()
-    batch.get_space_arbiters(simulation._space, batch.ArbiterFields.CONTACT_COUNT, buffer)
+    batch.get_space_arbiters(simulation._engine.space, batch.ArbiterFields.CONTACT_COUNT, buffer)
     return len(np.frombuffer(buffer.int_buf(), np.int64))
 
 
@@ -200,9 +200,9 @@ def test_freezing_waking_and_removing_in_any_order_keeps_frozen_bricks_in_place(
 def test_the_engine_has_the_recorded_settings(profile: str) -> None:
     simulation = opened(profile)
     for setting, knob in simulation.info.profile.knobs.items():
-        assert getattr(simulation._space, setting) == pytest.approx(knob.value)
-    assert simulation._space.damping == 1
-    assert simulation._space.sleep_time_threshold == math.inf
+        assert getattr(simulation._engine.space, setting) == pytest.approx(knob.value)
+    assert simulation._engine.space.damping == 1
+    assert simulation._engine.space.sleep_time_threshold == math.inf
     assert simulation.info.unit_scale == 1000
 
 
@@ -211,7 +211,7 @@ def test_the_engines_own_sleep_ends_when_the_support_leaves(sleeping: str) -> No
     simulation = opened(sleeping=sleeping)
     below, above = simulation.spawn(plank(0, THICKNESS / 2)), simulation.spawn(plank(0, 1.5 * THICKNESS))
     run(simulation, 60)
-    assert simulation._bodies[above].is_sleeping
+    assert simulation._engine.bodies[above].is_sleeping
     simulation.remove(below)
     run(simulation, 30)
     assert simulation.poses()[1][0, 2] == pytest.approx(THICKNESS / 2, abs=2e-4)

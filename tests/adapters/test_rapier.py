@@ -5,6 +5,7 @@ import pytest
 
 from adapters import open_engine
 from adapters._rapier import RapierSimulation
+from adapters._rapier_contacts import local_points
 from adapters.conformance.rig import MASS, PLANK, THICKNESS, advance, frozen_column, pairs, place_on, plank, pose
 from adapters.profile import Sleeping
 from scenarios.model import Brick, World
@@ -46,13 +47,13 @@ def test_frozen_bodies_are_not_visited_once_nothing_is_live() -> None:
     bodies = frozen_column(simulation, 3)
     before = simulation.poses()
     advance(simulation, 0.5)
-    assert not simulation._engine.active_bodies()
-    assert not list(simulation._engine.narrow_phase.contact_pairs())
+    assert not simulation._engine.world.active_bodies()
+    assert not list(simulation._engine.world.narrow_phase.contact_pairs())
     for now, then in zip(simulation.poses(), before, strict=True):
         np.testing.assert_array_equal(now, then)
     top = place_on(simulation, 3)
     advance(simulation, 0.5)
-    assert len(simulation._engine.active_bodies()) == 1
+    assert len(simulation._engine.world.active_bodies()) == 1
     assert pairs(simulation.port.contacts()) == {(bodies[-1], top)}
     simulation.close()
 
@@ -83,11 +84,11 @@ def test_a_live_body_keeps_its_contacts_while_what_carries_it_freezes() -> None:
     simulation = opened()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
-    handle = simulation._handles[support]
+    handle = simulation._engine.handles[support]
     simulation.port.wake([support])
     simulation.port.sleep([support])
     advance(simulation, 0.5)
-    assert simulation._handles[support] == handle
+    assert simulation._engine.handles[support] == handle
     assert pairs(simulation.port.contacts()) == {(support, body)}
     simulation.close()
 
@@ -116,7 +117,7 @@ def test_separations_are_those_of_the_present_poses() -> None:
     advance(simulation, 1.0)
     listed = [
         point.dist
-        for pair in simulation._engine.narrow_phase.contact_pairs()
+        for pair in simulation._engine.world.narrow_phase.contact_pairs()
         for manifold in pair.manifolds
         for point in manifold.points
     ]
@@ -130,7 +131,7 @@ def test_a_predicted_contact_is_no_contact_yet() -> None:
     simulation = opened(world=World(gravity=(0.0, 0.0, 0.0)))
     simulation.spawn(plank(z=THICKNESS / 2 + 0.5e-3))
     advance(simulation, 0.1)
-    assert len(simulation._listed(simulation._engine.narrow_phase)[0]) > 0
+    assert len(local_points(simulation._live_pairs(simulation._engine.world.narrow_phase))[0]) > 0
     assert len(simulation.port.contacts()) == 0
     simulation.close()
 
@@ -156,7 +157,7 @@ def test_only_the_pairs_of_live_bricks_are_read() -> None:
     assert (
         sum(
             1
-            for _, _, pair in simulation._live_pairs(simulation._engine.narrow_phase)
+            for _, _, pair in simulation._live_pairs(simulation._engine.world.narrow_phase)
             if any(one.points for one in pair.manifolds)
         )
         == 1
@@ -170,10 +171,10 @@ def test_only_the_pairs_of_live_bricks_are_read() -> None:
 @pytest.mark.parametrize("profile", RapierSimulation.profiles)
 def test_the_engine_has_the_recorded_settings(profile: str) -> None:
     simulation = opened(profile)
-    assert simulation._engine.num_threads == 1
+    assert simulation._engine.world.num_threads == 1
     for name, knob in simulation.info.profile.knobs.items():
         if name not in ("num_threads", "body.can_sleep"):
-            value = simulation._engine.integration_parameters
+            value = simulation._engine.world.integration_parameters
             for part in name.split("."):
                 value = getattr(value, part)
             assert value == pytest.approx(knob.value)

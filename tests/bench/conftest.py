@@ -46,6 +46,8 @@ class FakeSimulation(Simulation):
         self.pressed: dict[int, Vector] = {}
         self._on_step = on_step
 
+    def _open(self) -> None: ...
+
     def _spawn(self, body: int, brick: Brick) -> None:
         self.pose[body] = brick.position, brick.quaternion
 

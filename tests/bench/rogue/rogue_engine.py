@@ -96,8 +96,7 @@ class RogueSimulation(Simulation):
         for name in MISDEEDS
     }
 
-    def __init__(self, *arguments) -> None:
-        super().__init__(*arguments)
+    def _open(self) -> None:
         self.pose = {}
         self.hoard = []
         self.frames = 0

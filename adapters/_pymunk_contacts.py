@@ -1,4 +1,4 @@
-"""Chipmunk's batch arrays, put in order of our ids and lifted from its plane to three dimensions.
+"""Chipmunk's contacts, put in order of our ids and lifted from its plane to three dimensions.
 
 Compiled, because a stack of frozen bricks costs Chipmunk some microseconds a step: a few dozen calls of NumPy
 on three contacts would cost ten times that. Lengths are in engine units unless a docstring says otherwise.
@@ -12,23 +12,6 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 Rows = tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray]
-
-
-@numba.njit(cache=True)
-def sort_by_id(engine_ids: IntArray, ids: IntArray, bodies: IntArray, values: FloatArray, rows: FloatArray) -> None:
-    """Write ``values`` (k, w) of ``bodies`` (k,), which are engine ids, into those ``rows`` that are our ids.
-
-    Args:
-        engine_ids: every engine id, sorted.
-        ids: our id of each; the ground's is -1 and so finds the last row.
-        bodies: whose values they are.
-        values: as the engine lists them.
-        rows: written to.
-    """
-    for k in range(len(bodies)):
-        row = ids[np.searchsorted(engine_ids, bodies[k])]
-        for column in range(values.shape[1]):  # a whole row at once takes seconds to compile
-            rows[row, column] = values[k, column]
 
 
 @numba.njit(cache=True)

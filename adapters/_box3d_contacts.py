@@ -1,4 +1,4 @@
-"""Contacts, poses and velocities of Box3D as arrays: its C structures, read in blocks."""
+"""Box3D's contacts as arrays: its C structures, read in blocks."""
 
 from __future__ import annotations
 
@@ -7,13 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-from robox3d._ffi import ffi, lib, shim
+from robox3d._ffi import ffi, lib
 
 from stability_core.port import BoolArray, FloatArray, IntArray
-
-_BATCH: Any = shim
-"""Functions of the package that read many bodies in one call."""
 
 _VECTOR = ("<f4", 3)
 _POINT = np.dtype(
@@ -134,29 +130,3 @@ class ContactReader:
                 return self._buffer, count
             self._room *= 2  # full: there may be more
             self._buffer = ffi.new("b3ContactData[]", self._room)
-
-
-def raw_handle(handle: Any) -> int:
-    """Return a body's handle as a number of 8 bytes, for arrays of them."""
-    return int.from_bytes(ffi.buffer(ffi.addressof(handle)), "little")
-
-
-def with_room(array: IntArray | npt.NDArray[np.uint64], index: int) -> Any:
-    """Return the array, longer if there is no place ``index`` in it."""
-    return array if index < len(array) else np.resize(array, 2 * index)
-
-
-def poses_of(raw_handles: npt.NDArray[np.uint64]) -> FloatArray:
-    """Return positions and quaternions (x, y, z, w) of bodies (n,), shape (n, 7)."""
-    return _batch(_BATCH.rxBodyGetPoses, raw_handles, 7)
-
-
-def velocities_of(raw_handles: npt.NDArray[np.uint64]) -> FloatArray:
-    """Return linear and angular velocities of bodies (n,), shape (n, 6)."""
-    return _batch(_BATCH.rxBodyGetVelocities, raw_handles, 6)
-
-
-def _batch(function: Any, raw_handles: npt.NDArray[np.uint64], width: int) -> FloatArray:
-    rows = np.empty((len(raw_handles), width), np.float32)
-    function(ffi.from_buffer("b3BodyId[]", raw_handles), len(raw_handles), ffi.from_buffer("float[]", rows))
-    return rows.astype(np.float64)

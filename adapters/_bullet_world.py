@@ -1,0 +1,111 @@
+"""A world of Bullet, opened as the profile's knobs say: its settings and its boxes."""
+
+from __future__ import annotations
+
+import math
+
+from adapters.profile import EngineInfo, KnobValue
+from adapters.shared.quiet_import import silenced_stderr
+from adapters.shared.vectors import half_edges, scalar_last
+from scenarios.model import Brick, Vector, World
+
+with silenced_stderr():  # it announces when it was built
+    import pybullet
+
+
+HEAVY = 1e6
+"""Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
+step of 1/240 s, before the next step sets it anew."""
+
+
+class BulletWorld:
+    """An empty world in DIRECT mode. Bodies go by the handles that PyBullet gives them, which it uses again."""
+
+    def __init__(self, world: World, info: EngineInfo) -> None:
+        self.client: int = pybullet.connect(pybullet.DIRECT)
+        self.awake = (
+            pybullet.ACTIVATION_STATE_DISABLE_SLEEPING if info.sleeping == "off" else pybullet.ACTIVATION_STATE_WAKE_UP
+        )
+        """Activation state of a live body."""
+        self.handles: dict[int, int] = {}
+        """Handle of each body."""
+        self.body_of: dict[int, int] = {}
+        """Body, ground or fixed box of each handle."""
+        self._friction = math.sqrt(world.friction)  # a pair has the product of both
+        self._shapes: dict[Vector, int] = {}
+        self._step_s = 0.0
+        self.set_gravity(world.gravity)
+        self._configure(**info.profile.values)
+
+    def set_step(self, seconds: float) -> None:
+        """Set the length [s] of the steps that follow."""
+        if seconds != self._step_s:
+            self._configure(fixedTimeStep=seconds)
+            self._step_s = seconds
+
+    def set_gravity(self, gravity: Vector) -> None:
+        """Set the gravity [m/s2] of active bodies, and of bodies that are added later."""
+        pybullet.setGravity(*gravity, physicsClientId=self.client)
+
+    def add_fixed(self, body: int, box: Brick) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        self.body_of[self._add_box(box, mass=0.0)] = body
+
+    def add_live(self, body: int, brick: Brick) -> None:
+        """Add a live brick, at rest."""
+        self._add(body, brick, brick.mass)
+
+    def add_moved(self, body: int, brick: Brick) -> None:
+        """Add a brick that the host moves."""
+        self._add(body, brick, HEAVY)
+
+    def remove(self, body: int) -> None:
+        """Take out a body."""
+        handle = self.handles.pop(body)
+        del self.body_of[handle]
+        pybullet.removeBody(handle, physicsClientId=self.client)
+
+    def let_collide(self, handle: int, other: int, *, do: bool) -> None:
+        """Set whether two bodies collide; Bullet drops the contact that it remembers of them."""
+        pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self.client)
+
+    def rouse(self, handle: int) -> None:
+        """End the engine's own sleep of a body, which a new velocity alone does not."""
+        pybullet.changeDynamics(handle, -1, activationState=self.awake, physicsClientId=self.client)
+
+    def stop(self, handle: int) -> None:
+        """Set both velocities of a body to zero."""
+        pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self.client)
+
+    def close(self) -> None:
+        """Free the world."""
+        pybullet.disconnect(self.client)
+
+    def _configure(self, **parameters: KnobValue) -> None:
+        pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self.client)
+
+    def _add(self, body: int, brick: Brick, mass: float) -> None:
+        handle = self._add_box(brick, mass)
+        self.handles[body] = handle
+        self.body_of[handle] = body
+
+    def _add_box(self, box: Brick, mass: float) -> int:
+        """Add a box of this mass [kg] at rest, static if it has none; returns its handle."""
+        shape = self._shapes.get(box.size)
+        if shape is None:
+            shape = pybullet.createCollisionShape(
+                pybullet.GEOM_BOX, halfExtents=half_edges(box.size), physicsClientId=self.client
+            )
+            self._shapes[box.size] = shape
+        handle: int = pybullet.createMultiBody(
+            baseMass=mass,
+            baseCollisionShapeIndex=shape,
+            basePosition=box.position,
+            baseOrientation=scalar_last(box.quaternion),
+            useMaximalCoordinates=True,
+            physicsClientId=self.client,
+        )
+        pybullet.changeDynamics(
+            handle, -1, lateralFriction=self._friction, activationState=self.awake, physicsClientId=self.client
+        )
+        return handle

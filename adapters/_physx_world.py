@@ -1,0 +1,115 @@
+"""A world of SAPIEN, opened as the profile's knobs say, and its bodies, which SAPIEN calls components of entities."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from adapters._physx_state import BodyStates
+from adapters.profile import Profile
+from adapters.shared.quiet_import import silenced_stderr
+from adapters.shared.vectors import half_edges
+from scenarios.model import Brick, Vector, World
+
+with silenced_stderr(), warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import sapien
+    from sapien import physx
+
+_SCENE = ("enable_tgs", "bounce_threshold")
+_BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
+_SHAPE = ("contact_offset",)
+KNOBS = frozenset({*_SCENE, *_BODY, *_SHAPE})
+"""Attributes of SAPIEN's scene, bodies and shapes that a profile may set."""
+
+
+class PhysxWorld:
+    """A world with the components of its bodies."""
+
+    def __init__(self, world: World, profile: Profile) -> None:
+        knobs = profile.values
+        self._for_bodies = {name: knobs[name] for name in _BODY if name in knobs}
+        self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
+        # Settings of the whole process, which a system reads as it is made.
+        physx.set_scene_config(gravity=world.gravity, **{name: knobs[name] for name in _SCENE if name in knobs})
+        self._built_gravity = world.gravity
+        self._gravity_change = np.zeros(3, np.float32)
+        self.system = physx.PhysxCpuSystem()
+        self._scene = sapien.Scene([self.system])
+        self._material = physx.PhysxMaterial(world.friction, world.friction, 0.0)
+        self.components: dict[int, Any] = {}
+        """Component of each body."""
+        self.body_of: dict[Any, int] = {}
+        """Body, ground or fixed box of each component; SAPIEN hands out the same object for one that is held."""
+        self._removed_components: list[Any] = []  # since the latest step
+        self.states = BodyStates(self.system, self.components, self.body_of)
+
+    def add_fixed(self, body: int, box: Brick) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        component = physx.PhysxRigidStaticComponent()
+        self._add(component, box)
+        self.body_of[component] = body
+
+    def add_live(self, body: int, brick: Brick) -> None:
+        """Add a live brick, at rest."""
+        x, y, z = brick.size
+        component = physx.PhysxRigidDynamicComponent()
+        self._add(component, brick)
+        component.mass = brick.mass
+        component.inertia = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+        for name, value in self._for_bodies.items():
+            setattr(component, name, value)
+        self.components[body] = component
+        self.body_of[component] = body
+        self.states.count_rows()
+
+    def add_moved(self, body: int, brick: Brick) -> None:
+        """Add a brick that the host moves."""
+        self.add_live(body, brick)
+        self.components[body].kinematic = True
+
+    def remove(self, body: int) -> None:
+        """Take out a body, and hold its component until the next step, because contacts go on naming it."""
+        component = self.components.pop(body)
+        del self.body_of[component]
+        self._scene.remove_entity(component.entity)
+        self._removed_components.append(component)
+        self.states.count_rows()
+
+    def set_gravity(self, gravity: Vector) -> None:
+        """Set the gravity [m/s2] of the steps that follow."""
+        self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
+
+    def add_gravity_change(self, masses: Mapping[int, float]) -> None:
+        """Let the difference from the system's gravity, which SAPIEN cannot change, act on bodies in the next step."""
+        if self._gravity_change.any():
+            for body, mass in masses.items():
+                self.components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
+
+    def forget_removed(self) -> None:
+        """Let go of the components that were removed before the latest step."""
+        self._removed_components.clear()
+
+    def close(self) -> None:
+        """Free the world."""
+        self.components.clear()
+        self._scene.clear()
+
+    def _add(self, component: Any, box: Brick) -> None:
+        shape = physx.PhysxCollisionShapeBox(half_edges(box.size), self._material)
+        for name, value in self._for_shapes.items():
+            setattr(shape, name, value)
+        component.attach(shape)
+        entity = sapien.Entity()
+        entity.add_component(component)
+        entity.pose = sapien.Pose(box.position, box.quaternion)
+        self._scene.add_entity(entity)
+
+
+def stop(component: Any) -> None:
+    """Set both velocities of a dynamic body to zero, and wake it."""
+    component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
+    component.wake_up()

@@ -1,0 +1,131 @@
+"""A space of Chipmunk, opened as the profile's knobs say, and its bodies."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pymunk
+
+from adapters._pymunk_plane import UNITS_PER_METRE, halt, in_plane, moment, planar_gravity
+from adapters._pymunk_reader import SpaceReader
+from adapters.profile import Profile
+from scenarios.model import Brick, Quaternion, Vector, World
+from stability_core.port import GROUND, FloatArray
+
+MIN_GROUND_WIDTH = 20.0
+"""Width [m] of the ground in all but the largest scenes. Chipmunk clips a brick by the ends of the ground, so that the
+last bits of all contacts depend on where they are."""
+
+
+class PymunkWorld:
+    """A space, with its bodies, the reader of their states, and their depths, which Chipmunk does not know."""
+
+    def __init__(self, world: World, profile: Profile) -> None:
+        self.space = pymunk.Space()
+        self.set_gravity(world.gravity)
+        for setting, value in profile.values.items():
+            setattr(self.space, setting, value)
+        self.bodies: dict[int, pymunk.Body] = {}
+        """Chipmunk's body of each body; the ground and the fixed boxes are not among them."""
+        self.fixed_rows = 1 + len(world.fixed)
+        """Rows of the ground and the fixed boxes, behind those of the bodies, where negative ids find them."""
+        self.reader = SpaceReader(self.space, self.fixed_rows)
+        self.depths = np.full(self.fixed_rows, np.inf)
+        """Extents along y [m], by the rows of ``reader``."""
+        self._friction = math.sqrt(world.friction)  # a pair has the product of both
+        self._min_ground_width = MIN_GROUND_WIDTH * profile.scale
+        self._new_statics: list[int] = []
+
+    def set_gravity(self, gravity: Vector) -> None:
+        """Set gravity [m/s2]; ``ValueError`` if it leaves the plane."""
+        self.space.gravity = planar_gravity(gravity)
+
+    def add_fixed(self, body: int, box: Brick) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``."""
+        length, depth, height = box.size
+        if body == GROUND:
+            length, depth = max(length, self._min_ground_width), np.inf
+        self._add(body, pymunk.Body(body_type=pymunk.Body.STATIC), box, (length, depth, height))
+
+    def add_live(self, body: int, brick: Brick) -> None:
+        """Add a live brick, at rest."""
+        self._add_body(body, brick, pymunk.Body(brick.mass, moment(brick)))
+
+    def add_moved(self, body: int, brick: Brick) -> None:
+        """Add a brick that the host moves."""
+        self._add_body(body, brick, pymunk.Body(body_type=pymunk.Body.KINEMATIC))
+
+    def remove(self, body: int) -> None:
+        """Take out a body."""
+        planar = self.bodies.pop(body)
+        self.space.remove(*planar.shapes, planar)
+        self.reader.remove(body)
+
+    def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
+        """Set the pose of a body, and stop it; ``ValueError`` if the pose leaves the plane."""
+        planar = self.bodies[body]
+        planar.position, planar.angle = in_plane(position, quaternion)
+        halt(planar)
+        self.space.reindex_shapes_for_body(planar)
+        self.reader.note_change()
+
+    def freeze(self, body: int) -> None:
+        """Stop a body, and make it static."""
+        planar = self.bodies[body]
+        halt(planar)
+        planar.body_type = pymunk.Body.STATIC
+        self._new_statics.append(body)
+        self.reader.note_change()
+
+    def thaw(self, body: int, brick: Brick) -> None:
+        """Make a static body dynamic again, with the mass and the moment that Chipmunk forgot."""
+        planar = self.bodies[body]
+        planar.body_type = pymunk.Body.DYNAMIC
+        planar.mass, planar.moment = brick.mass, moment(brick)
+
+    def forget_static_pairs(self) -> None:
+        """Throw away the arbiters of bodies that were frozen since, which the engine would keep, and list, for ever.
+
+        Their contacts with live bodies are found again in the step that follows.
+        """
+        for body in self._new_statics:
+            planar = self.bodies.get(body)
+            if planar is not None and planar.body_type == pymunk.Body.STATIC:
+                shapes = planar.shapes
+                self.space.remove(*shapes)
+                self.space.add(*shapes)
+        self._new_statics.clear()
+
+    def step(self, seconds: float) -> None:
+        """Make one step."""
+        self.space.step(seconds)
+        self.reader.note_change()
+
+    def close(self) -> None:
+        """Free the space."""
+        self.bodies.clear()
+        del self.space, self.reader
+
+    def _add_body(self, body: int, brick: Brick, planar: pymunk.Body) -> None:
+        self._add(body, planar, brick, brick.size)
+        self.bodies[body] = planar
+
+    def _add(self, body: int, planar: pymunk.Body, box: Brick, size: Vector) -> None:
+        """Add the engine's body for a box of these edges [m], which contacts name ``body``."""
+        length, depth, height = size
+        planar.position, planar.angle = in_plane(box.position, box.quaternion)
+        shape = pymunk.Poly.create_box(planar, (length * UNITS_PER_METRE, height * UNITS_PER_METRE))
+        shape.friction = self._friction
+        self.space.add(planar, shape)
+        self.reader.add(planar, body)
+        self.depths = self._longer(self.depths)
+        self.depths[body] = depth
+
+    def _longer(self, depths: FloatArray) -> FloatArray:
+        """Return the depths with a row for each one of the reader's, inf where there is no body."""
+        longer = np.full(self.reader.rows, np.inf)
+        bodies = len(depths) - self.fixed_rows
+        longer[:bodies] = depths[:bodies]
+        longer[-self.fixed_rows :] = depths[-self.fixed_rows :]
+        return longer

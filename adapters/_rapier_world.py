@@ -1,0 +1,117 @@
+"""A world of Rapier, opened as the profile's knobs say, and its bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+import rapier3d
+
+from adapters.profile import KnobValue, Profile
+from adapters.shared.vectors import half_edges, scalar_last
+from scenarios.model import Brick, Vector, World
+from stability_core.port import FloatArray
+
+BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
+"""Knobs that are set of each body, as it is added; all others are settings of the world."""
+
+
+def knows(knob: str) -> bool:
+    """Return whether there may be a knob of this name; of the world's settings Rapier refuses an unknown one itself."""
+    return not knob.startswith("body.") or knob in BODY_KNOBS
+
+
+class RapierWorld:
+    """A world, with the handles, views and colliders of its bodies. A view of a removed body raises."""
+
+    def __init__(self, world: World, profile: Profile) -> None:
+        self.world = rapier3d.PhysicsWorld(gravity=world.gravity)
+        self.handles: dict[int, rapier3d.RigidBodyHandle] = {}
+        self.views: dict[int, rapier3d.RigidBody] = {}
+        self.colliders: dict[int, rapier3d.ColliderHandle] = {}
+        self.body_of: dict[rapier3d.ColliderHandle, int] = {}
+        """Body, ground or fixed box of each collider."""
+        self.fixed_poses: tuple[FloatArray, FloatArray] = np.empty((0, 3)), np.empty((0, 4))
+        """Positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id."""
+        self._friction = world.friction
+        values = profile.values
+        self._can_sleep = bool(values.get("body.can_sleep", True))
+        self._activation = {name.rpartition(".")[2]: value for name, value in values.items() if "activation" in name}
+        for name, value in values.items():
+            self._configure(name, value)
+
+    def add_fixed(self, body: int, box: Brick) -> None:
+        """Add the ground or a fixed box, which contacts name ``body``; their ids must fall."""
+        builder = self._box(box).position((box.position, scalar_last(box.quaternion)))
+        self.body_of[self.world.add_collider(builder)] = body
+        positions, quaternions = self.fixed_poses
+        self.fixed_poses = np.vstack([[box.position], positions]), np.vstack([[box.quaternion], quaternions])
+
+    def add_live(self, body: int, brick: Brick) -> None:
+        """Add a live brick, at rest."""
+        place = brick.position, scalar_last(brick.quaternion)
+        self._add(body, brick, rapier3d.RigidBody.dynamic().position(place))
+
+    def add_moved(self, body: int, brick: Brick) -> None:
+        """Add a brick that the host moves."""
+        place = brick.position, scalar_last(brick.quaternion)
+        self._add(body, brick, rapier3d.RigidBody.kinematic_velocity_based().position(place))
+
+    def remove(self, body: int) -> None:
+        """Take out a body."""
+        del self.views[body]
+        del self.body_of[self.colliders.pop(body)]
+        self.world.remove_body(self.handles.pop(body))
+
+    def replace_by_fixed(self, body: int, brick: Brick) -> None:
+        """Replace a body by a fixed one at the same pose, which Rapier does not visit in each step."""
+        position = self.views[body].position
+        self.remove(body)
+        self._add(body, brick, rapier3d.RigidBody.fixed().position(position))
+
+    def set_gravity(self, gravity: Vector) -> None:
+        """Set the gravity [m/s2] of the steps that follow, and wake all bodies."""
+        self.world.gravity = rapier3d.Vec3(*gravity)
+        self.world.wake_up_all()
+
+    def find_anew(self, body: int) -> None:
+        """Make Rapier find the contacts of a body anew in the next step."""
+        collider = self.world.colliders[self.colliders[body]]
+        collider.shape = collider.shape
+
+    def close(self) -> None:
+        """Free the world."""
+        self.views.clear()
+        del self.world
+
+    def _configure(self, name: str, value: KnobValue) -> None:
+        """Set a knob that belongs to the world."""
+        parameters = self.world.integration_parameters
+        owner, _, attribute = name.rpartition(".")
+        if name == "num_threads":
+            self.world.set_num_threads(int(value))
+        elif not owner:
+            setattr(parameters, name, value)
+        elif name not in BODY_KNOBS:
+            coefficients = getattr(parameters, owner)  # a copy: set back whole
+            setattr(coefficients, attribute, value)
+            setattr(parameters, owner, coefficients)
+
+    def _box(self, box: Brick) -> rapier3d.ColliderBuilder:
+        return rapier3d.Collider.cuboid(*half_edges(box.size)).friction(self._friction)
+
+    def _add(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
+        """Add the body that ``builder`` describes, with the brick's box."""
+        handle = self.world.add_body(builder.can_sleep(self._can_sleep), [self._box(brick).mass(brick.mass)])
+        view = self.world.rigid_bodies[handle]
+        if self._activation:
+            activation = view.activation  # a copy: set back whole
+            for name, value in self._activation.items():
+                setattr(activation, name, value)
+            view.activation = activation
+        (collider,) = view.colliders
+        self.handles[body], self.views[body], self.colliders[body] = handle, view, collider
+        self.body_of[collider] = body
+
+
+def stop(view: rapier3d.RigidBody) -> None:
+    """Set both velocities of a body to zero."""
+    view.linvel = view.angvel = rapier3d.Vec3.zeros()
