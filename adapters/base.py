@@ -105,8 +105,7 @@ class Simulation(EngineHooks):
             KeyError: if there is no such body.
         """
         self.bodies.check_known((body,))
-        if self.bodies.steady.pop(body, None):
-            self._press(body, NO_FORCE)
+        self._end_force(body)
         self._remove(body)
         self._port.remove(body)
         self.bodies.remove(body)
@@ -138,8 +137,8 @@ class Simulation(EngineHooks):
             raise ValueError(f"{self.engine} is planar: a force must lie in the x-z plane, got {force} N")
         if any(force):
             self.bodies.steady[body] = force
-        elif self.bodies.steady.pop(body, None):
-            self._press(body, NO_FORCE)
+        else:
+            self._end_force(body)
 
     def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
         """Move a body of the host's at this velocity [m/s] and spin [rad/s], in every step until it is driven anew.
@@ -217,6 +216,11 @@ class Simulation(EngineHooks):
     def close(self) -> None:
         """Free the engine's memory; the simulation cannot be used afterwards."""
         self._close()
+
+    def _end_force(self, body: int) -> None:
+        """Let no steady force act on a body any more; on frozen and moved ones none does."""
+        if self.bodies.steady.pop(body, None) and body in self.bodies.live:
+            self._press(body, NO_FORCE)
 
     # -- for adapters ------------------------------------------------------------------------------
 

@@ -48,3 +48,19 @@ def test_an_impact_that_physx_foresees_is_told_as_touch() -> None:
     assert pairs(contacts) == {(support, body)}
     assert contacts.separation.max() <= 0.0
     simulation.close()
+
+
+def test_contacts_come_by_rising_ids_wherever_bricks_lie_in_memory() -> None:
+    """SAPIEN lists pairs by address; forces of friction, found pair by pair, would differ between two runs."""
+    worlds = [open_engine("physx", "game") for _ in range(3)]
+    for simulation in worlds:
+        port = simulation.port
+        for number in range(20):
+            simulation.spawn(plank(0.2 * number))
+        advance(simulation, 0.1)
+        contacts = port.contacts()
+        listed = list(zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True))
+        assert {b for _, b in listed} | {a for a, _ in listed} == {GROUND, *range(20)}
+        assert listed == sorted(listed)
+    for simulation in worlds:
+        simulation.close()

@@ -76,6 +76,21 @@ def test_the_hooks_of_a_frame_come_in_this_order() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("is_removed", [False, True])
+def test_a_force_on_a_frozen_body_ends_without_a_call_of_the_engine(is_removed: bool) -> None:
+    """It ended there when the body was frozen; PhysX reports a force on a kinematic body as a critical error."""
+    simulation = Traced()
+    body = simulation.spawn(BRICK)
+    simulation.apply_force(body, (1.0, 0.0, 0.0))
+    simulation.port.sleep([body])
+    assert simulation.calls == ["press"]
+    if is_removed:
+        simulation.remove(body)
+    else:
+        simulation.apply_force(body, (0.0, 0.0, 0.0))
+    assert simulation.calls == ["press"]
+
+
 def test_motions_are_those_before_each_substep() -> None:
     simulation = Traced()
     assert simulation.port is not None
