@@ -186,14 +186,19 @@ class PhysxSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _listed(self) -> Iterator[Listed]:
-        """Every pair that touches a live body: its bodies a and b, and PhysX's points, one at least."""
+        """Return every pair that touches a live body, by rising ids: its bodies a and b, and its points, one at least.
+
+        SAPIEN lists pairs in an order that follows memory addresses; friction is shared out pair by pair, so that
+        another order changes the last bits of forces from one process to the next.
+        """
         body_of = self._engine.body_of.get  # None for a brick that was removed since the step
 
         def ids_of(contact: Any) -> tuple[int | None, int | None]:
             first, second = contact.bodies
             return body_of(second), body_of(first)
 
-        for a, b, contact in pairs_with_live(self._engine.system.get_contacts(), ids_of, self.bodies):
+        listed = pairs_with_live(self._engine.system.get_contacts(), ids_of, self.bodies)
+        for a, b, contact in sorted(listed, key=lambda pair: pair[:2]):
             points = contact.points
             if points:
                 yield a, b, points

@@ -56,7 +56,7 @@ def test_contacts_come_by_rising_ids_wherever_bricks_lie_in_memory() -> None:
     for simulation in worlds:
         port = simulation.port
         for number in range(20):
-            simulation.spawn(plank(0.2 * number))
+            simulation.spawn(plank(0.15 * number - 1.5))
         advance(simulation, 0.1)
         contacts = port.contacts()
         listed = list(zip(contacts.body_a.tolist(), contacts.body_b.tolist(), strict=True))
