@@ -40,6 +40,9 @@ def run(
         list[str] | None, typer.Option(help="This profile, or one varied: game@scale=10; may be repeated.")
     ] = None,
     seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
+    hours: Annotated[
+        float | None, typer.Option(min=1e-3, help="Watch every trial for so many simulated hours: study 'soak'.")
+    ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Run the trials on the Dask cluster with this scheduler.")
@@ -56,7 +59,7 @@ def run(
 ) -> None:
     """Run a study, or go on with one that was cut off, and print what stood and what fell."""
     with input_errors():
-        wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds)
+        wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds, hours)
         if dask is not None and jobs > 1:
             raise ClusterError("--jobs is for this machine: on a cluster the workers' threads say how many trials run")
         chosen = selected(load_study(study), wanted)

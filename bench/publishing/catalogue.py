@@ -41,6 +41,7 @@ class Publication:
             "--policy": chosen.policies,
             "--profile": chosen.profiles,
             "--seeds": () if chosen.seeds is None else (str(chosen.seeds),),
+            "--hours": () if chosen.hours is None else (f"{chosen.hours:g}",),
         }
         return [self.study, *(word for option, names in options.items() for name in names for word in (option, name))]
 
@@ -93,6 +94,7 @@ PUBLICATIONS: dict[str, Publication] = {
         "at_once",
         Selection(profiles=("game",)),
     ),
+    "soak": Publication("how fast stacks creep that must stand: 600 s on six engines, `game` and `tuned`", "soak"),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",
         "paper",

@@ -30,6 +30,8 @@ class Trial:
     """0 builds exactly; any other number is a hand that does not."""
     repeat: int
     """Number of the repetition, from 0; repetitions differ in nothing but their timing."""
+    watch_s: float | None = None
+    """How long [s] it watches after its last action; None as its scene says."""
 
     @property
     def id(self) -> str:
@@ -46,7 +48,8 @@ class Trial:
 
     def planned_scene(self) -> Scene:
         """Return the scene without placement noise."""
-        return build(self.scenario, **self.parameters)
+        scene = build(self.scenario, **self.parameters)
+        return scene if self.watch_s is None else replace(scene, watch_s=self.watch_s)
 
 
 def plan_trials(study: Study) -> list[Trial]:
@@ -124,7 +127,7 @@ def _trials_of(study: Study, scenario: str, parameters: Mapping[str, Value]) -> 
     variant = build(scenario, **parameters).variant
     runs = list(product(range(study.seeds), range(study.repeats)))
     return [
-        Trial(engine, profile, scenario, variant, parameters, policy, seed, repeat)
+        Trial(engine, profile, scenario, variant, parameters, policy, seed, repeat, study.watch_s)
         for engine, profile in study.set_ups()
         for number, (seed, repeat) in enumerate(runs)
         for policy in (study.policies if number % 2 == 0 else reversed(study.policies))

@@ -45,6 +45,7 @@ class StudyError(ValueError):
 
 MOST_SEEDS = 100_000
 MOST_REPEATS = 1_000
+MOST_WATCH_S = 100 * 3600.0
 """More than these are a slip of the keyboard: the plan alone would fill the memory."""
 
 
@@ -185,6 +186,8 @@ class Study(_Model):
     """If there are any, only trials are run that match at least one."""
     exclude: list[Rule] = []
     """Trials that match one of these are not run."""
+    watch_s: float | None = Field(default=None, gt=0, le=MOST_WATCH_S)
+    """How long [s] every trial watches after its last action; as long as its scene says if it is left out."""
     limits: Limits = Limits()
 
     def set_ups(self) -> list[tuple[str, str]]:

@@ -12,6 +12,9 @@ from bench.studies.schema import Study, check_study
 from scenarios.lookup import look_up
 from scenarios.registry import SCENARIOS
 
+_HOUR_S = 3600.0
+_USUAL_WATCH_S = 5.0
+"""How long [s] scenes watch that do not say otherwise."""
 OWN = ".toml"
 """How the name of a scene of one's own ends: a file of bricks."""
 
@@ -25,6 +28,8 @@ class Selection:
     policies: Sequence[str] = ()
     profiles: Sequence[str] = ()
     seeds: int | None = None
+    hours: float | None = None
+    """Simulated time [h] that every trial watches; the limit on wall time grows as much."""
 
 
 def selected(study: Study, selection: Selection) -> Study:
@@ -56,7 +61,16 @@ def selected(study: Study, selection: Selection) -> Study:
     }
     if selection.profiles:
         content["sweep"] = []
+    if selection.hours is not None:
+        content |= _watched_for(study, _HOUR_S * selection.hours)
     return check_study(content | {field: value for field, value in named.items() if value}, f"study '{study.name}'")
+
+
+def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
+    """The fields of a study that watches for so long [s]."""
+    longer = max(1.0, watch_s / (study.watch_s or _USUAL_WATCH_S))
+    limits = study.limits.model_dump()
+    return {"watch_s": watch_s, "limits": limits | {"trial_wall_s": limits["trial_wall_s"] * longer}}
 
 
 def _plain(name: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from bench.studies.tolerance import Tolerance
 
 
 def to_toml(study: Study) -> str:
-    """The resolved study. TOML writes strings, numbers and flat lists as JSON does."""
+    """The resolved study. TOML writes strings, numbers and flat lists as JSON does, and nothing for what is not set."""
     content = study.model_dump()
     scenarios, limits = content.pop("scenario"), content.pop("limits")
     rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}
@@ -37,4 +37,4 @@ def _set_tolerances(tolerance: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _assignments(fields: Mapping[str, Any]) -> list[str]:
-    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items()]
+    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields.items() if value is not None]

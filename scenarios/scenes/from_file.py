@@ -1,6 +1,7 @@
 """A scene of your own, without code: a TOML file of bricks, whose truth is exact statics of what it says.
 
     friction = 0.45
+    watch_s = 5.0                      # how long it is watched after the last brick, s, optional
     [[brick]]
     size = [0.117, 0.0234, 0.0078]     # m
     position = [0.0, 0.0, 0.0039]      # of the centre, m; the ground is z = 0
@@ -66,7 +67,9 @@ MOST_FIXED = 200
 MOST = 200
 """Bricks for which the truth is worked out whenever the scene is built: of the largest in about a minute."""
 WATCH_S = 5.0
-"""How long [s] a scene of its own size is watched."""
+"""How long [s] a scene of its own size is watched, at least and if its file says nothing."""
+MOST_WATCH_S = 100 * 3600.0
+"""How long [s] it may be watched."""
 SNAP = 0.2e-3
 """Gap or overlap [m] that is a rounding of whoever wrote the file."""
 
@@ -109,12 +112,13 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"not valid TOML: {error}") from error
     for field in content:
-        look_up("field", field, dict.fromkeys(("friction", "brick", "fixed")))
+        look_up("field", field, dict.fromkeys(("friction", "watch_s", "brick", "fixed")))
     told = read_tables(content, "brick", least=1, most=MOST)
     fixed = tuple(
         read_fixed_box(f"fixed[{n}]", one)
         for n, one in enumerate(read_tables(content, "fixed", least=0, most=MOST_FIXED))
     )
+    watch_s = Real(WATCH_S, MOST_WATCH_S).check("watch_s", content.get("watch_s", WATCH_S))
     friction = Real(0, 10).check("friction", content.get("friction", MU))
     laid = sorted(
         ((read_number(f"brick[{n}].time", one.get("time"), 0, LARGEST), n, one) for n, one in enumerate(told)),
@@ -135,7 +139,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
         expectation=Expectation("study", "not yet judged"),
         look_for="does it stand or fall as exact statics says, and when?",
         planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
-        watch_s=WATCH_S * pace_of(size),
+        watch_s=watch_s * pace_of(size),
         size=size,
     )
     return replace(scene, expectation=_judged(scene))

@@ -192,3 +192,22 @@ def test_a_plan_that_would_run_a_trial_twice_or_never_or_for_ever_is_refused(cha
     plain = {"name": "x", "engines": ["bullet"], "policies": ["none"], "scenario": [{"name": "four_stack"}]}
     with pytest.raises(StudyError, match=message):
         check_study(plain | change, "x.toml")
+
+
+def test_a_study_says_how_long_its_trials_watch(tmp_path) -> None:
+    plain, longer = check_study(VALID, "test"), check_study(VALID | {"watch_s": 600.0}, "test")
+    assert {trial.planned_scene().watch_s for trial in plan_trials(plain)} == {5.0}
+    assert {trial.planned_scene().watch_s for trial in plan_trials(longer)} == {600.0}
+    file = tmp_path / "study.toml"
+    file.write_text(to_toml(longer), encoding="utf-8")
+    assert load_study(str(file)) == longer
+    with pytest.raises(StudyError, match="watch_s"):
+        check_study(VALID | {"watch_s": 0.0}, "test")
+
+
+def test_hours_lengthen_the_watch_and_its_limit_alike() -> None:
+    soak = load_study("soak")
+    hour = selected(soak, Selection(hours=1.0))
+    assert (soak.watch_s, hour.watch_s) == (600.0, 3600.0)
+    assert hour.limits.trial_wall_s == 6 * soak.limits.trial_wall_s
+    assert hour.limits.ratio == soak.limits.ratio

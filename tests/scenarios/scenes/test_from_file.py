@@ -278,3 +278,12 @@ def test_a_fall_takes_the_root_of_its_size_longer_and_is_watched_to_its_end():
         post = build("own_scene", file="issue_slow_tip_0.2.toml", size=size)
         assert fall_time(post.bricks, post.world) == pytest.approx(1.24 * math.sqrt(size), rel=0.01)
         assert post.watch_s > 3 * fall_time(post.bricks, post.world)
+
+
+def test_a_file_says_how_long_it_is_watched(write):
+    assert build("own_scene", file=write(plank())).watch_s == 5.0
+    minute = write(plank(), head="watch_s = 60.0")
+    assert build("own_scene", file=minute).watch_s == 60.0
+    assert build("own_scene", file=minute, size=4.0).watch_s == 120.0, "times grow with the root of lengths"
+    with pytest.raises(ValueError, match="watch_s"):
+        build("own_scene", file=write(plank(), head="watch_s = 0.0"))
