@@ -31,6 +31,7 @@ from reports.tables.sleep_audit import sleep_tables
 from reports.tables.soak import soak_tables
 from reports.tables.study import study_tables
 from reports.tables.table import Table, to_markdown, write_table_csv
+from reports.tables.threads import thread_tables
 from reports.tables.thresholds import threshold_tables
 from reports.tables.tilt import tilt_tables
 
@@ -54,6 +55,7 @@ class Section(NamedTuple):
 SECTIONS = (
     Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_of_fixed_scenes(folder))))),
     Section("study", lambda folder: study_tables(fixed) if (fixed := _of_fixed_scenes(folder)) else ()),
+    Section("threads", lambda folder: thread_tables(folder.records)),
     Section("soak", lambda folder: soak_tables(folder.records)),
     Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),
     Section("tilt", lambda folder: tilt_tables(folder.records)),

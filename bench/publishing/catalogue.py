@@ -94,6 +94,7 @@ PUBLICATIONS: dict[str, Publication] = {
         "at_once",
         Selection(profiles=("game",)),
     ),
+    "issues": Publication("stacks of public threads: reported, measured on six engines in `game`, and exact", "issues"),
     "soak": Publication("how fast stacks creep that must stand: 600 s on six engines, `game` and `tuned`", "soak"),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",

@@ -1,0 +1,36 @@
+"""Public threads behind scenes of ``scenarios/examples``: where a stack was reported, and what it did there."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+FILE = Path(__file__).with_suffix(".toml")
+
+
+@dataclass(frozen=True, slots=True)
+class Thread:
+    """A thread on a public tracker."""
+
+    name: str
+    """Repository and number, such as ``bulletphysics/bullet3#3049``."""
+    url: str
+    reported: str
+    """What was seen there."""
+
+
+@cache
+def threads() -> Mapping[str, Thread]:
+    """Return the thread behind each scene, by the stem of the scene's file."""
+    content = tomllib.loads(FILE.read_text(encoding="utf-8"))
+    return {stem: Thread(one["thread"], one["url"], one["reported"]) for stem, one in content.items()}
+
+
+def thread_of(parameters: Mapping[str, object]) -> Thread | None:
+    """Return the thread behind the scene with these parameters; None if it is of no thread, or was changed."""
+    changed = [parameters.get(name, usual) != usual for name, usual in (("size", 1.0), ("mass", 1.0), ("yaw", 0.0))]
+    file = parameters.get("file")
+    return threads().get(Path(str(file)).stem) if file is not None and not any(changed) else None
