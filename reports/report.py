@@ -22,6 +22,7 @@ from reports.statistics.pairs import pair_rows
 from reports.statistics.thresholds import bisected_scenarios
 from reports.tables.capabilities import capability_tables
 from reports.tables.collapse_levels import collapse_level_tables
+from reports.tables.forces import force_tables
 from reports.tables.height_cost import height_cost_tables
 from reports.tables.latex import table_to_latex
 from reports.tables.pairs import pair_tables
@@ -60,6 +61,7 @@ SECTIONS = (
     Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),
     Section("tilt", lambda folder: tilt_tables(folder.records)),
     Section("sleep", lambda folder: sleep_tables(folder.records)),
+    Section("forces", lambda folder: force_tables(folder.records)),
     Section("piles", lambda folder: pile_tables(folder.records)),
     Section("collapse_levels", lambda folder: collapse_level_tables(folder.records)),
     Section("repeatability", lambda folder: repeat_tables(folder.path, folder.records)),

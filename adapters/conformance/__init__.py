@@ -96,6 +96,7 @@ CHECKS: tuple[Check, ...] = (
     Check(forces.carries_a_resting_brick, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.carries_each_level, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.resists_a_steady_push, capable=lambda capabilities: capabilities.forces != "no"),
+    Check(forces.keeps_forces_within_the_laws_of_contact, capable=lambda capabilities: capabilities.forces != "no"),
     Check(forces.reports_no_forces, capable=lambda capabilities: capabilities.forces == "no"),
     Check(forces.forgets_forces_without_a_step),
     Check(freezing.stays_frozen),

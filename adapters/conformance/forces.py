@@ -18,10 +18,13 @@ from adapters.conformance.rig import (
     require_between,
     touching,
 )
+from adapters.shared.force_residuals import cone_excess
 from stability_core.port import GROUND, Contacts, FloatArray
 
 FRAMES = 20
 """Frames over which forces are averaged: an engine's load may wander among a brick's corners from step to step."""
+CARRYING_GAP = 0.1e-3
+"""Gap [m] across which no contact bears load: in all engines what bears load overlaps or touches."""
 PRECISION = 0.02
 """Error of a mean force over the weight of a brick: solvers that stop early leave a percent in a scaled world."""
 
@@ -91,6 +94,28 @@ def resists_a_steady_push(rig: Rig) -> None:
         force = _mean_force(simulation, body, other)
         error = np.abs(force - (-0.2, 0.0, 1.0)).max()
         require_between(0.0, error, PRECISION, f"error of the force over the weight of a brick pushed on {where}")
+
+
+def keeps_forces_within_the_laws_of_contact(rig: Rig) -> None:
+    """Each contact's friction lies within mu times its normal force, and no contact bears load across a gap."""
+    simulation = rig.open()
+    stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
+    alone = place_on(simulation, 0, x=0.3)
+    advance(simulation, 1.0)
+    for body in (stack[-1], alone):
+        simulation.apply_force(body, (0.4 * MASS * GRAVITY, 0.0, 0.0))
+    advance(simulation, 0.3)
+    excess, gap = [], -np.inf
+    for _ in range(FRAMES):
+        simulation.step(simulation.info.frame_s)
+        contacts, force = _forces(simulation)
+        excess.append(cone_excess(contacts).max() / (MASS * GRAVITY))
+        bears = np.einsum("ij,ij->i", force, contacts.normal) > PRECISION * MASS * GRAVITY
+        gap = max(gap, np.nanmax(contacts.separation[bears], initial=-np.inf))
+    require_between(
+        0.0, float(np.mean(excess)), PRECISION, "friction of a contact beyond mu times its normal force, in weights"
+    )
+    require_between(-np.inf, float(gap), CARRYING_GAP, "gap [m] across which a contact bears load")
 
 
 def reports_no_forces(rig: Rig) -> None:

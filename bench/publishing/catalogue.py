@@ -128,6 +128,11 @@ PUBLICATIONS: dict[str, Publication] = {
         "sleep, every profile",
         "sleep",
     ),
+    "forces": Publication(
+        "the contact forces that engines report, against what contacts allow: weight carried, friction cone and "
+        "complementarity, every profile",
+        "forces",
+    ),
     "scale": Publication("what a world 10 or 100 times larger buys", "scale"),
     "ratio": Publication(
         "frame time with the extension over without, on 25 levels of PhysX and Rapier, every profile",

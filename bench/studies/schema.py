@@ -165,6 +165,9 @@ class Limits(_Model):
     """Creep, in thicknesses of a brick a minute, from which a stack that must stand does not."""
     ratio: bool = True
     """Whether trials with an extension also measure the frame time without it on the same stack."""
+    forces: bool = False
+    """Whether trials of an engine alone read its contact forces while a finished stack is watched, and compare them
+    with what contacts allow."""
 
 
 class Study(_Model):

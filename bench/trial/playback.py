@@ -11,6 +11,7 @@ import numpy as np
 
 from adapters.base import Simulation
 from bench.trial.builder import Builder
+from bench.trial.force_audit import ForceAudit
 from bench.trial.measure import FloatArray
 from bench.trial.onset_monitor import OnsetMonitor
 from bench.trial.pile_monitor import PileMonitor
@@ -64,6 +65,8 @@ class Playback:
         policy: str | None,
         wall_limit_s: float,
         tell: Callable[[Progress], None],
+        *,
+        audits_forces: bool = False,
     ) -> None:
         """Prepare to play ``scene`` in an empty ``simulation``.
 
@@ -73,6 +76,8 @@ class Playback:
             policy: of the core; None for the engine alone.
             wall_limit_s: wall time [s] after which to stop.
             tell: is called with the progress after every frame.
+            audits_forces: whether to read contact forces while the finished stack is watched; of an engine alone, for
+                nothing tells what a frozen brick bears.
         """
         self._scene = scene
         self._simulation = simulation
@@ -96,6 +101,7 @@ class Playback:
             else None
         )
         self.sleep_audit = SleepAudit(scene.must_move) if scene.must_move else None
+        self.force_audit = ForceAudit(simulation) if audits_forces and policy is None else None
         self.sleep_stats = SleepStats()
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
@@ -164,6 +170,8 @@ class Playback:
             rows = dict(zip(bodies.tolist(), np.hstack([position, quaternion]), strict=True))
             placed = {index: rows[body] for index, body in enumerate(self.builder.bodies) if body in rows}
             self.sleep_audit.see(begin, now, placed)
+        if self.force_audit is not None and now > self._seated_s and self.monitor.collapse is None:
+            self.force_audit.see()
         if steering is not None:
             self.sleep_stats.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
         if now <= self._seated_s + _ROUNDING_S:

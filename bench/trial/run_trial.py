@@ -72,7 +72,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
             trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
         )
         info = simulation.info
-        playback = Playback(scene, simulation, policy.core, limits.trial_wall_s, tell)
+        playback = Playback(scene, simulation, policy.core, limits.trial_wall_s, tell, audits_forces=limits.forces)
         before = calibrate()
         with _undisturbed():
             status, message = playback.run(), ""
@@ -177,6 +177,8 @@ def _seen(playback: Playback) -> dict[str, Any]:
         fields |= playback.onset.fields()
     if playback.sleep_audit is not None:
         fields |= playback.sleep_audit.fields()
+    if playback.force_audit is not None:
+        fields |= playback.force_audit.fields()
     if playback.is_steered:
         fields |= {
             "adopted": playback.adopted,

@@ -206,6 +206,15 @@ class TrialRecord(BaseModel):
     must."""
     moved_after_s: float | None = None
     """Simulated time [s] in which the bricks that must move went as far as they must; null if one did not."""
+    carried_share: float | None = None
+    """Weight that the ground carries by the engine's contact forces, over that of all bricks: the mean of the frames in
+    which the finished stack is watched; null where forces were not audited or are not reported."""
+    cone_excess: float | None = None
+    """By how much the friction at the worst contact exceeds mu times its normal force, in mean weights of a brick: the
+    mean of those frames; null as before."""
+    complementarity: float | None = None
+    """Natural residual of the worst contact, the lesser of its force in mean weights of a brick and its gap in
+    thicknesses, or its overlap: the mean of those frames; null as before, or without separations."""
 
     @model_validator(mode="before")
     @classmethod

@@ -113,6 +113,27 @@ class ForcesWithoutFriction(BulletSimulation):
         return replace(contacts, force=None if contacts.force is None else contacts.force * (0.0, 0.0, 1.0))
 
 
+class ForcesThatCancel(BulletSimulation):
+    """Neighbouring contacts pull against each other, beyond their friction; in sum nothing changes."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        if contacts.force is None or len(contacts) < 2:
+            return contacts
+        force = contacts.force.copy()
+        pair = np.flatnonzero((contacts.body_a == contacts.body_a[0]) & (contacts.body_b == contacts.body_b[0]))[:2]
+        force[pair, 1] += np.array([0.06, -0.06])[: len(pair)]
+        return replace(contacts, force=force)
+
+
+class ForcesAcrossGaps(BulletSimulation):
+    """Bodies bear load a fifth of a millimetre before they touch."""
+
+    def _contacts(self) -> Contacts:
+        contacts = super()._contacts()
+        return replace(contacts, separation=contacts.separation + 0.2e-3)
+
+
 class ForceForOneStep(BulletSimulation):
     """A blow: the force acts in the first step only."""
 
@@ -559,6 +580,8 @@ BROKEN: list[tuple[type[BulletSimulation | EnginePort], list[str]]] = [
     (ForcesOnTheOther, ["carries_a_resting_brick", "carries_each_level"]),
     (ForcesOfOneSubstep, ["carries_a_resting_brick", "carries_each_level"]),
     (ForcesWithoutFriction, ["resists_a_steady_push"]),
+    (ForcesThatCancel, ["keeps_forces_within_the_laws_of_contact"]),
+    (ForcesAcrossGaps, ["keeps_forces_within_the_laws_of_contact"]),
     (ForceForOneStep, ["accelerates_by_force_over_mass"]),
     (GravityAsBefore, ["falls_along_gravity_that_changes"]),
     (PushedAside, ["goes_where_it_is_driven", "carries_what_lies_on_it"]),

@@ -1,0 +1,50 @@
+"""Audit the contact forces that an engine reports: do they carry the bricks, and are they such as contacts allow?"""
+
+from __future__ import annotations
+
+import statistics
+from typing import Any
+
+import numpy as np
+
+from adapters.base import Simulation
+from adapters.shared.force_residuals import complementarity, cone_excess, ground_force
+
+UP = 2
+"""Index of the vertical."""
+
+
+class ForceAudit:
+    """Takes in the contacts of every frame in which a finished stack is watched."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """Ask the engine to record contacts and forces from its first step on."""
+        self._simulation = simulation
+        _ = simulation.port
+        self._carried: list[float] = []
+        self._excess: list[float] = []
+        self._residual: list[float] = []
+
+    def see(self) -> None:
+        """Take in the contacts after the latest step; nothing if the engine reports no forces."""
+        contacts = self._simulation.port.contacts()
+        bricks = self._simulation.bricks.values()
+        if contacts.force is None or not len(contacts) or not bricks:
+            return
+        strength = float(np.linalg.norm(self._simulation.world.gravity))
+        weights = [brick.mass * strength for brick in bricks]
+        weight, thickness = statistics.fmean(weights), min(min(brick.size) for brick in bricks)
+        self._carried.append(float(ground_force(contacts)[UP]) / sum(weights))
+        self._excess.append(float(cone_excess(contacts).max()) / weight)
+        residual = complementarity(contacts, weight, thickness)
+        if np.isfinite(residual).any():
+            self._residual.append(float(np.nanmax(residual)))
+
+    def fields(self) -> dict[str, Any]:
+        """Return the fields of the record; none if no forces were seen."""
+        measured = {
+            "carried_share": self._carried,
+            "cone_excess": self._excess,
+            "complementarity": self._residual,
+        }
+        return {name: statistics.fmean(values) for name, values in measured.items() if values}

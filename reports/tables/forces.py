@@ -1,0 +1,46 @@
+"""The table of force honesty: what the reported contact forces carry, and how far they break the laws of contact."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import groups_of
+from reports.tables.table import NOTHING, Table
+
+TITLE = "Force honesty"
+FIGURES = (
+    ("carried %", "carried_share", 100.0, "{:.2f}"),
+    ("cone", "cone_excess", 1.0, "{:.4f}"),
+    ("complementarity", "complementarity", 1.0, "{:.4f}"),
+)
+"""Columns: their names, the records' fields, and their factors and forms."""
+
+
+def force_tables(records: Sequence[TrialRecord]) -> list[Table]:
+    """The table of all trials whose forces were audited; none if there are none."""
+    audited = [record for record in records if record.carried_share is not None]
+    if not audited:
+        return []
+    rows = [
+        (
+            *(group.key.scene, group.key.engine, group.key.profile, group.key.policy),
+            *(_median(group.values(field), factor, form) for _, field, factor, form in FIGURES),
+        )
+        for group in groups_of(audited)
+    ]
+    notes = (
+        "While the finished stack is watched. Carried: vertical force from the ground over the weight of all bricks. "
+        "Cone: by how much friction exceeds mu times the normal force at the worst contact, in mean weights of bricks. "
+        "Complementarity: natural residual of the worst contact, |min(force / weight, gap / thickness)|: 0 where "
+        "bodies touch exactly, else mostly the overlap.",
+        "Stacks that fell before the watch are left out. PhysX and Rapier report normal forces; their friction is that "
+        "which explains the bodies' momentum.",
+    )
+    header = ("scene", "engine", "profile", "policy", *(name for name, *_ in FIGURES))
+    return [Table(TITLE, header, tuple(rows), notes, id="forces")]
+
+
+def _median(values: Sequence[float], factor: float, form: str) -> str:
+    return form.format(statistics.median(values) * factor) if values else NOTHING
