@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 from scenarios.lookup import look_up
@@ -63,6 +65,33 @@ class Entry:
         return getattr(importlib.import_module(self.module), self.simulation)
 
 
+_WASM_LOCK = Path(__file__).parent / "wasm" / "package-lock.json"
+
+
+@dataclass(frozen=True, slots=True)
+class WasmEntry:
+    """An engine that runs in Node; its adapter can be loaded without it."""
+
+    module: str
+    simulation: str
+    package: str
+    """The npm package that brings the engine, and whose version is the engine's."""
+
+    @property
+    def remedy(self) -> str:
+        """What to do if the engine cannot be opened."""
+        return "install it with: uv run --group wasm -m adapters.wasm"
+
+    def version(self) -> str:
+        """Return the version that the lock file names."""
+        lock = json.loads(_WASM_LOCK.read_text(encoding="utf-8"))
+        return str(lock["packages"][f"node_modules/{self.package}"]["version"])
+
+    def load(self) -> Any:
+        """Return the class of the adapter."""
+        return getattr(importlib.import_module(self.module), self.simulation)
+
+
 ENGINES: dict[str, EngineEntry] = {
     "bullet": Entry("adapters._bullet", "BulletSimulation", "pybullet"),
     "mujoco": Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
@@ -71,6 +100,7 @@ ENGINES: dict[str, EngineEntry] = {
     "pymunk": Entry("adapters._pymunk", "PymunkSimulation", "pymunk"),
     "rapier": Entry("adapters._rapier", "RapierSimulation", "rapier3d"),
     "box3d": Entry("adapters._box3d", "Box3dSimulation", "robox3d"),
+    "jolt": WasmEntry("adapters._jolt", "JoltSimulation", "jolt-physics"),
 }
 
 

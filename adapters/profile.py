@@ -84,8 +84,9 @@ class Profile:
 class Capabilities:
     """What an engine's API gives to the core, as its adapter describes it; the capability table is made from these.
 
-    The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``planar`` and, in one process,
-    ``deterministic``. What the other fields describe shows in no array: how it works, not what it says, is checked.
+    The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
+    one process, ``deterministic``. What the other fields describe shows in no array: how it works, not what it says, is
+    checked.
     """
 
     contact_points: str
@@ -106,6 +107,9 @@ class Capabilities:
     """How the adapter moves a body at a prescribed velocity, so that friction carries what lies on it."""
     deterministic: str
     """"across processes", "within a process" or "no"."""
+    ridge_normal: str = "face"
+    """The normal where two bricks touch edge on edge: "face" for that of a brick's face, "edge" for that across both
+    edges, as between ideal bricks. With "face" a V holds only while its planks are steeper than 90 deg - atan(mu)."""
     planar: bool = False
     """True for a 2-D engine: it plays planar scenes only."""
 

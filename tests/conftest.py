@@ -13,11 +13,15 @@ from hypothesis import settings
 from pytest_benchmark.utils import get_tag
 
 import bench  # noqa: F401 - chooses where kernels are cached, before a test imports the core
+from adapters import ENGINES, EngineNotInstalledError, check_installed
+from adapters.engines import WasmEntry
 from bench.compare.benchmarks import FORMAT
 
 COLUMNS = ("median", "mean", "min", "max", "stddev", "rounds")
 """Of the tables of benchmarks: what fits a line."""
 
+OPTIONAL = [name for name, entry in ENGINES.items() if isinstance(entry, WasmEntry)]
+"""Engines of dependency groups that are not installed by default."""
 MOST_WORKERS = 4
 """Processes that share the tests: each may run a study of its own, of two processes more."""
 WARM_UP = "import bench; from stability_core import POLICIES, warm_up; [warm_up(policy) for policy in POLICIES]"
@@ -39,6 +43,25 @@ def pytest_configure(config: pytest.Config) -> None:
         option.benchmark_autosave = get_tag()
     option.benchmark_save_data = True
     option.benchmark_columns = option.benchmark_columns or list(COLUMNS)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip the tests of engines that no default group installs, where they are missing."""
+    missing = {engine: why for engine in OPTIONAL if (why := _missing(engine))}
+    for item in items:
+        callspec = getattr(item, "callspec", None)
+        for value in callspec.params.values() if callspec else ():
+            if isinstance(value, str) and value in missing:
+                item.add_marker(pytest.mark.skip(reason=missing[value]))
+
+
+def _missing(engine: str) -> str:
+    """Return why an engine cannot be opened here, with the command that installs it; empty if it can."""
+    try:
+        check_installed(engine)
+    except EngineNotInstalledError as error:
+        return str(error)
+    return ""
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:

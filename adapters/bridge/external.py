@@ -156,11 +156,14 @@ def _class_of(entry: ExternalEntry) -> type[BridgeSimulation]:
         profiles = settings.profiles
         sleep_knobs = settings.sleep_knobs
         iterations = said.iterations
-        command = entry.command
         folder = entry.folder
         timeout_s = entry.timeout_s
         contacts_at = said.contacts_at
         solver_noise = said.solver_noise
+
+        @classmethod
+        def command(cls) -> Sequence[str]:
+            return entry.command
 
     return External
 

@@ -4,13 +4,14 @@ What the host does between two frames, spawning, freezing or pushing bodies, is 
 Until then the states that are shown are what they must be by then: a pushed body has its new velocity, a moved one its
 new pose. The state of a frozen body is the last one before it was frozen, and is never asked for again.
 
-``find_contacts`` opens a second process with the same bodies, weightless and at rest, and reads the contacts of one
-very short step: the world itself does not notice.
+``find_contacts`` starts a second process, opens a world in it with the same bodies, weightless and at rest, and reads
+the contacts of one very short step: the world itself does not notice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
@@ -57,8 +58,6 @@ _CLOCK_S = 1e-3
 class BridgeSimulation(Simulation):
     """One world of an engine that is started by ``command``; subclasses say which engine it is."""
 
-    command: ClassVar[Sequence[str]]
-    """Program and arguments."""
     folder: ClassVar[Path] = Path()
     """Working directory of the process."""
     timeout_s: ClassVar[float] = SILENCE_S
@@ -73,9 +72,14 @@ class BridgeSimulation(Simulation):
         self._before: Motions | None = None
         if self.capabilities.planar:
             check_vector_in_plane(self.engine, "gravity [m/s2]", self.world.gravity)
-        self._peer = Peer(self.command, self.folder, self.timeout_s)
-        self._check_hello()
+        self._finder: Peer | None = None  # process in which contacts are found, once it is needed
+        self._peer = self._started()
         self._peer.ask(Kind.OPEN, json_body(self._opening()))
+
+    @classmethod
+    @abstractmethod
+    def command(cls) -> Sequence[str]:
+        """Return the program that is the engine, and its arguments."""
 
     # -- bodies ------------------------------------------------------------------------------------
 
@@ -171,27 +175,39 @@ class BridgeSimulation(Simulation):
         )
 
     def _find_contacts(self) -> Contacts:
-        twin = self._twin()
-        try:
-            twin.bodies.moved.update(self.bodies.moved)
-            bodies = twin.bodies.moving()
-            reply = twin._exchange(_INSTANT_S, 1, True, bodies)
-            return self._as_contacts(reply.contacts, bodies, reply.states[0], reply.states[0])
-        finally:
-            twin.close()
+        if self._finder is None:
+            self._finder = self._started()
+        weightless = {**self._opening(), "gravity": (0.0, 0.0, 0.0), "sleeping": "off"}
+        self._finder.ask(Kind.OPEN, json_body(weightless))
+        bodies = self.bodies.moving()
+        question = step_body(_INSTANT_S, 1, True, self._copies())
+        reply = step_reply(self._finder.ask(Kind.STEP, question), bodies, 2)
+        return self._as_contacts(reply.contacts, bodies, reply.states[0], reply.states[0])
 
     # -- the end -----------------------------------------------------------------------------------
 
     def _close(self) -> None:
         self._peer.close()
+        if self._finder is not None:
+            self._finder.close()
 
     # -- helpers -----------------------------------------------------------------------------------
 
-    def _check_hello(self) -> None:
-        """Ask for the hello, which must be of the version that the records name."""
-        said = described(json_content(self._peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
+    def _started(self) -> Peer:
+        """Start a process, which must be of the version that the records name."""
+        peer = Peer(self.command(), self.folder, self.timeout_s)
+        said = described(json_content(peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
         if said.version != self.info.version:
             raise ProtocolError(f"{self.engine} {self.info.version} was expected to answer, version {said.version} did")
+        return peer
+
+    def _copies(self) -> Iterator[Command]:
+        """Return the commands that spawn all bodies where they are now, at rest, and freeze those that are frozen."""
+        for body, brick in self.bricks.items():
+            code = Code.SPAWN_MOVED if body in self.bodies.moved else Code.SPAWN
+            yield (code, body, *brick.size, brick.mass, *self._states[body, : LINEAR.start].tolist())
+            if body in self.frozen:
+                yield (Code.FREEZE, body)
 
     def _opening(self) -> Mapping[str, object]:
         """Return the content of the message that opens the world."""

@@ -91,6 +91,7 @@ CHECKS: tuple[Check, ...] = (
     Check(contacts.reports_every_pair),
     Check(contacts.reports_the_speed_of_impact),
     Check(contacts.reports_the_overlap, capable=lambda capabilities: capabilities.separation),
+    Check(contacts.reports_the_normal_at_a_ridge, as_shipped=False),
     Check(contacts.forgets_a_removed_brick),
     Check(contacts.reports_masses),
     Check(forces.carries_a_resting_brick, capable=lambda capabilities: capabilities.forces != "no"),

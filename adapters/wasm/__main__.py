@@ -1,0 +1,26 @@
+"""Install the engines of ``package-lock.json`` beside this file, by the npm that comes with Node's wheel."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+from adapters.wasm import FOLDER, INSTALL, node
+
+
+def main() -> int:
+    """Run ``npm ci``; returns its exit status."""
+    try:
+        program = node()
+    except ImportError as error:
+        sys.stderr.write(f"error: {error}: {INSTALL}\n")
+        return 2
+    npm = program.parents[1] / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
+    command = [str(program), str(npm), "ci", "--ignore-scripts", "--no-audit", "--no-fund"]
+    path = os.pathsep.join((str(program.parent), os.environ.get("PATH", os.defpath)))
+    return subprocess.run(command, cwd=FOLDER, env=os.environ | {"PATH": path}, check=False).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
