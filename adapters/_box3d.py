@@ -36,7 +36,7 @@ from robox3d._ffi import lib
 from adapters._box3d_contacts import ContactReader, Manifolds
 from adapters._box3d_state import poses_of, velocities_of
 from adapters._box3d_world import KNOBS, Box3dWorld, set_velocity, split
-from adapters.profile import Capabilities, Profile
+from adapters.profile import Capabilities, KnobValue, Profile
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces
@@ -53,6 +53,7 @@ class Box3dSimulation(SubstepSimulation):
     engine: ClassVar[str] = "box3d"
     profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations: ClassVar[str] = "subStepCount"
     solver_noise: ClassVar[float] = 1e-5
     capabilities: ClassVar[Capabilities] = Capabilities(
@@ -76,6 +77,9 @@ class Box3dSimulation(SubstepSimulation):
             self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._engine.read_knobs()
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -13,7 +13,7 @@ from robox3d._ffi import ffi, lib
 from robox3d.core import _log
 
 from adapters._box3d_state import raw_handle
-from adapters.profile import Profile
+from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import half_edges
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, IntArray
@@ -66,6 +66,15 @@ class Box3dWorld:
         """Return the handle of a body that is about to be changed, for which the engine gets this world's unit."""
         self._set_length_unit()
         return self.handles[body]
+
+    def read_knobs(self) -> dict[str, KnobValue]:
+        """Return the knobs that the engine shows."""
+        self._set_length_unit()
+        shown = {
+            "lengthUnitsPerMeter": float(lib.b3GetLengthUnitsPerMeter()),
+            "contactRecycleDistance": float(lib.b3World_GetContactRecycleDistance(self.world)),
+        }
+        return {name: value for name, value in shown.items() if name in self._knobs}
 
     def set_gravity(self, gravity: Vector) -> None:
         """Set the gravity [m/s2] of the steps that follow."""

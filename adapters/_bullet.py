@@ -27,8 +27,8 @@ from functools import partial
 from typing import ClassVar
 
 from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
-from adapters._bullet_world import HEAVY, BulletWorld
-from adapters.profile import Capabilities, Profile
+from adapters._bullet_world import HEAVY, KNOBS, BulletWorld
+from adapters.profile import Capabilities, KnobValue, Profile
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
@@ -41,7 +41,7 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 with silenced_stderr():
     import pybullet
 
-_SETTINGS = load_settings("bullet")
+_SETTINGS = load_settings("bullet", KNOBS.__contains__)
 
 
 class BulletSimulation(SubstepSimulation):
@@ -49,6 +49,7 @@ class BulletSimulation(SubstepSimulation):
 
     engine: ClassVar[str] = "bullet"
     profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations: ClassVar[str] = "numSolverIterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",
@@ -76,6 +77,9 @@ class BulletSimulation(SubstepSimulation):
             self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._engine.read_knobs(self.info.profile.knobs)
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from adapters.profile import EngineInfo, KnobValue
 from adapters.shared.quiet_import import silenced_stderr
@@ -13,6 +14,30 @@ with silenced_stderr():  # it announces when it was built
     import pybullet
 
 
+KNOBS = frozenset(
+    {
+        "allowedCcdPenetration",
+        "constraintSolverType",
+        "contactBreakingThreshold",
+        "contactERP",
+        "contactSlop",
+        "deterministicOverlappingPairs",
+        "enableConeFriction",
+        "enableSAT",
+        "erp",
+        "frictionERP",
+        "globalCFM",
+        "minimumSolverIslandSize",
+        "numNonContactInnerIterations",
+        "numSolverIterations",
+        "restitutionVelocityThreshold",
+        "solverResidualThreshold",
+        "splitImpulsePenetrationThreshold",
+        "useSplitImpulse",
+        "warmStartingFactor",
+    }
+)
+"""Parameters of PyBullet's engine that bear on contacts."""
 HEAVY = 1e6
 """Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
 step of 1/240 s, before the next step sets it anew."""
@@ -80,6 +105,11 @@ class BulletWorld:
     def close(self) -> None:
         """Free the world."""
         pybullet.disconnect(self.client)
+
+    def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
+        """Return those of the parameters that Bullet shows."""
+        shown = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
+        return {name: shown[name] for name in names if name in shown}
 
     def _configure(self, **parameters: KnobValue) -> None:
         pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self.client)

@@ -31,6 +31,7 @@ Traps:
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -41,7 +42,7 @@ from adapters._dart_contacts import CollisionObjects, forces_of, geometry_of
 from adapters._dart_coordinates import coordinates_of, quaternions_of
 from adapters._dart_settings import KNOBS
 from adapters._dart_world import DartWorld
-from adapters.profile import Capabilities
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import of_live
@@ -58,6 +59,7 @@ class DartSimulation(SubstepSimulation):
     engine = "dart"
     profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "matrix_free_max_iterations"
     capabilities = Capabilities(
         contact_points="4 points or more",
@@ -81,6 +83,9 @@ class DartSimulation(SubstepSimulation):
             self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._engine.read_knobs()
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -71,3 +71,15 @@ def _mass_in_planks(bricks: Sequence[Brick]) -> float:
     """
     masses = [brick.mass for brick in bricks if not brick.moved] or [_PLANK_MASS]
     return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)
+
+
+def read_knobs(world: Any, knobs: Mapping[str, KnobValue]) -> dict[str, KnobValue]:
+    """Return those of the knobs that are options of the world, but for those that follow the bricks' mass."""
+    options = world.getConstraintSolver().getMatrixFreeContactSolverOptions()
+    owners = ((_MATRIX_FREE_OPTIONS, options), (_DEACTIVATION_OPTIONS, world.getDeactivationOptions()))
+    return {
+        name: getattr(owner, field)
+        for fields, owner in owners
+        for name, field in fields.items()
+        if name in knobs and name not in _IMPULSE_TOLERANCES
+    }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import dartpy
@@ -10,8 +10,8 @@ import numpy as np
 
 from adapters._dart_coordinates import coordinates_of
 from adapters._dart_limits import contacts_for, raise_limit
-from adapters._dart_settings import configure
-from adapters.profile import Profile
+from adapters._dart_settings import configure, read_knobs
+from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import rotate, rows_of
 from scenarios.model import Brick, World
 from stability_core.port import FloatArray
@@ -23,7 +23,8 @@ class DartWorld:
     def __init__(self, world: World, profile: Profile, expected: Sequence[Brick]) -> None:
         self.world = dartpy.simulation.World()
         self.world.setGravity(list(world.gravity))
-        configure(self.world, profile.values, expected)
+        self._knobs = profile.values
+        configure(self.world, self._knobs, expected)
         self.skeletons: dict[int, Any] = {}
         """Skeleton of each body."""
         self.joints: dict[int, Any] = {}
@@ -31,6 +32,10 @@ class DartWorld:
         self._friction = world.friction
         self._room = 0  # bricks for whose contacts DART's limit is raised
         self._make_room(len(expected))
+
+    def read_knobs(self) -> Mapping[str, KnobValue]:
+        """Return the knobs that the world shows."""
+        return read_knobs(self.world, self._knobs)
 
     def add_fixed(self, body: int, box: Brick) -> None:
         """Add the ground or a fixed box, which contacts name ``body``."""

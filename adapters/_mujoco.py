@@ -34,7 +34,7 @@ import numpy as np
 from adapters._mujoco_approaches import Approaches
 from adapters._mujoco_slots import CONTACT_STEPS
 from adapters._mujoco_world import MujocoWorld
-from adapters.profile import Capabilities, Profile
+from adapters.profile import Capabilities, KnobValue, Profile
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import mean_force
 from adapters.shared.driven_pose import advanced
@@ -60,6 +60,7 @@ class MujocoSimulation(SubstepSimulation):
     engine: ClassVar[str] = "mujoco"
     profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations: ClassVar[str] = "option.iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points between bricks, 4 on the ground",
@@ -82,6 +83,9 @@ class MujocoSimulation(SubstepSimulation):
         self._approaches = Approaches()
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._engine.slots.read_knobs()
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import mujoco
 import numpy as np
 
-from adapters.profile import Profile
+from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import rotate
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import FloatArray
@@ -68,7 +68,20 @@ class SlotModel:
         if len(light) < self.slots and light:  # the solver's tolerance is in units of it: heavy bodies would blind it
             inertia = self.model.body_inertia[light].mean()
             self.model.stat.meaninertia = (self.model.body_mass[light].mean() + inertia) / 2
+        self._knobs = profile.values
         self._live_policy = _SLEEP_ALLOWED if "sleep" in profile.knobs else _SLEEP_NEVER
+
+    def read_knobs(self) -> dict[str, KnobValue]:
+        """Return the knobs that are numbers of the model's options, and the time constant of contacts."""
+        options = {name: name.removeprefix("option.") for name in self._knobs if name.startswith("option.")}
+        read: dict[str, KnobValue] = {
+            name: float(getattr(self.model.opt, option))
+            for name, option in options.items()
+            if not isinstance(self._knobs[name], str)
+        }
+        if CONTACT_STEPS in self._knobs:
+            read[CONTACT_STEPS] = float(self.model.geom_solref[-1, 0] / self.model.opt.timestep)
+        return read
 
     def copy_state(self, smaller: SlotModel) -> None:
         """Take over the poses, velocities and warm starts of another model's slots."""

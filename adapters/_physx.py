@@ -33,7 +33,7 @@ import numpy as np
 
 from adapters._physx_contacts import Listed, all_impulses, touching_points
 from adapters._physx_world import KNOBS, PhysxWorld, stop
-from adapters.profile import Capabilities, Profile
+from adapters.profile import Capabilities, KnobValue, Profile
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.driven_pose import advanced
@@ -59,6 +59,7 @@ class PhysxSimulation(SubstepSimulation):
     engine: ClassVar[str] = "physx"
     profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations: ClassVar[str] = "solver_position_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 4 points",
@@ -81,6 +82,9 @@ class PhysxSimulation(SubstepSimulation):
             self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._engine.read_knobs(self.info.profile.knobs)
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

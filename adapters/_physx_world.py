@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from adapters._physx_state import BodyStates
-from adapters.profile import Profile
+from adapters.profile import KnobValue, Profile
 from adapters.shared.quiet_import import silenced_stderr
 from adapters.shared.vectors import half_edges
 from scenarios.model import Brick, Vector, World
@@ -70,6 +70,14 @@ class PhysxWorld:
         """Add a brick that the host moves."""
         self.add_live(body, brick)
         self.components[body].kinematic = True
+
+    def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
+        """Return the knobs as the process, the first body and its shape have them; the latter two once there is one."""
+        owners: list[tuple[tuple[str, ...], Any]] = [(_SCENE, physx.get_scene_config())]
+        if self.components:
+            first = next(iter(self.components.values()))
+            owners += [(_BODY, first), (_SHAPE, first.collision_shapes[0])]
+        return {name: getattr(owner, name) for knobs, owner in owners for name in knobs if name in set(names)}
 
     def remove(self, body: int) -> None:
         """Take out a body, and hold its component until the next step, because contacts go on naming it."""

@@ -27,6 +27,7 @@ Traps: ``Body.sleep()`` on part of an island corrupts memory; a change of type i
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -35,7 +36,7 @@ import pymunk
 from adapters._pymunk_contacts import lift_contacts
 from adapters._pymunk_plane import UNITS_PER_METRE, lift
 from adapters._pymunk_world import PymunkWorld
-from adapters.profile import Capabilities
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
@@ -50,6 +51,7 @@ class PymunkSimulation(SubstepSimulation):
     engine = "pymunk"
     profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "iterations"
     capabilities = Capabilities(
         contact_points="up to 2 points in the plane, lifted to the ends of the bricks' common depth",
@@ -74,6 +76,9 @@ class PymunkSimulation(SubstepSimulation):
         self._contacts()  # none yet: this loads the compiled code before any frame is timed
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return {name: getattr(self._engine.space, name) for name in self.info.profile.knobs}
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -38,7 +38,7 @@ import rapier3d
 from adapters._rapier_contacts import in_world, local_points
 from adapters._rapier_rotation import settle_rotation
 from adapters._rapier_world import RapierWorld, knows, stop
-from adapters.profile import Capabilities, Profile
+from adapters.profile import Capabilities, KnobValue, Profile
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces
@@ -57,6 +57,7 @@ class RapierSimulation(SubstepSimulation):
     engine: ClassVar[str] = "rapier"
     profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
     iterations: ClassVar[str] = "num_solver_iterations"
     capabilities: ClassVar[Capabilities] = Capabilities(
         contact_points="up to 8 points",
@@ -81,6 +82,9 @@ class RapierSimulation(SubstepSimulation):
             self._engine.add_fixed(body, box)
 
     # -- bodies ---------------------------------------------------------------------------------------
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._engine.read_knobs(self.info.profile.knobs)
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from operator import attrgetter
+
 import numpy as np
 import rapier3d
 
@@ -81,6 +84,11 @@ class RapierWorld:
         """Free the world."""
         self.views.clear()
         del self.world
+
+    def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
+        """Return those of the settings that are the world's."""
+        own = (name for name in names if name not in BODY_KNOBS and name != "num_threads")
+        return {name: attrgetter(name)(self.world.integration_parameters) for name in own}
 
     def _configure(self, name: str, value: KnobValue) -> None:
         """Set a knob that belongs to the world."""

@@ -5,7 +5,7 @@ An adapter fills in the hooks of ``adapters.hooks``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar, Self
 
@@ -14,7 +14,7 @@ import numpy as np
 from adapters.engines import engine_version
 from adapters.hooks import EngineHooks
 from adapters.port import EnginePort
-from adapters.profile import Capabilities, EngineInfo, Knob, Profile, Sleeping
+from adapters.profile import Capabilities, EngineInfo, Knob, KnobValue, Profile, Sleeping
 from adapters.shared.bodies import NO_FORCE, Bodies
 from adapters.shared.contact_completion import fixed_id, prepare
 from adapters.shared.ground import ground_box
@@ -213,6 +213,13 @@ class Simulation(EngineHooks):
         """Linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``."""
         return self._velocities(self.bodies.ids())
 
+    def read_knobs(self) -> Mapping[str, KnobValue]:
+        """The knobs of the profile as the engine has them now, by name, of those that its interface shows.
+
+        Some are set of each body: spawn one first.
+        """
+        return self._read_knobs()
+
     def close(self) -> None:
         """Free the engine's memory; the simulation cannot be used afterwards."""
         self._close()
@@ -229,7 +236,8 @@ class Simulation(EngineHooks):
 
         Larger scenes get a larger ground.
         """
-        yield GROUND, ground_box((*self.expected, *self.world.fixed), self.scale)
+        middle = self.scale * self.info.profile.offset
+        yield GROUND, ground_box((*self.expected, *self.world.fixed), self.scale, middle)
         for index, box in enumerate(self.world.fixed):
             yield fixed_id(index), box
 

@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
-from adapters.profile import Capabilities, EngineInfo, Knob, Profile
+from adapters.profile import Capabilities, EngineInfo, Knob, KnobValue, Profile
 from adapters.shared.bodies import Bodies
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
@@ -41,6 +41,11 @@ class EngineHooks(ABC):
     expected: tuple[Brick, ...]
     """The bricks that will be spawned, as far as the host knows; others may come as well."""
 
+    @staticmethod
+    def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to what their file of profiles is checked by
+        """Whether there may be a knob of this name that no profile sets: the name of a profile may vary it."""
+        return False
+
     # -- the world ---------------------------------------------------------------------------------
 
     @abstractmethod
@@ -53,6 +58,10 @@ class EngineHooks(ABC):
         Raises:
             NotImplementedError: if the engine cannot sleep as ``info.sleeping`` says; the message says why.
         """
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        """Return the knobs of the profile as the engine has them, by name; without those that its interface hides."""
+        return {}
 
     # -- bodies ------------------------------------------------------------------------------------
 

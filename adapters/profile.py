@@ -54,6 +54,8 @@ class Profile:
     tuned_by: str = AS_SHIPPED
     scale: float = 1.0
     """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
+    offset: float = 0.0
+    """How far [m] along x the scene lies from the origin of the engine's world: see ``adapters.scaled``."""
     forces: bool = True
     """False to report no contact forces (``Contacts.force`` is None), whether or not the engine reports them."""
 

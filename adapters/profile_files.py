@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -46,6 +46,8 @@ class EngineSettings:
 
     profiles: Mapping[str, Profile]
     sleep_knobs: Mapping[str, Knobs]
+    knows: Callable[[str], bool] = lambda _: True
+    """Whether there is a knob of this name."""
 
 
 def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, folder: Path = FOLDER) -> EngineSettings:
@@ -67,7 +69,7 @@ def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, fo
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ProfileFileError(f"{path}: not TOML: {error}") from error
     try:
-        settings = _settings(content)
+        settings = replace(_settings(content), knows=knows)
         _check_known(settings, knows)
     except ProfileFileError as error:
         raise ProfileFileError(f"{path}: {error}") from error

@@ -1,5 +1,7 @@
 """Profiles by name, as they are or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
+Beside the variations below, any knob of the engine goes by its name: ``game@contactERP=0.2``.
+
 The name alone says how a profile varies, so that it goes wherever a profile's name goes: studies, trials and records.
 """
 
@@ -10,10 +12,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from adapters.base import Simulation
-from adapters.profile import Knob, Profile
+from adapters.profile import Knob, KnobValue, Profile
 from scenarios.lookup import look_up
 
 _MARK = "@"
+_MOST_HZ = 10_000.0
 
 
 class ProfileError(ValueError):
@@ -44,12 +47,19 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
         return profile
     for change in changes.split(","):
         what, _, value = change.partition("=")
+        if what not in _VARIATIONS and _has_knob(simulation, what):
+            profile = _with_knob(simulation, profile, what, value)
+            continue
         vary = look_up("variation of a profile", what, _VARIATIONS)
         try:
             profile = vary(simulation, profile, float(value))
         except ValueError as error:
             raise ProfileError(f"profile '{name}': {what} must be {_MUST_BE[what]}, got '{value}'") from error
     return replace(profile, name=name, description=f"{profile.description}; varied: {changes}")
+
+
+def _has_knob(simulation: type[Simulation], name: str) -> bool:
+    return simulation.knows_knob(name) or any(name in profile.knobs for profile in simulation.profiles.values())
 
 
 def _with_scale(_: type[Simulation], profile: Profile, scale: float) -> Profile:
@@ -73,6 +83,46 @@ def _with_forces(_: type[Simulation], profile: Profile, forces: float) -> Profil
     return replace(profile, forces=bool(forces))
 
 
+def _with_hz(_: type[Simulation], profile: Profile, hz: float) -> Profile:
+    if not 1.0 <= hz <= _MOST_HZ:
+        raise ValueError
+    return replace(profile, frame_s=1 / hz)
+
+
+def _with_offset(_: type[Simulation], profile: Profile, offset: float) -> Profile:
+    if not math.isfinite(offset):
+        raise ValueError
+    return replace(profile, offset=offset)
+
+
+def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: str) -> Profile:
+    """Return the profile with a knob of the engine's own set to what a name says."""
+    everywhere = [*(one.knobs for one in simulation.profiles.values()), *simulation.sleep_knobs.values()]
+    known = profile.knobs.get(knob) or next((knobs[knob] for knobs in everywhere if knob in knobs), None)
+    value = _value(text)
+    if known is not None and isinstance(known.value, float) and type(value) is int:
+        value = float(value)
+    if known is not None and type(known.value) is int and isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if known is not None and type(value) is not type(known.value):
+        kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[type(known.value)]
+        raise ProfileError(f"knob '{knob}' must be {kind}, such as {known.value!r}, got '{text}'")
+    follows_world = known is not None and known.follows_world
+    if follows_world and isinstance(value, float):
+        value *= profile.scale
+    return profile.with_knobs({knob: Knob(value, "varied, to see what it brings", follows_world)})
+
+
+def _value(text: str) -> KnobValue:
+    """Read the value of a knob: a whole number, a number, true, false, or a text."""
+    for read in (int, float):
+        try:
+            return read(text)
+        except ValueError:
+            continue
+    return {"true": True, "false": False}.get(text, text)
+
+
 def _whole(value: float) -> int:
     if not (value >= 1 and value.is_integer()):
         raise ValueError
@@ -84,10 +134,14 @@ _VARIATIONS: Mapping[str, Callable[[type[Simulation], Profile, float], Profile]]
     "substeps": _with_substeps,
     "iterations": _with_iterations,
     "forces": _with_forces,
+    "hz": _with_hz,
+    "offset": _with_offset,
 }
 _MUST_BE = {
     "scale": "a positive number",
     "substeps": "a whole number from 1",
     "iterations": "a whole number from 1",
     "forces": "0 (contacts without forces) or 1",
+    "hz": f"frames a second, from 1 to {_MOST_HZ:g}",
+    "offset": "a number, in metres",
 }

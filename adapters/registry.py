@@ -84,6 +84,6 @@ def open_engine(
     """
     simulation = _installed(name)
     chosen = profile_of(simulation, profile)
-    if chosen.scale != 1.0:
+    if chosen.scale != 1.0 or chosen.offset != 0.0:
         simulation = scaled(simulation)
     return simulation(chosen, world or World(), sleeping, expected)

@@ -7,17 +7,24 @@ compare with the bricks: slops, margins, tolerances and speed thresholds keep th
 what a profile set for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
 (``Simulation.scale``).
 
+A profile's offset puts the scene so far from the origin along x, with the ground below it, as in a large level: there
+engines of single precision have fewer digits left (steps of 7.6 um at 100 m).
+
 Outside, all is in SI units of the scene, and the corners that an engine does not list are added there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from typing import ClassVar
 
+import numpy as np
+
 from adapters.base import Simulation
 from adapters.port import EnginePort
+from adapters.profile import KnobValue
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 
@@ -28,8 +35,8 @@ class _ScaledSimulation(Simulation):
     unscaled: ClassVar[type[Simulation]]
 
     def _open(self) -> None:
-        bricks = [_enlarged(self.scale, brick) for brick in self.expected]
-        fixed = tuple(_enlarged(self.scale, box) for box in self.world.fixed)
+        bricks = [self._enlarged(brick) for brick in self.expected]
+        fixed = tuple(self._enlarged(box) for box in self.world.fixed)
         larger = replace(self.world, gravity=_times(self.scale, self.world.gravity), fixed=fixed)
         self._larger = self.unscaled(self._unfitted, larger, self.info.sleeping, bricks)
         self.info = replace(self._larger.info, unit_scale=self._larger.info.unit_scale * self.scale)
@@ -41,7 +48,7 @@ class _ScaledSimulation(Simulation):
         return super().port
 
     def _spawn(self, body: int, brick: Brick) -> None:  # noqa: ARG002 - both count alike
-        self._larger.spawn(_enlarged(self.scale, brick))
+        self._larger.spawn(self._enlarged(brick))
 
     _spawn_moved = _spawn
 
@@ -49,7 +56,7 @@ class _ScaledSimulation(Simulation):
         self._larger.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        self._larger.move(body, _times(self.scale, position), quaternion)
+        self._larger.move(body, self._place(position), quaternion)
 
     def _push(self, body: int, impulse: Vector) -> None:
         self._larger.push(body, _times(self.scale, impulse))
@@ -70,10 +77,10 @@ class _ScaledSimulation(Simulation):
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         positions, quaternions = self._larger._poses(bodies)
-        return positions / self.scale, quaternions
+        return self._places_in_scene(positions), quaternions
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        return self._larger._positions(bodies) / self.scale
+        return self._places_in_scene(self._larger._positions(bodies))
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         linear, angular = self._larger._velocities(bodies)
@@ -94,11 +101,28 @@ class _ScaledSimulation(Simulation):
     def _close(self) -> None:
         self._larger.close()
 
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return self._larger.read_knobs()
+
+    def _place(self, position: Vector) -> Vector:
+        """Where a place [m] of the scene lies in the larger world."""
+        x, y, z = position
+        return _times(self.scale, (x + self.info.profile.offset, y, z))
+
+    def _places_in_scene(self, places: FloatArray) -> FloatArray:
+        """Places (n, 3) of the larger world in the scene [m]."""
+        in_scene: FloatArray = places / self.scale - np.array([self.info.profile.offset, 0.0, 0.0])
+        return in_scene
+
+    def _enlarged(self, brick: Brick) -> Brick:
+        """The brick in the larger world; of the same mass."""
+        return replace(brick, size=_times(self.scale, brick.size), position=self._place(brick.position))
+
     def _in_scene(self, seen: Contacts) -> Contacts:
         """Contacts of the larger world in the scene's units."""
         return replace(
             seen,
-            point=seen.point / self.scale,
+            point=self._places_in_scene(seen.point),
             separation=seen.separation / self.scale,
             relative_velocity=seen.relative_velocity / self.scale,
             force=None if seen.force is None else seen.force / self.scale,
@@ -107,7 +131,7 @@ class _ScaledSimulation(Simulation):
 
 @cache
 def scaled(simulation: type[Simulation]) -> type[Simulation]:
-    """The same engine, in worlds as large as the profile's scale says."""
+    """The same engine, in worlds as large as the profile's scale says, as far from the origin as its offset says."""
 
     class Scaled(_ScaledSimulation):
         engine = simulation.engine
@@ -121,8 +145,3 @@ def scaled(simulation: type[Simulation]) -> type[Simulation]:
 def _times(scale: float, vector: Vector) -> Vector:
     x, y, z = vector
     return scale * x, scale * y, scale * z
-
-
-def _enlarged(scale: float, brick: Brick) -> Brick:
-    """The brick in the larger world; of the same mass."""
-    return replace(brick, size=_times(scale, brick.size), position=_times(scale, brick.position))

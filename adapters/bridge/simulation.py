@@ -212,11 +212,12 @@ class BridgeSimulation(Simulation):
     def _opening(self) -> Mapping[str, object]:
         """Return the content of the message that opens the world."""
         ground, *fixed = (box for _, box in self._fixed_boxes())
+        half_x, half_y, half_z = half_edges(ground.size)
         return {
             "gravity": self.world.gravity,
             "friction": self.world.friction,
             "scale": self.scale,
-            "ground_half_edges": half_edges(ground.size),
+            "ground_half_edges": (half_x + abs(ground.position[0]), half_y, half_z),  # it is centred there
             "fixed": [_box(box) for box in fixed],
             "sleeping": self.info.sleeping,
             "knobs": self.info.profile.values,

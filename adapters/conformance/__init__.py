@@ -68,6 +68,7 @@ class Check:
 CHECKS: tuple[Check, ...] = (
     Check(housekeeping.refuses_bad_input),
     Check(housekeeping.refuses_what_leaves_its_plane, capable=lambda capabilities: capabilities.planar),
+    Check(housekeeping.has_the_settings_of_its_profile),
     Check(housekeeping.keeps_poses_and_ids),
     Check(housekeeping.moves_a_live_brick),
     Check(housekeeping.repeats_bit_for_bit, capable=lambda capabilities: capabilities.deterministic != "no"),

@@ -119,3 +119,15 @@ def repeats_bit_for_bit(rig: Rig) -> None:
     """The same sequence of calls in two worlds gives the same poses, bit for bit."""
     first, second = tumble(rig.open()), tumble(rig.open())
     require(first == second, "the same sequence of calls gave different poses")
+
+
+def has_the_settings_of_its_profile(rig: Rig) -> None:
+    """Every knob that the engine shows has the value that the profile says, as far as single precision goes."""
+    simulation = rig.open()
+    simulation.spawn(plank())
+    wanted = simulation.info.profile.values
+    for name, value in simulation.read_knobs().items():
+        same = value == wanted[name] or (
+            isinstance(value, (int, float)) and math.isclose(value, float(wanted[name]), rel_tol=1e-6, abs_tol=1e-12)
+        )
+        require(same, f"the engine has {name} = {value!r}, the profile says {wanted[name]!r}")

@@ -13,17 +13,18 @@ ROOM_TO_FALL = 2.0
 """Reach of the ground over the distance of the farthest brick that is expected."""
 
 
-def ground_box(bricks: Iterable[Brick], scale: float) -> Brick:
+def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Brick:
     """Return a ground for these bricks, with half edges of at least ``MIN_HALF_EDGES`` times ``scale``.
 
-    It is as thick as it must be in any scene; only its length and its width grow with the reach of the bricks.
+    Its middle lies at x = ``middle`` [m], where the scene's origin is. It is as thick as it must be in any scene; only
+    its length and its width grow with the reach of the bricks.
     """
     x, y, z = (scale * edge for edge in MIN_HALF_EDGES)
-    reach = ROOM_TO_FALL * max((_reach(brick) for brick in bricks), default=0.0)
-    return Brick((2 * max(x, reach), 2 * max(y, reach), 2 * z), 1.0, (0.0, 0.0, -z))
+    reach = ROOM_TO_FALL * max((_reach(brick, middle) for brick in bricks), default=0.0)
+    return Brick((2 * max(x, reach), 2 * max(y, reach), 2 * z), 1.0, (middle, 0.0, -z))
 
 
-def _reach(brick: Brick) -> float:
-    """Return how far [m] from the z axis a brick may lie, however it is turned."""
+def _reach(brick: Brick, middle: float) -> float:
+    """Return how far [m] from the vertical through the ground's middle a brick may lie, however it is turned."""
     x, y, _ = brick.position
-    return math.hypot(x, y) + math.hypot(*brick.size) / 2
+    return math.hypot(x - middle, y) + math.hypot(*brick.size) / 2

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
-from adapters import profile_named, register_command
+from adapters import open_engine, profile_named, register_command
 from adapters.conformance import CHECKS
 from bench.cli.console import OUT, input_errors
+from scenarios.model import Brick
 
 
 def check(
@@ -28,6 +30,22 @@ def check(
             engine = register_command(shlex.split(bridge), profiles)
         failed = check_engine(engine, profile, OUT)
     raise typer.Exit(1 if failed else 0)
+
+
+def _knobs(engine: str, profile: str) -> Iterator[str]:
+    """Say of each knob of the profile what the engine has, or that its interface does not show it."""
+    plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
+    try:
+        simulation = open_engine(engine, profile, expected=[plank])
+        simulation.spawn(plank)
+        read, wanted = simulation.read_knobs(), simulation.info.profile.values
+        simulation.close()
+    except Exception as error:  # the checks have already told
+        yield f"knobs   not read back: {error}"
+        return
+    for name, value in wanted.items():
+        shown = f"read back {read[name]!r}" if name in read else "not shown by the engine"
+        yield f"knob    {name} = {value!r}: {shown}"
 
 
 def check_engine(engine: str, profile: str, console: Console) -> int:
@@ -54,6 +72,8 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
         else:
             counts["ok"] += 1
             console.print(f"ok      {promise}", markup=False, highlight=False)
+    for line in _knobs(engine, profile):
+        console.print(line, markup=False, highlight=False)
     summary = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
     console.print(
         f"{engine} with profile {profile}: {summary}; --profile checks another", markup=False, highlight=False

@@ -26,6 +26,13 @@ NOT_COMPLETED = replace(BulletSimulation.capabilities, near_contacts=True)
 """Claims to list what nearly touches, so that the port adds nothing."""
 
 
+class OtherSettings(BulletSimulation):
+    """Its engine has another value than the profile."""
+
+    def _read_knobs(self) -> dict[str, float | int | str | bool]:
+        return {"contactERP": 1.01 * float(self.info.profile.values["contactERP"])}
+
+
 class FlippedNormals(BulletSimulation):
     def _contacts(self) -> Contacts:
         contacts = super()._contacts()
@@ -581,6 +588,7 @@ BROKEN: list[tuple[type[BulletSimulation | EnginePort], list[str]]] = [
             "stops_at_a_fixed_ceiling",
         ],
     ),
+    (OtherSettings, ["has_the_settings_of_its_profile"]),
     (ForcesOnTheOther, ["carries_a_resting_brick", "carries_each_level"]),
     (ForcesOfOneSubstep, ["carries_a_resting_brick", "carries_each_level"]),
     (ForcesWithoutFriction, ["resists_a_steady_push"]),
