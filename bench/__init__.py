@@ -1,4 +1,4 @@
-"""The harness: plans trials, runs each in a process of its own, measures, and tells."""
+"""The harness: plan trials, run each in a process of its own, measure, and report."""
 
 from bench.machine.kernel_cache import keep_kernels_apart
 

@@ -1,8 +1,8 @@
-"""``uv run -m bench VERB``."""
+"""The entry point of ``uv run -m bench VERB``."""
 
 import signal
 
-signal.signal(signal.SIGINT, signal.SIG_DFL)  # while modules load, an interrupt ends the process without a trace
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # while modules load, an interrupt ends the process without a traceback
 
 from bench.cli.app import app  # noqa: E402
 

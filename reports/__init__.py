@@ -1,4 +1,4 @@
-"""From raw records to tables, a page and replays: ``reports.load(DIR)`` gives the results as data frames."""
+"""Reports: from raw records to tables, a page and replays; ``reports.load(DIR)`` returns the results as data frames."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ def load(folder: str | Path) -> Results:
     """Return the results of a results folder, or of a folder in ``docs/results``, as data frames.
 
     Args:
-        folder: holds ``trials.jsonl``, ``trials.parquet``, or the ``trials.csv`` of earlier versions.
+        folder: a folder with ``trials.jsonl``, ``trials.parquet``, or the ``trials.csv`` of earlier versions.
     """
-    from reports.records.results import Results  # pandas: half a second that a run need not wait
+    from reports.records.results import Results  # pandas takes half a second, which a run does not need
 
     return Results(Path(folder))

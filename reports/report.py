@@ -48,9 +48,9 @@ class Section(NamedTuple):
 
     id: str
     tables: Callable[[ResultsFolder], Sequence[Table]]
-    """Empty where a study has nothing to show there."""
+    """Function that returns the tables; empty where a study has none."""
     is_printed: bool = True
-    """False for what the terminal does not show."""
+    """False for tables that the terminal does not show."""
 
 
 SECTIONS = (
@@ -68,33 +68,33 @@ SECTIONS = (
     Section("height_cost", lambda folder: height_cost_tables(folder.path, folder.records)),
     Section("capabilities", lambda folder: capability_tables(folder.engines), is_printed=False),
 )
-"""In their order in ``tables.md``."""
+"""Sections in their order in ``tables.md``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What was made of a results folder."""
+    """The files and tables made from a results folder."""
 
     tables: tuple[Table, ...]
-    """Those that the terminal shows."""
+    """Tables that the terminal shows."""
     page: Path
     notices: tuple[str, ...]
-    """What was left out, and why."""
+    """Parts that were left out, with the reason."""
 
 
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
-    """Write tables, figures, replays, stills and the page of a results folder, from its raw records alone.
+    """Write tables, figures, replays, stills and the page of a results folder, from its raw records only.
 
     Args:
-        folder: with at least one trial.
-        missing: ids of trials that its study plans and that have no record.
+        folder: a folder with at least one trial.
+        missing: ids of planned trials without a record.
         all_stills: True to draw the final state of all trials, however many.
 
     Raises:
         RecordError: if its records cannot be read, or there are none.
     """
     if not folder.records:
-        raise RecordError(f"{folder.trials_file}: holds no trial yet")
+        raise RecordError(f"{folder.trials_file}: holds no trial yet; run the study first")
     tables = {section: section.tables(folder) for section in SECTIONS}
     write_tables(folder, list(chain.from_iterable(tables.values())))
     _draw_height_cost(folder)
@@ -121,6 +121,6 @@ def write_tables(folder: ResultsFolder, tables: Sequence[Table]) -> None:
 def _draw_height_cost(folder: ResultsFolder) -> None:
     points = cost_points(folder.path, folder.records)
     if points:
-        from reports.figures.height_cost import write_cost_figure  # half a second that other reports need not wait
+        from reports.figures.height_cost import write_cost_figure  # half a second that other reports do not need
 
         write_cost_figure(folder.report / "cost.svg", points)

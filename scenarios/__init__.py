@@ -1,1 +1,1 @@
-"""What is built, when each brick comes, and what must happen by theory."""
+"""Scenes: bricks, the time at which each is placed, and the outcome that theory demands."""

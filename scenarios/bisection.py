@@ -17,7 +17,7 @@ SPARE_DIGITS = 2
 
 
 class Bracket(NamedTuple):
-    """What the answers so far say of a threshold."""
+    """The state of a search for a threshold."""
 
     low: float
     """Lower end: the answer changes between ``low`` and ``high``."""
@@ -61,7 +61,7 @@ class Bisection:
         return 2 + max(0, math.ceil(math.log2((self.high - self.low) / self.tolerance) - 1e-9))
 
     def bracket(self, answers: Mapping[float, bool | None]) -> Bracket:
-        """Return what follows from the answers so far.
+        """Return the bracket that follows from the answers so far.
 
         Args:
             answers: by value: True if it stood, False if it fell, None if the trial has no answer.
@@ -75,8 +75,8 @@ class Bisection:
             if answers[value] is None:
                 return Bracket(low, high, (), f"no answer at {value:g}", stands)
         if stands == answers[high]:
-            told = "stands" if stands else "falls"
-            return Bracket(low, high, (), f"{told} from {low:g} to {high:g}", stands)
+            outcome = "stands" if stands else "falls"
+            return Bracket(low, high, (), f"{outcome} from {low:g} to {high:g}", stands)
         while high - low > self.tolerance * (1 + 1e-9):
             middle = round((low + high) / 2, self._digits)
             if middle not in answers:

@@ -1,4 +1,4 @@
-"""Oriented boxes: how far one lies above another, and how far a hand must lower a group of them.
+"""Oriented boxes: how far one lies above another, and how far a rigid group must be lowered onto its support.
 
 A point a of the upper box lies straight above a point b of the lower one if a - b = (0, 0, h); the smallest such h is
 how far the upper box can sink. All differences a - b fill a zonotope: the difference of the centres plus the six half
@@ -40,7 +40,7 @@ class Boxes:
 
     @classmethod
     def at(cls, sizes: npt.ArrayLike, positions: npt.ArrayLike, quaternions: npt.ArrayLike) -> Boxes:
-        """Boxes of given edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4), as (w, x, y, z)."""
+        """Return boxes from edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4) as (w, x, y, z)."""
         edges = np.asarray(sizes, np.float64).reshape(-1, 3)
         center = np.asarray(positions, np.float64).reshape(-1, 3)
         axes = np.swapaxes(rotation(np.asarray(quaternions, np.float64).reshape(-1, 4)), 1, 2)
@@ -48,7 +48,7 @@ class Boxes:
 
     @classmethod
     def of(cls, bricks: Sequence[Brick]) -> Boxes:
-        """The boxes of bricks in their planned poses."""
+        """Return the boxes of bricks in their planned poses."""
         return cls.at(
             [brick.size for brick in bricks],
             [brick.position for brick in bricks],
@@ -79,12 +79,12 @@ class Boxes:
 
 
 def height_above_ground(boxes: Boxes) -> FloatArray:
-    """Height [m] of each box's lowest point above z = 0, shape (n,)."""
+    """Return the height [m] of each box's lowest point above z = 0, shape (n,)."""
     return boxes.center[:, 2] - boxes.reach[:, 2]
 
 
 def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
-    """How far [m] each upper box can sink straight down until it touches each lower box, shape (m, n).
+    """Return how far [m] each upper box can sink straight down until it touches each lower box, shape (m, n).
 
     Infinite where the boxes do not overlap in plan; negative where the upper box must be raised to come free.
     """
@@ -100,12 +100,12 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
 
 
 def overlap_in_plan(first: Boxes, second: Boxes) -> BoolArray:
-    """Whether the boxes overlap when seen from above, shape (m, n)."""
+    """Return whether the boxes overlap when seen from above, shape (m, n)."""
     return np.isfinite(vertical_clearance(first, second))
 
 
 def side_by_side(first: Boxes, second: Boxes) -> BoolArray:
-    """Tell which boxes are neighbours: apart in plan or flush, and partly at the same height, shape (m, n)."""
+    """Return which boxes are neighbours: apart in plan or flush, and partly at the same height, shape (m, n)."""
     between = np.abs(first.center[:, None, 2] - second.center[None, :, 2])
     shares_height = between < first.reach[:, None, 2] + second.reach[None, :, 2] - _GRAZE
     return shares_height & ~overlap_in_plan(first, second)
@@ -114,7 +114,9 @@ def side_by_side(first: Boxes, second: Boxes) -> BoolArray:
 def resting_shift(
     group: Boxes, below: Boxes, *, neighbours: BoolArray | None = None, fixed: Boxes | None = None
 ) -> float:
-    """What to add to z [m] so that a rigid group hangs ``CLEARANCE`` above its support, by the first box that meets it.
+    """Return the shift along z [m] that lets a rigid group hang ``CLEARANCE`` above its support.
+
+    The first box that meets the support decides.
 
     Args:
         group: the boxes that are let go together, in their planned poses; those of a prebuilt stack touch each other.
@@ -144,7 +146,7 @@ def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
 
 
 def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
-    """Where [m] the z axis enters each zonotope, shape (p,); infinite where it misses.
+    """Return where [m] the z axis enters each zonotope, shape (p,); infinite where it misses.
 
     Args:
         center: centres [m], shape (p, 3).
@@ -170,7 +172,7 @@ def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
 
 
 def rotation(quaternion: FloatArray) -> FloatArray:
-    """Rotation matrices, shape (n, 3, 3), of unit quaternions (w, x, y, z), shape (n, 4)."""
+    """Return rotation matrices, shape (n, 3, 3), of unit quaternions (w, x, y, z), shape (n, 4)."""
     w, x, y, z = quaternion.T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -181,7 +183,7 @@ def rotation(quaternion: FloatArray) -> FloatArray:
 
 
 def turned(quaternion: Quaternion, turn: float) -> Quaternion:
-    """The orientation turned about the world's z by ``turn`` [rad]."""
+    """Return the orientation turned about the world's z by ``turn`` [rad]."""
     c, s = math.cos(turn / 2), math.sin(turn / 2)
     w, x, y, z = quaternion
     return (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)

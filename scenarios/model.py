@@ -1,4 +1,4 @@
-"""The words in which a scene is told: bricks, timed actions, and what must happen by theory.
+"""The data model of a scene: bricks, timed actions, and the outcome that theory demands.
 
 SI units, z up; quaternions are (w, x, y, z). Nothing here knows an engine.
 """
@@ -17,13 +17,13 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 CLEARANCE = 0.5e-3
-"""Gap [m] between a brick that is let go and its actual support. Absolute heights would punish a stack
-that sinks with ever larger drops."""
+"""Gap [m] between a released brick and its actual support. Planned absolute heights would give a stack that sinks
+ever larger drops."""
 
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What every brick of a scene shares. The ground's upper face is z = 0."""
+    """Properties that all bricks of a scene share. The ground's upper face is z = 0."""
 
     friction: float = 0.45
     """Coulomb coefficient of every pair: brick on brick, on ground and on fixed boxes alike."""
@@ -31,41 +31,41 @@ class World:
     """Gravitational acceleration [m/s2]."""
     fixed: tuple[Brick, ...] = ()
     """Boxes that never move: walls, tables, ceilings. They may touch each other and the ground; their mass and level
-    mean nothing. In contacts they are part of the ground."""
+    are ignored. In contacts they are part of the ground."""
 
 
 @dataclass(frozen=True, slots=True)
 class Brick:
-    """A homogeneous rigid box and the pose in which it is planned."""
+    """A homogeneous rigid box in its planned pose."""
 
     size: Vector
     """Edge lengths [m] along the brick's own x, y and z."""
     mass: float
     """Mass [kg]."""
     position: Vector
-    """Centre [m]. When a scene is played, the height is only a plan: see ``Place``."""
+    """Centre [m]. The height is only a plan: see ``Place``."""
     quaternion: Quaternion = UPRIGHT
     level: int = 1
-    """The level of the stack that the brick belongs to, from 1."""
+    """Level of the stack that the brick belongs to, from 1."""
     moved: bool = False
-    """True for a body that the host moves: a lift, a belt, a door. Nothing else moves it; it carries what lies on it.
-    Keep it clear of the ground, of fixed boxes and of its like. Its mass means nothing."""
+    """True for a body that only the host moves: a lift, a belt, a door. It carries the bricks on it. Keep it clear of
+    the ground, of fixed boxes and of other moved bodies. Its mass is ignored."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Let bricks go together, as one rigid group, a little above their actual support.
+    """Release bricks together, as one rigid group, a little above their actual support.
 
-    The group keeps its planned x, y and orientation and its relative heights; the hand lowers it
-    until the first of its bricks is ``height`` above whatever really lies below.
+    The group keeps its planned x, y, orientation and relative heights. It is lowered until the first of its bricks is
+    ``height`` above the body that really lies below.
     """
 
     time: float
-    """When [s], from the start of the trial."""
+    """Start of the action [s], from the start of the trial."""
     bricks: tuple[Brick, ...]
     height: float = CLEARANCE
-    """From where [m] they are dropped, above their actual support. Zero sets them down without a gap: a prebuilt stack,
-    which may have several levels. The harness asks a stability extension to judge it before the next engine step."""
+    """Release height [m] above the actual support. Zero sets the group down without a gap: a prebuilt stack, which may
+    have several levels. The harness asks a stability extension to judge it before the next engine step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,28 +90,28 @@ class Push:
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """Pull a brick sideways by its centre of mass, as hard as it takes, and then take it out of the world.
+    """Pull a brick sideways by its centre of mass, with the force that it takes, then remove it.
 
-    The hand has the brick from the first: wherever it goes, it is in its place.
+    The manipulator holds the brick from the start, so a monitor counts the brick as intact wherever it goes.
     """
 
     time: float
     brick: int
     """The brick's index in the order of placement, from 0."""
     velocity: tuple[float, float]
-    """In x and y [m/s]."""
+    """Velocity in x and y [m/s]."""
     seconds: float
-    """How long [s]."""
+    """Duration [s]."""
 
     @property
     def until(self) -> float:
-        """When it ends [s], from the start of the trial."""
+        """End of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """Press steadily on a brick at its centre of mass, then let it go."""
+    """Press on a brick at its centre of mass with a steady force, then release it."""
 
     time: float
     brick: int
@@ -119,55 +119,56 @@ class Press:
     force: Vector
     """Force [N]."""
     seconds: float
-    """How long [s]."""
+    """Duration [s]."""
 
     @property
     def until(self) -> float:
-        """When it ends [s], from the start of the trial."""
+        """End of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Tilt:
-    """Turn gravity about a horizontal axis, which is how a table tilts as seen by who stands on it.
+    """Turn gravity about a horizontal axis, which is equivalent to tilting the ground.
 
-    Every frame turns it by a step, so that after ``seconds`` the angle is ``speed`` times ``seconds``.
+    Every frame turns gravity by one step; after ``seconds`` the angle is ``speed`` times ``seconds``.
     """
 
     time: float
     axis: tuple[float, float]
-    """Direction of the axis in x and y, about which a table would turn by the right-hand rule: about (0, 1) its +x end
-    goes down, so that gravity turns from -z towards +x."""
+    """Direction of the axis in x and y, by the right-hand rule for the tilted ground: about (0, 1) the +x end of the
+    ground goes down, so gravity turns from -z towards +x."""
     speed: float
-    """Degrees a second."""
+    """Angular speed [deg/s]."""
     seconds: float
-    """How long [s]."""
+    """Duration [s]."""
 
     @property
     def until(self) -> float:
-        """When it ends [s], from the start of the trial."""
+        """End of the action [s], from the start of the trial."""
         return self.time + self.seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Bring a moved brick to a velocity, which it keeps until it is driven anew."""
+    """Accelerate a moved brick to a velocity, which it keeps until the next ``Drive``."""
 
     time: float
     brick: int
-    """The brick's index in the order of placement, from 0; a brick with ``moved``."""
+    """The brick's index in the order of placement, from 0; the brick must have ``moved``."""
     velocity: Vector
     """Velocity of its centre [m/s]."""
     spin: Vector = (0.0, 0.0, 0.0)
     """Angular velocity [rad/s]."""
     seconds: float = 0.0
-    """How long [s] it takes to reach them, evenly accelerated from the present ones; 0: at once."""
+    """Duration [s] of the acceleration, which is uniform from the present velocities; 0: at once."""
     carries: bool = False
-    """Whether the bricks of higher levels are in place where the platform brings them; otherwise where they are now."""
+    """True if monitors expect bricks of higher levels to travel with the platform; False if they expect them in
+    place."""
 
     @property
     def until(self) -> float:
-        """When the velocity is reached [s], from the start of the trial."""
+        """Time [s] at which the velocity is reached, from the start of the trial."""
         return self.time + self.seconds
 
 
@@ -178,11 +179,11 @@ class MustMove:
     brick: int
     """The brick's index in the order of placement, from 0."""
     from_s: float
-    """From when [s]."""
+    """Start of the motion [s]."""
     way_m: float
-    """How far [m] its centre must go, in a straight line from where it was."""
+    """Distance [m] that its centre must move, in a straight line."""
     takes_s: float | None
-    """How long [s] that takes by theory; None if theory does not say."""
+    """Time [s] that it takes by theory; None if theory is silent."""
 
 
 Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
@@ -190,17 +191,17 @@ Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """What must happen by theory."""
+    """The outcome that theory demands."""
 
     outcome: Literal["stand", "fall", "study"]
     theory: str
-    """Why, in one line, with its source."""
+    """The reason, in one line, with its source."""
     level: int | None = None
-    """The level at which it must fall; None unless ``outcome`` is "fall"."""
+    """Level at which the scene must fall; None unless ``outcome`` is "fall"."""
     not_before_s: float = 0.0
-    """When [s] that becomes due at the earliest: a scene that is undermined must stand until then."""
+    """Earliest time [s] of the fall: a scene from which a brick is removed must stand until then."""
     within_s: float | None = None
-    """How long [s] after that the fall may take; a fall that comes later counts as standing. None: to the end."""
+    """Time [s] after ``not_before_s`` within which it must fall; a later fall counts as standing. None: no limit."""
 
     def __str__(self) -> str:
         if self.outcome != "fall":
@@ -219,21 +220,21 @@ class Scene:
     parameters: Mapping[str, float | int | str]
     world: World
     actions: tuple[Action, ...]
-    """In order of time."""
+    """Timed actions, in order of time."""
     expectation: Expectation
     look_for: str
-    """What a person who watches should look for."""
+    """Behaviour that an observer should look for."""
     pair: str = ""
-    """Id that a scene which must stand shares with one that must fall and differs from it only in what decides: only
-    both together tell a stability test from glue. Empty if it has no partner."""
+    """Id shared by a scene that must stand and its partner that must fall, which differ only in the deciding quantity.
+    Only both together separate a stability test from a rule that freezes everything. Empty without a partner."""
     planar: bool = False
-    """True if every brick stays in the x-z plane, so that a 2-D engine can play it."""
+    """True if every brick stays in the x-z plane, so that a planar engine can play the scene."""
     poured: bool = False
-    """True if bricks find their own places: none is ever out of place, and what is measured is the heap."""
+    """True for a pile: no brick has a planned place, and the pile as a whole is measured."""
     watch_s: float = 5.0
-    """How long [s] the trial watches after the last action."""
+    """Time [s] for which the trial continues after the last action."""
     must_move: tuple[MustMove, ...] = ()
-    """Bricks that may not sleep: the harness measures for how long they do."""
+    """Bricks that must not sleep: the harness measures how long they do."""
     size: float = 1.0
     """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows with it."""
     bricks: tuple[Brick, ...] = field(init=False)
@@ -253,7 +254,7 @@ class Scene:
 
     @property
     def done_s(self) -> float:
-        """When [s] the last action is over: some take their time."""
+        """Time [s] at which the last action is over."""
         return max(
             action.until if isinstance(action, Pull | Press | Tilt | Drive) else action.time for action in self.actions
         )
@@ -262,7 +263,7 @@ class Scene:
 def pace_of(size: float) -> float:
     """Return the factor on all times of a scene whose lengths are ``size`` times as large.
 
-    Gravity stays, so that falls take the square root of ``size`` longer. Smaller bricks keep their times, because the
-    frames of an engine do not become shorter.
+    Gravity stays, so a fall takes sqrt(``size``) times as long. Smaller bricks keep their times, because the frames of
+    an engine do not become shorter.
     """
     return max(1.0, math.sqrt(size))

@@ -1,4 +1,4 @@
-"""Parameters of scenes: the ranges that a builder declares, and the id of the variant that values make.
+"""Parameters of scenes: the ranges that a builder declares, and the variant id that values make.
 
 A builder annotates each parameter with its range, ``courses: Annotated[int, Whole(1, 200)] = 8``. The decorator
 ``scenarios.scenario.scenario`` reads the ranges and checks every value before the builder runs.
@@ -68,7 +68,7 @@ class Real:
 
 
 class Choice:
-    """One of some words."""
+    """A choice among words."""
 
     __slots__ = ("words",)
 
@@ -97,7 +97,7 @@ def _is_number(value: object) -> TypeGuard[float]:
 Margin: TypeAlias = Annotated[float, Real(-0.5, 0.5)]
 """Distance from the limit, as a share of the limit: see ``scenarios.margins``."""
 Scale: TypeAlias = Annotated[float, Real(0.1, 100)]
-"""Size of everything over that of the standard plank."""
+"""Factor on all lengths, relative to the standard plank."""
 Gap: TypeAlias = Annotated[float, Real(0, 20)]
 """Distance [mm] between neighbours."""
 Friction: TypeAlias = Annotated[float, Real(0, 2)]
@@ -107,8 +107,8 @@ Friction: TypeAlias = Annotated[float, Real(0, 2)]
 def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str, Value]) -> str:
     """Return the id of a variant: the scenario's name, then every value that differs from its default.
 
-    The first parameter, the one that a scenario is varied by, comes bare: ``card_house-2``; the others follow their
-    names: ``card_house-2-theta75``. So no two variants share an id, and an id is fit for a file name.
+    The first parameter is written without its name, ``card_house-2``; the others follow their names,
+    ``card_house-2-theta75``. So no two variants share an id, and an id is a valid file name.
     """
     parts = [name]
     for index, (parameter, default) in enumerate(defaults.items()):
@@ -118,7 +118,7 @@ def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str
 
 
 def short(value: Value) -> str:
-    """Return a value in the fewest characters that tell it from any other."""
+    """Return the shortest text that distinguishes a value from any other."""
     if isinstance(value, float) and math.isfinite(value) and value.is_integer():
         return str(int(value))
     return str(value)

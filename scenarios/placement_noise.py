@@ -1,9 +1,9 @@
 """Placement noise: seed 0 is exact, every other seed perturbs each pose.
 
 The perturbation is a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three
-standard deviations. A draw depends on the scene's variant, the seed and the brick's index alone: not on the engine, the
-order of trials or what fell before. It comes straight from a hash, through the inverse of the normal distribution, so
-that it is the same on every machine, with any library.
+standard deviations. A draw depends on the scene's variant, the seed and the brick's index only, and not on the engine,
+the order of trials or earlier falls. It is computed from a hash through the inverse of the normal distribution, so that
+it is the same on every machine, with any library.
 
 A draw that pushes a brick into a neighbour or a fixed box is repeated, so that between planned neighbours that touch
 the noise only opens the joint: seed 0 alone builds it closed. In a row of touching bricks the errors add up, and a
@@ -25,15 +25,15 @@ from scenarios.geometry import BoolArray, Boxes, overlap_in_plan, side_by_side, 
 from scenarios.model import Brick, Place, Scene
 
 SHIFT = 0.3e-3
-"""Standard deviation [m] in x and in y, of a scene of size 1."""
+"""Standard deviation [m] in x and in y, for a scene of size 1."""
 TURN = math.radians(0.3)
 """Standard deviation [rad] of the yaw."""
 CUT = 3.0
-"""Where the distributions are cut [standard deviations]."""
+"""Cut of the distributions [standard deviations]."""
 _DRAWS = 500
-"""Draws after which a brick is said to have no room. Between planks 2 mm apart the first is all but always good."""
+"""Draws after which placement fails. Between planks 2 mm apart the first draw nearly always succeeds."""
 _WIDENED = 25
-"""Draws after which, each time, the shift is of one standard deviation more."""
+"""Number of draws after which the shift grows by one standard deviation, each time."""
 
 
 class NoRoomError(ValueError):
@@ -83,9 +83,10 @@ def _perturbed(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[B
 
 
 def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> BoolArray:
-    """Tell which of what is laid, then of the fixed boxes, each brick of a group must not overlap, shape (m, n).
+    """Return which laid bricks and fixed boxes each brick of a group must not overlap, shape (m, n).
 
-    Bricks of the same level, and whatever is planned beside it. Poured bricks are where they fell, not as planned.
+    Bricks of the same level count, and bricks planned beside it. Poured bricks lie where they fell, so they do not
+    count.
     """
     levels = {brick.level for brick in group}
     same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)
@@ -97,14 +98,14 @@ def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> Bool
 
 
 def deviates(variant: str, seed: int, brick: int, draw: int = 0) -> tuple[float, float, float]:
-    """Three independent standard normal deviates, cut at ``CUT``, that belong to one brick of one scene and seed."""
+    """Return three independent standard normal deviates, cut at ``CUT``, for one brick of one scene and seed."""
     digest = hashlib.blake2b(f"{variant}/{seed}/{brick}/{draw}".encode(), digest_size=24).digest()
     first, second, third = (_deviate(digest[start : start + 8]) for start in (0, 8, 16))
     return first, second, third
 
 
 def _deviate(random: bytes) -> float:
-    """The quantile of the cut normal distribution that eight random bytes pick."""
+    """Return the quantile of the cut normal distribution that eight random bytes pick."""
     normal = NormalDist()
     tail = normal.cdf(-CUT)
     fraction = (int.from_bytes(random, "little") + 0.5) / 2**64
@@ -112,7 +113,7 @@ def _deviate(random: bytes) -> float:
 
 
 def _moved(group: Sequence[Brick], dx: float, dy: float, turn: float) -> tuple[Brick, ...]:
-    """The group shifted by dx and dy [m] and turned about z through its centroid by ``turn`` [rad]."""
+    """Return the group shifted by dx and dy [m] and turned about z through its centroid by ``turn`` [rad]."""
     x0 = sum(brick.position[0] for brick in group) / len(group)
     y0 = sum(brick.position[1] for brick in group) / len(group)
     cos, sin = math.cos(turn), math.sin(turn)

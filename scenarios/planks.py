@@ -28,13 +28,13 @@ GRAVITY = 9.81
 DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
 """Mean density [kg/m3]."""
 GAP = 2.0e-3
-"""Gap [m] between neighbours of one level: with 0.5 mm placement noise pushes one plank into the next."""
+"""Gap [m] between neighbours of one level: with 0.5 mm, placement noise pushes one plank into the next."""
 
 
 def lay(
     x: float, y: float = 0.0, *, level: int, yaw: float = 0.0, bottom: float | None = None, length: float = LENGTH
 ) -> Brick:
-    """A plank lying flat, its length along x before it is turned.
+    """Return a plank lying flat, its length along x before it is turned.
 
     Args:
         x: centre along x [m].
@@ -42,7 +42,7 @@ def lay(
         level: the level it belongs to, from 1.
         yaw: turn about z [rad].
         bottom: height of its lower face [m]; by default that of a stack of flat planks.
-        length: length [m] of a plank that was sawn off; its mass shrinks alike.
+        length: length [m] of a shortened plank; its mass shrinks in proportion.
     """
     under = (level - 1) * THICKNESS if bottom is None else bottom
     turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
@@ -50,7 +50,7 @@ def lay(
 
 
 def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, bottom: float = 0.0) -> Brick:
-    """A plank on its short edge, leaning in the x-z plane.
+    """Return a plank on its short edge, leaning in the x-z plane.
 
     Args:
         foot: where along x [m] the edge stands.
@@ -67,10 +67,10 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
 
 
 def plank_of(scale: float) -> tuple[float, float, float, float]:
-    """Length, width and thickness [m] and mass [kg] of a plank that is ``scale`` times as large, of the same wood.
+    """Return length, width and thickness [m] and mass [kg] of a plank ``scale`` times as large, of the same wood.
 
-    What tips needs size: the energy [J] with which a brick lands grows with its mass alone, for it is always let go
-    ``CLEARANCE`` above its support; what it takes to tip a stack grows with its size as well.
+    A tipping test needs size: the energy [J] of a landing brick grows with its mass only, because it is always released
+    ``CLEARANCE`` above its support; the energy that tips a stack grows with its size as well.
     """
     return scale * LENGTH, scale * WIDTH, scale * THICKNESS, scale**3 * MASS
 
@@ -85,7 +85,7 @@ def box(
     yaw: float = 0.0,
     mass: float | None = None,
 ) -> Brick:
-    """A box that stands upright.
+    """Return a box that stands upright.
 
     Args:
         size: edge lengths [m] along its own x, y and z.
@@ -101,5 +101,5 @@ def box(
 
 
 def one_a_second(groups: Iterable[Sequence[Brick]]) -> tuple[Place, ...]:
-    """Place one group of bricks each second, from time 0: the pace at which the paper's stacks were built."""
+    """Place one group of bricks each second, from time 0: the pace of the paper's stacks."""
     return tuple(Place(float(second), tuple(group)) for second, group in enumerate(groups))

@@ -98,15 +98,15 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         own_scene,
     )
 }
-"""In the order in which users see them."""
+"""All scenarios by name, in the order in which users see them."""
 
 
 def build(name: str, **parameters: Value) -> Scene:
-    """The scene of scenario ``name`` with ``parameters``; defaults stand in for those left out.
+    """Return the scene of scenario ``name`` with ``parameters``; defaults replace those left out.
 
     Raises:
         UnknownNameError: if there is no such scenario, or it has no such parameter.
-        ValueError: if a parameter's value makes no scene; the message names what is allowed.
+        ValueError: if a parameter's value makes no scene; the message names the allowed values.
     """
     scenario = look_up("scenario", name, SCENARIOS)
     for parameter in parameters:
@@ -128,15 +128,15 @@ def build(name: str, **parameters: Value) -> Scene:
 
 @lru_cache(maxsize=256, typed=True)
 def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene:
-    """Return a prebuilt scene; cached, because exact statics looks for the brick that is taken."""
+    """Return a prebuilt scene; cached, because exact statics searches for the brick to remove."""
     scene = scenario(**parameters)
     return at_once(scene) if built == AT_ONCE else at_once_below(scene)
 
 
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    """Return recorded parameters with the defaults of those that the scenario did not have when they were recorded.
+    """Return recorded parameters, completed by the defaults of parameters that were added later.
 
-    A default builds what was built before, so that old records still compare with new ones.
+    A default builds the scene as before, so that old records still compare with new ones.
     """
     scenario = SCENARIOS.get(name)
     return {**(scenario.parameters if scenario else {}), **parameters}

@@ -1,4 +1,4 @@
-"""Scenarios: the decorator ``scenario`` makes one of a builder, which declares every parameter once, with its range.
+"""Scenarios: the decorator ``scenario`` turns a builder, which declares each parameter with its range, into a scenario.
 
     @scenario
     def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan: ...
@@ -18,7 +18,7 @@ from scenarios.model import Action, Expectation, MustMove, Place, Scene, World
 from scenarios.parameters import Choice, Range, Real, Value, variant_of
 
 ONE_BY_ONE, AT_ONCE, AT_ONCE_BELOW = BUILT = ("one_by_one", "at_once", "at_once_below")
-"""How a scene of statics may be built: see ``scenarios.scenes.shared.prebuilt``."""
+"""Ways to build a scene of statics: see ``scenarios.scenes.shared.prebuilt``."""
 SIZE = Real(0.01, 1000.0)
 """Factor on all lengths of a scene of statics: planks from 1 mm to 117 m long."""
 OF_STATICS: Mapping[str, tuple[Value, Range]] = {"built": (ONE_BY_ONE, Choice(*BUILT)), "size": (1.0, SIZE)}
@@ -29,15 +29,15 @@ P = ParamSpec("P")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What a builder returns: a scene, but for its ids and parameters. The fields are those of ``Scene``."""
+    """The return value of a builder: a scene without its ids and parameters. The fields are those of ``Scene``."""
 
     world: World
     actions: tuple[Action, ...]
     expectation: Expectation
     look_for: str
     partner: Mapping[str, Value] | None = None
-    """The parameters, as far as they differ, of the scene that must stand and shares the id ``Scene.pair`` with this
-    one; None if the scene has no partner."""
+    """Parameters, as far as they differ, of the scene that must stand and shares the id ``Scene.pair`` with this scene;
+    None if the scene has no partner."""
     planar: bool = False
     poured: bool = False
     watch_s: float = 5.0
@@ -46,17 +46,17 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario(Generic[P]):
-    """A family of scenes: one for every choice of its parameters. Call it with some, by name."""
+    """A family of scenes, one for each choice of its parameters. Call it with parameters by name."""
 
     builder: Callable[P, Plan | Scene]
-    """Makes ids of its own if it returns a ``Scene``."""
+    """The builder. It makes ids of its own if it returns a ``Scene``."""
     defaults: Mapping[str, Value]
-    """Of the builder's own parameters, in the order in which it declares them."""
+    """Defaults of the builder's own parameters, in the order of their declaration."""
     declared: Mapping[str, Range]
     """The ranges that the builder declares. A parameter without one is checked by the builder."""
     is_static: bool = True
-    """Whether its scenes can be prebuilt and resized (parameters ``built`` and ``size``): bricks are laid and taken,
-    not poured, pushed or dropped."""
+    """True if its scenes can be prebuilt and resized (parameters ``built`` and ``size``): bricks are only placed and
+    removed, not poured, pushed or dropped."""
 
     @property
     def name(self) -> str:
@@ -65,7 +65,7 @@ class Scenario(Generic[P]):
 
     @property
     def description(self) -> str:
-        """One line: what is built."""
+        """One line about the scene."""
         return (inspect.getdoc(self.builder) or "").partition("\n")[0]
 
     @property
@@ -83,10 +83,11 @@ class Scenario(Generic[P]):
         return variant_of(self.name, self.defaults, parameters)
 
     def __call__(self, *args: P.args, **parameters: P.kwargs) -> Scene:
-        """Build the scene of ``parameters``; defaults stand in for those left out.
+        """Build the scene of ``parameters``; defaults replace those left out.
 
         Raises:
-            ValueError: if a value makes no scene, the message names what is allowed; or if a brick of a planar scene
+            ValueError: if a value makes no scene (the message names the allowed values), or if a brick of a planar
+                scene
                 leaves the plane.
         """
         checked: dict[str, Any] = {**self.defaults, **parameters}
@@ -117,7 +118,7 @@ class Scenario(Generic[P]):
 
 
 def _check_planar(planned: Plan) -> None:
-    """Refuse a planar scene of which a brick leaves the x-z plane or is turned out of it."""
+    """Raise ``ValueError`` if a brick of a planar scene leaves the x-z plane or is turned out of it."""
     for action in planned.actions:
         for brick in action.bricks if isinstance(action, Place) else ():
             _, i, _, k = brick.quaternion
@@ -129,12 +130,12 @@ def _check_planar(planned: Plan) -> None:
 
 
 def scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario of statics: bricks are only laid and taken."""
+    """Make a scenario of statics: bricks are only placed and removed."""
     return _scenario(builder, is_static=True)
 
 
 def dynamic_scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario in which dynamics counts: bricks are poured, dropped, pushed, pulled or moved."""
+    """Make a scenario of dynamics: bricks are poured, dropped, pushed, pulled or moved."""
     return _scenario(builder, is_static=False)
 
 

@@ -97,6 +97,6 @@ def test_a_document_says_below_a_table_that_it_is_of_an_earlier_core(block: str,
     document = (ROOT / BLOCKS[block][0]).read_text(encoding="utf-8")
     found = re.search(rf"<!-- begin {block}\b.*?<!-- end {block} -->", document, re.DOTALL)
     assert found is not None
-    told = warning(core_of(PAGES[f"{page}/tables.md"]), present_core())
-    assert ("Made with an earlier core" in found[0]) == bool(told), AGAIN
-    assert told in found[0]
+    output = warning(core_of(PAGES[f"{page}/tables.md"]), present_core())
+    assert ("Made with an earlier core" in found[0]) == bool(output), AGAIN
+    assert output in found[0]

@@ -1,1 +1,1 @@
-"""The command line: one file a verb; ``app`` puts the verbs together, ``console`` is what they share."""
+"""The command line: one file per verb; ``app`` joins the verbs, ``console`` has the parts that they share."""

@@ -1,4 +1,4 @@
-"""Define the command line: ``uv run -m bench VERB``. Exit status 0 done, 1 a check failed, 2 bad usage or input."""
+"""Define the command line: ``uv run -m bench VERB``. Exit status 0 done, 1 a gate failed, 2 bad usage or input."""
 
 from __future__ import annotations
 
@@ -18,13 +18,12 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Do your engine's bricks stand when they should, and fall when they should?",
 )
 
 
-@app.callback()
+@app.callback(help="Do your engine's bricks stand when they should, and fall when they should?")
 def add_external_engines() -> None:
-    """Do your engine's bricks stand when they should, and fall when they should?"""
+    """Register the engines outside this repository before any verb runs."""
     with input_errors():
         register_external()
 

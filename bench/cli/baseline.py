@@ -1,4 +1,4 @@
-"""``bench baseline``: keep a run in one small file, for later comparisons."""
+"""``bench baseline``: write a run into one small file, for later comparisons."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.console import input_errors, relative, tell
+from bench.cli.console import input_errors, note, relative
 from bench.compare.baseline import read_baseline, write_baseline
 from bench.compare.tracking import tracked
 from reports.records.atomic import write_atomic
@@ -21,10 +21,10 @@ def baseline(
         Path | None, typer.Option(metavar="FILE", help="Write figures for benchmark-tracking actions, too.")
     ] = None,
 ) -> None:
-    """Keep in one small file what later runs are held against."""
+    """Write a results folder into one small file, as the base of later comparisons."""
     with input_errors():
         side = read_baseline(folder)
         write_baseline(side, out)
         if track is not None:
             write_atomic(track, (json.dumps(tracked(side), indent=1) + "\n").encode())
-    tell(f"{len(side.trials)} trials are kept in {relative(out)}")
+    note(f"{len(side.trials)} trials are kept in {relative(out)}")

@@ -49,14 +49,14 @@ def _knobs(engine: str, profile: str) -> Iterator[str]:
 
 
 def check_engine(engine: str, profile: str, console: Console) -> int:
-    """Run every check that applies and print how it went; returns how many failed.
+    """Run every applicable check and print its result; return the number of failures.
 
     Raises:
         UnknownNameError: if there is no such engine, or the engine has no such profile.
-        ProfileError: if a variation of the profile is not what it must be.
+        ProfileError: if a variation of the profile is invalid.
         EngineNotInstalledError: if its package is missing.
     """
-    profile_named(engine, profile)  # a name that is wrong is told once, not by every check
+    profile_named(engine, profile)  # report a wrong name once, not in every check
     counts = {"ok": 0, "n/a": 0, "FAILED": 0}
     for check in CHECKS:
         promise = check.name.replace("_", " ")
@@ -66,7 +66,7 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
             continue
         try:
             check.run(engine, profile)
-        except Exception as error:  # an engine may fail a check in any way, and the others are still worth running
+        except Exception as error:  # an engine may fail a check in any way, and the other checks still run
             counts["FAILED"] += 1
             console.print(f"FAILED  {promise}: {error}", markup=False, highlight=False, soft_wrap=True)
         else:

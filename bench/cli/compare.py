@@ -25,10 +25,10 @@ def compare(
     base: Annotated[
         str,
         typer.Argument(
-            help="What is expected: a results folder, a baseline file or a file of pytest-benchmark; a version (--run)."
+            help="The base: a results folder, a baseline file or a file of pytest-benchmark; with --run a version."
         ),
     ],
-    head: Annotated[str, typer.Argument(help="What is judged: the same.")],
+    head: Annotated[str, typer.Argument(help="The head, likewise.")],
     fail_on: Annotated[str, typer.Option(help="Gates whose alarms end with status 1, or 'none'.")] = ",".join(GATES),
     across_versions: Annotated[
         bool, typer.Option("--across-versions", help="Judge the outcomes of another version of an engine, too.")
@@ -40,12 +40,12 @@ def compare(
         bool, typer.Option("--run", help="BASE and HEAD are commits, branches, tags or checkouts: run both here.")
     ] = False,
     study: Annotated[str, typer.Option(help="With --run: the study that both run.")] = "smoke",
-    rounds: Annotated[int, typer.Option(min=1, max=100, help="With --run: how often each runs it, in turns.")] = 2,
+    rounds: Annotated[int, typer.Option(min=1, max=100, help="With --run: runs of each version, alternating.")] = 2,
     base_with: Annotated[list[str] | None, typer.Option(help="With --run: a package or wheel for BASE.")] = None,
     head_with: Annotated[list[str] | None, typer.Option(help="With --run: a package or wheel for HEAD.")] = None,
     out: Annotated[Path | None, typer.Option(help="With --run: results folder [results/compare-TIME].")] = None,
 ) -> None:
-    """Did stacking get worse, did trajectories change, did it get slower? Status 1 if so."""
+    """Compare two runs for regressions of outcome, trajectory and time; status 1 if a gate raises an alarm."""
     with input_errors():
         gates = chosen_gates(fail_on)
         if run_both:

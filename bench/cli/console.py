@@ -1,4 +1,4 @@
-"""Share consoles, the results folder and the handling of bad input among the verbs."""
+"""Consoles, the results folder and the handling of bad input, shared by the verbs."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from reports.records.trial import RecordError, RecordWarning, TrialRecord
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
-"""Where a run leaves its results unless told otherwise; estimates are made from the results there."""
+"""Default folder for the results of runs; estimates read the results there."""
 _LOG_WIDTH = 110
-for _stream in (sys.stdout, sys.stderr):  # a terminal that has no such letters shows their codes
+for _stream in (sys.stdout, sys.stderr):  # a terminal without these letters shows their codes
     if isinstance(_stream, io.TextIOWrapper):
         _stream.reconfigure(errors="backslashreplace")
 OUT = Console(width=None if sys.stdout.isatty() else _LOG_WIDTH)
@@ -39,7 +39,7 @@ ERR = Console(stderr=True)
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """Input that cannot be used ends the program with its fix, not with a trace."""
+    """End the program with the error's message and status 2, without a traceback, if the input cannot be used."""
     try:
         yield
     except (
@@ -63,7 +63,7 @@ def input_errors() -> Iterator[None]:
         raise typer.Exit(2) from error
 
 
-def tell(text: str) -> None:
+def note(text: str) -> None:
     """Print a line on standard error."""
     ERR.print(text, highlight=False, soft_wrap=True)
 
@@ -81,9 +81,9 @@ def read_folder(folder: Path) -> list[TrialRecord]:
 
 @contextmanager
 def printed_warnings() -> Iterator[None]:
-    """Print the warnings of records that are read."""
+    """Print the warnings raised while records are read."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield
     for warning in caught:
-        tell(f"warning: {warning.message}")
+        note(f"warning: {warning.message}")

@@ -21,17 +21,17 @@ COLUMNS = 5
 CELL_IN = 2.6
 """Edge of a picture [inch]."""
 AZIMUTH, ELEVATION = math.radians(-62), math.radians(20)
-"""Where the viewer stands: seen from in front, a little from the right and from above."""
+"""Direction of the viewer: in front, a little to the right and above."""
 LIGHT = np.array([0.35, -0.55, 0.76])
-"""Whither the light comes from; unit length but for rounding."""
+"""Direction of the light; unit length up to rounding."""
 AMBIENT = 0.45
-"""Share of the light that comes from everywhere."""
+"""Share of ambient light."""
 FAMILY_COLOR = {"stand": "#d9a760", "fall": "#c9694f", "study": "#8fa3b5"}
-"""Wood for what must stand, brick for what must fall, slate for what theory leaves open."""
+"""Colours by expectation: wood for stand, brick for fall, slate for a study."""
 FIXED_COLOR = "#b9bcc0"
 """Grey of boxes that never move."""
 _GRAZE = 1e-6
-"""Overlap [m] in the picture that nobody sees."""
+"""Overlap [m] in the picture that cannot be seen."""
 _FACES = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
 """Axis and sign of each face of a box."""
 
@@ -40,7 +40,7 @@ def draw_contact_sheet(path: Path, scenes: Sequence[Scene]) -> None:
     """Write a picture of all ``scenes`` to ``path``, in the format of its suffix.
 
     Raises:
-        ValueError: if the suffix is none that matplotlib can write.
+        ValueError: if matplotlib cannot write a file with this suffix.
     """
     rows = math.ceil(len(scenes) / COLUMNS)
     figure = Figure(figsize=(COLUMNS * CELL_IN, rows * CELL_IN), layout="constrained")
@@ -53,7 +53,7 @@ def draw_contact_sheet(path: Path, scenes: Sequence[Scene]) -> None:
 
 
 def _draw(axes: Axes, scene: Scene) -> None:
-    """One scene: its faces from back to front."""
+    """Draw one scene: its faces from back to front."""
     polygons, colors = faces(scene.bricks, FAMILY_COLOR[scene.expectation.outcome], scene.world.fixed)
     axes.add_collection(PolyCollection(list(polygons), facecolors=list(colors), edgecolors="#3b2a1a", linewidths=0.35))
     corners = polygons.reshape(-1, 2)
@@ -66,7 +66,7 @@ def _draw(axes: Axes, scene: Scene) -> None:
 
 
 def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> tuple[FloatArray, FloatArray]:
-    """The visible faces of ``bricks`` and of ``fixed`` boxes, which are grey, from back to front.
+    """Return the visible faces of ``bricks`` and of grey ``fixed`` boxes, from back to front.
 
     Returns:
         Corners in the picture (n, 4, 2) and colours (n, 3).
@@ -89,10 +89,11 @@ def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> t
 
 
 def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
-    """The order in which to paint boxes that do not overlap, seen from ``toward``: the painter's algorithm.
+    """Return the order in which to paint boxes that do not overlap, seen from ``toward``: the painter's algorithm.
 
-    Of two boxes that a plane parallel to one of their faces divides, the one on the viewer's side is painted later;
-    those that do not overlap in the picture, even grazing, may come in any order.
+    Of two boxes that a plane parallel to one of their faces divides, the box on the viewer's side is painted later.
+    Boxes
+    that do not overlap in the picture, even grazing, may come in any order.
     """
     order: TopologicalSorter[int] = TopologicalSorter(dict.fromkeys(range(len(boxes)), ()))
     corners = boxes.corners
@@ -109,12 +110,12 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
 
 
 def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
-    """The widest gap [m] from the lower box to the upper one along ``directions`` (n, 3); corners (8, 3)."""
+    """Return the widest gap [m] from the lower box to the upper one along ``directions`` (n, 3); corners (8, 3)."""
     return float(((upper @ directions.T).min(axis=0) - (lower @ directions.T).max(axis=0)).max())
 
 
 def _view() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Unit vectors to the right of the picture, up in it, and out of it toward the viewer."""
+    """Return unit vectors to the right of the picture, up in it, and out of it toward the viewer."""
     toward = np.array(
         [math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * math.sin(AZIMUTH), math.sin(ELEVATION)]
     )

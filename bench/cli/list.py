@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from adapters import ENGINES, EngineNotInstalledError, Profile, check_installed, profiles
-from bench.cli.console import OUT, tell
+from bench.cli.console import OUT, note
 from bench.machine.environment import describe_engine
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import load_study, study_names
@@ -25,18 +25,18 @@ def list_(
     pictures: Annotated[bool, typer.Option("--pictures", help="Draw every scene on one sheet instead.")] = False,
     out: Annotated[Path, typer.Option(help="Where the sheet goes; .png, .svg or .pdf.")] = Path("scenes.png"),
 ) -> None:
-    """What can be run: scenarios and what theory says of them, engines, profiles, policies and studies."""
+    """List scenarios with their theory, engines, profiles, policies and studies."""
     if not pictures:
         print_catalogue(OUT)
         return
-    from bench.cli.contact_sheet import draw_contact_sheet  # a second of imports that nothing else needs
+    from bench.cli.contact_sheet import draw_contact_sheet  # a second of imports that only this option needs
 
     draw_contact_sheet(out, [build(name) for name in SCENARIOS])
-    tell(f"{len(SCENARIOS)} scenes drawn in {out}")
+    note(f"{len(SCENARIOS)} scenes drawn in {out}")
 
 
 def print_catalogue(console: Console) -> None:
-    """Print scenarios, engines with their profiles and what they show, policies and studies."""
+    """Print scenarios, engines with their profiles and capabilities, policies and studies."""
     for table in (_scenarios(), _engines()):
         console.print(table)
         console.print()
@@ -86,7 +86,7 @@ def _engines() -> Table:
 
 
 def _descriptors() -> dict[str, dict[str, Any]]:
-    """What those engines that are installed show, as a run keeps it in its environment."""
+    """Return the descriptions of the installed engines, as a run writes them into its environment."""
     found = {}
     for name in ENGINES:
         try:
@@ -98,7 +98,7 @@ def _descriptors() -> dict[str, dict[str, Any]]:
 
 
 def _profile(profile: Profile) -> str:
-    """What it is, and who set the knobs that differ from how the engine is shipped."""
+    """Return a profile's description, and who set the knobs that differ from the shipped engine."""
     return f"{profile.name}: {profile.description} ({profile.tuned_by})"
 
 

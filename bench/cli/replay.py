@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.console import input_errors, read_folder, relative, tell
+from bench.cli.console import input_errors, note, read_folder, relative
 from reports.records.atomic import write_atomic
 from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord
@@ -31,16 +31,16 @@ def replay(
     with input_errors():
         if gltf is not None:
             export_gltf(folder, read_folder(folder), trial, gltf)
-            tell(f"the animation is {relative(gltf)}")
+            note(f"the animation is {relative(gltf)}")
             return
         page = replay_trial(folder, read_folder(folder), trial)
-    tell(f"the replay is {relative(page)}")
+    note(f"the replay is {relative(page)}")
     if show and not webbrowser.open(page.resolve().as_uri()):
-        tell("no browser could be opened: open that file in one")
+        note("no browser could be opened: open that file in one")
 
 
 def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Path:
-    """Write the replay of a trial, side by side with the same stack under the other policies; returns the page.
+    """Write the replay of a trial, side by side with the same stack under the other policies; return the page.
 
     Raises:
         UnknownNameError: if there is no such trial.
@@ -53,6 +53,11 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Pa
 
 
 def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Path) -> None:
-    """Write a trial's recording as an animated glTF file; errors as ``replay_trial``."""
+    """Write a trial's recording as an animated glTF file.
+
+    Raises:
+    UnknownNameError: if there is no such trial.
+    RecordingError: if it was not recorded, or its recording is torn.
+    """
     wanted = look_up("trial", trial, {record.trial: record for record in records})
     write_atomic(to, to_glb(ResultsFolder(folder).recording(wanted.trial)))

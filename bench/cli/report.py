@@ -1,4 +1,4 @@
-"""``bench report``: make the page, pictures and tables of a results folder."""
+"""``bench report``: write the page, pictures and tables of a results folder."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.console import OUT, input_errors, printed_warnings, relative, tell
+from bench.cli.console import OUT, input_errors, note, printed_warnings, relative
 from bench.execution.results import missing_trials
 from reports.records.folder import ResultsFolder
 from reports.tables.table import Table, render
@@ -17,7 +17,7 @@ def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
 ) -> None:
-    """Make a folder's page, pictures and tables anew from its raw records, and print the tables."""
+    """Write a folder's page, pictures and tables from its raw records, and print the tables."""
     with input_errors():
         tables = make_report(folder, all_stills=stills)
     for table in tables:
@@ -25,14 +25,14 @@ def report(
 
 
 def make_report(folder: Path, *, all_stills: bool = False) -> tuple[Table, ...]:
-    """Write a folder's report; return the tables that are printed."""
-    from reports.report import build_report  # seconds of imports that nothing else needs
+    """Write a folder's report; return the printed tables."""
+    from reports.report import build_report  # seconds of imports that only this verb needs
 
     results = ResultsFolder(folder)
     with printed_warnings():
         missing = missing_trials(folder, results.records)
     made = build_report(results, missing, all_stills=all_stills)
     for notice in made.notices:
-        tell(notice)
-    tell(f"the page of it all: {relative(made.page)}")
+        note(notice)
+    note(f"the page: {relative(made.page)}")
     return made.tables

@@ -1,4 +1,4 @@
-"""``bench run``: run a study, or go on with one that was cut off."""
+"""``bench run``: run a study, or continue an interrupted run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from bench.cli.console import ERR, OUT, RESULTS, input_errors, read_folder, relative, tell
+from bench.cli.console import ERR, OUT, RESULTS, input_errors, note, read_folder, relative
 from bench.cli.report import make_report
 from bench.execution.errors import ClusterError
 from bench.execution.estimate import estimate
@@ -25,7 +25,7 @@ from reports.records.folder import TRIALS
 from reports.tables.table import render
 
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
-"""Runs trials until they are done or a wish to stop is noted."""
+"""A function that runs trials until all are done or an interruption is set."""
 
 
 def run(
@@ -41,9 +41,9 @@ def run(
     ] = None,
     seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
     hours: Annotated[
-        float | None, typer.Option(min=1e-3, help="Watch every trial for so many simulated hours: study 'soak'.")
+        float | None, typer.Option(min=1e-3, help="Simulated hours for which every trial is watched: study 'soak'.")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than one disturbs the timings.")] = 1,
+    jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than 1 disturbs the timings.")] = 1,
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Run the trials on the Dask cluster with this scheduler.")
     ] = None,
@@ -57,11 +57,11 @@ def run(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines in place of tables.")] = False,
 ) -> None:
-    """Run a study, or go on with one that was cut off, and print what stood and what fell."""
+    """Run a study, or continue an interrupted run, and print the outcomes."""
     with input_errors():
         wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds, hours)
         if dask is not None and jobs > 1:
-            raise ClusterError("--jobs is for this machine: on a cluster the workers' threads say how many trials run")
+            raise ClusterError("--jobs is for this machine; on a cluster set the number of threads of each worker")
         chosen = selected(load_study(study), wanted)
         folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
         check_folder(folder)
@@ -81,31 +81,31 @@ def run(
     if not as_json:
         for table in tables:
             render(table, OUT)
-    tell(f"{len(results.finished)} trials are kept in {relative(folder)}")
+    note(f"{len(results.finished)} trials are kept in {relative(folder)}")
 
 
 def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
-    """List the trials that a run would run, and tell how long they will take."""
+    """List the trials that a run would run, and print the estimated time."""
     trials = plan_trials(study)
     kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in read_folder(folder)}
     waiting = [trial for trial in trials if trial.id not in kept]
     for trial in waiting:
         typer.echo(trial.id)
     earlier = sorted(path.parent for path in RESULTS.glob(f"*/{TRIALS}"))
-    tell(estimate(waiting, study.limits.trial_wall_s, dict.fromkeys([*earlier, folder])).told(jobs))
+    note(estimate(waiting, study.limits.trial_wall_s, dict.fromkeys([*earlier, folder])).summary(jobs))
     if len(waiting) < len(trials):
-        tell(f"{len(trials) - len(waiting)} more are already there")
+        note(f"{len(trials) - len(waiting)} more are already there")
     if (later := most_trials(study) - len(trials)) > 0:
-        tell(f"up to {later} more follow from these, by bisection")
+        note(f"up to {later} more follow from these, by bisection")
 
 
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
-    """Run the trials that are not yet kept and keep each as it finishes, also when the run is cut off."""
+    """Run the trials without a record and write each outcome as it finishes, also when the run is interrupted."""
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
-        tell("the last line of trials.jsonl was torn by a cut: that trial is run again")
+        note("the last line of trials.jsonl was torn by an interruption: that trial is run again")
     if there := len(results.finished):
-        tell(f"going on: {there} of {there + len(waiting)} trials are already there")
+        note(f"continuing: {there} of {there + len(waiting)} trials are already there")
     with Interruption() as interruption:
         try:
             while waiting and not interruption.is_set():
@@ -118,7 +118,7 @@ def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> N
             results.close()
             if left := len(waiting_trials(study, results.statuses)):
                 kept = len(results.finished)
-                tell(f"interrupted: {kept} of {kept + left} trials are kept in {relative(results.folder)}")
-                tell(f"to go on, run the same with --out {relative(results.folder)}")
+                note(f"interrupted: {kept} of {kept + left} trials are kept in {relative(results.folder)}")
+                note(f"to continue, run the same command with --out {relative(results.folder)}")
         if interruption.is_set():
             raise typer.Exit(interruption.exit_status)

@@ -1,5 +1,6 @@
-"""Two runs held against each other: did stacking get worse, did trajectories change, did it get slower?
+"""Comparison of two runs: regressions of outcome, changes of trajectory, regressions of time.
 
-``baseline`` is one side, from a results folder or a file; ``outcomes``, ``determinism`` and ``timing`` are the gates,
-pure functions of records; ``comparison`` puts them together; ``render`` writes it for people and for machines.
+``baseline`` reads one side, from a results folder or a file. ``outcomes``, ``determinism`` and ``timing`` are the
+gates,
+pure functions of records. ``comparison`` combines them; ``render`` writes the result for people and for programs.
 """

@@ -1,4 +1,4 @@
-"""One side of a comparison: a results folder, or a baseline file that keeps what later runs are held against."""
+"""One side of a comparison: a results folder, or a baseline file written from one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FORMAT: Literal["stillstack-baseline-1"] = "stillstack-baseline-1"
 
 
 class BaselineError(ValueError):
-    """A side of a comparison that cannot be read, or kept; the message names the file and the fix."""
+    """A side of a comparison that cannot be read or written; the message names the file and the fix."""
 
 
 class _Model(BaseModel):
@@ -33,78 +33,78 @@ class _Model(BaseModel):
 
 
 class Engine(_Model):
-    """An engine as it was installed where trials ran."""
+    """An engine as installed on the machine of the trials."""
 
     version: str
     deterministic: str
-    """"across processes", "within a process" or "no"."""
+    """Scope of repetition: "across processes", "within a process" or "no"."""
 
 
 class Machine(_Model):
-    """Where trials ran, as far as it bears on what can be compared; no name of a computer."""
+    """The properties of a machine that limit comparisons; without its name."""
 
     processor: str
     platform: str
     python: str
     commit: str | None = None
     modified: bool = False
-    """Whether the checkout had uncommitted changes."""
+    """True if the checkout had uncommitted changes."""
     sources: str | None = None
     """Digest of the suite's code."""
     packages: Mapping[str, str] = {}
     engines: Mapping[str, Engine] = {}
 
     def runs_same_code(self, other: Machine) -> bool:
-        """Whether the suite and what it is compiled with are the same; engines may differ."""
+        """Return whether the suite and its compilers are the same; engines may differ."""
         mine, its = ((one.sources, one.python, one.packages) for one in (self, other))
         return self.sources is not None and mine == its
 
 
 class Baseline(_Model):
-    """What a run left behind, as far as later runs are held against it."""
+    """The content of a run that later runs are compared with."""
 
     format: Literal["stillstack-baseline-1"] = FORMAT
     study: str
     trial_wall_s: float = Field(gt=0)
     """Wall time [s] after which a trial was stopped."""
     tolerances: Mapping[str, Tolerance] = {}
-    """By scenario, where the study set them."""
+    """Tolerances by scenario, where the study set them."""
     machines: Mapping[str, Machine] = {}
-    """By the digest that records name."""
+    """Machines by the digest that records name."""
     shares: Mapping[str, Mapping[Part, Annotated[float, Field(gt=0)]]] = {}
-    """By trial: time of parts of a frame over that of the engine's step (see ``times``)."""
+    """By trial: time of parts of a frame over the engine's step (see ``timing``)."""
     trials: Sequence[TrialRecord] = Field(min_length=1)
 
     @model_validator(mode="after")
     def _shares_are_whole(self) -> Baseline:
         if any(set(parts) != set(PARTS) for parts in self.shares.values()):
-            raise ValueError(f"shares: each trial has all of {', '.join(PARTS)}")
+            raise ValueError(f"shares: each trial needs all of {', '.join(PARTS)}")
         return self
 
     def machine(self, record: TrialRecord) -> Machine | None:
-        """Where a trial ran; None if that was not kept."""
+        """Return the machine of a trial; None if it is unknown."""
         return self.machines.get(record.environment)
 
     def repeats_itself(self, record: TrialRecord) -> bool:
-        """Whether the trial's engine goes the same way in every process, as far as is known."""
+        """Return whether the trial's engine is known to repeat bit for bit in every process."""
         machine = self.machine(record)
         engine = machine.engines.get(record.engine) if machine else None
         return engine is not None and engine.deterministic == "across processes"
 
     def is_limited(self, record: TrialRecord) -> bool:
-        """Whether the clock may have decided how the trial ended.
+        """Return whether the time limit may have decided how the trial ended.
 
-        A stack that had begun to fall when its time was up is recorded as collapsed; how it fell may be cut off.
+        A stack that had begun to fall at its time limit is recorded as collapsed; its fall may be cut off.
         """
         slow = record.status == "collapsed" and record.wall_s is not None and record.wall_s >= self.trial_wall_s
         return record.status == "timeout" or slow
 
 
 def read_baseline(path: Path) -> Baseline:
-    """The side of a comparison that lies in a results folder or in a baseline file.
+    """Return the side of a comparison from a results folder or a baseline file.
 
     Raises:
-        BaselineError: if it is neither, or not whole.
+        BaselineError: if it is neither, or incomplete.
     """
     try:
         baseline = _read_folder(path) if path.is_dir() else _read_baseline_file(path)
@@ -115,16 +115,16 @@ def read_baseline(path: Path) -> Baseline:
     seen: set[str] = set()
     for record in baseline.trials:
         if record.trial in seen:
-            raise BaselineError(f"{path}: trial {record.trial[:200]!r} is there twice")
+            raise BaselineError(f"{path}: trial {record.trial[:200]!r} occurs twice; remove one")
         seen.add(record.trial)
     return baseline
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Keep a side in a file, whole or not at all; another baseline is replaced, no other file is.
+    """Write a side into a file atomically; replace only a baseline.
 
     Raises:
-        BaselineError: if something else is there, or it cannot be written.
+        BaselineError: if another file is there, or the file cannot be written.
     """
     if path.is_dir():
         raise BaselineError(f"{path} is a folder: name a file with -o")
@@ -132,7 +132,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
         try:
             _read_baseline_file(path)
         except (JsonError, ValidationError):
-            raise BaselineError(f"{path} is there and is no baseline: name another file with -o") from None
+            raise BaselineError(f"{path} exists and is no baseline: name another file with -o") from None
     try:
         write_atomic(path, (baseline.model_dump_json(indent=1) + "\n").encode())
     except OSError as error:
@@ -154,10 +154,10 @@ def _read_folder(folder: Path) -> Baseline:
     path = folder / TRIALS
     content = read_file(path)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RecordWarning)  # the torn trial is then told to be missing
+        warnings.simplefilter("ignore", RecordWarning)  # the torn trial is then reported as missing
         records = read_records(path)
     if not records:
-        raise BaselineError(f"{path}: holds no trial yet")
+        raise BaselineError(f"{path}: holds no trial yet; run the study first")
     whole = content if content.endswith(b"\n") else content.rpartition(b"\n")[0]
     for number, line in enumerate(whole.splitlines(), start=1):
         if line.strip():
@@ -174,7 +174,7 @@ def _read_folder(folder: Path) -> Baseline:
 
 
 class _Kept(BaseModel):
-    """A part of a study file, as far as a comparison needs it: its engines need not be installed here."""
+    """The fields of a study file that a comparison needs: its engines need not be installed here."""
 
     model_config = ConfigDict(extra="ignore", allow_inf_nan=False)
 
@@ -200,27 +200,27 @@ def _study(path: Path) -> _KeptStudy:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise BaselineError(f"{path}: not valid TOML: {error}") from error
     except ValidationError as error:
-        raise BaselineError(f"{path}: not a study that a run has left: {_first(error)}") from error
+        raise BaselineError(f"{path}: not the study file of a run: {_first(error)}") from error
 
 
 def _machines(folder: Path) -> dict[str, Machine]:
-    """The machines that a folder describes; without its environment nothing but outcomes can be compared."""
+    """Return the machines that a folder describes; without its environment only outcomes can be compared."""
     machines = {}
     for path in sorted(folder.glob("environment*.json")):
         environment = parse(read_file(path), str(path))
         if not isinstance(environment, dict):
-            raise BaselineError(f"{path}: not an environment that a run has left")
-        told = {key: value for key, value in environment.items() if key != SESSIONS}
-        name = digest(told) if path.name == ENVIRONMENT else path.stem.removeprefix("environment-")
+            raise BaselineError(f"{path}: not the environment file of a run")
+        description = {key: value for key, value in environment.items() if key != SESSIONS}
+        name = digest(description) if path.name == ENVIRONMENT else path.stem.removeprefix("environment-")
         try:
-            machines[name] = _machine(told)
+            machines[name] = _machine(description)
         except (KeyError, TypeError, AttributeError, ValidationError):
-            raise BaselineError(f"{path}: not an environment that a run has left") from None
+            raise BaselineError(f"{path}: not the environment file of a run") from None
     return machines
 
 
 def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part, float]]:
-    """By trial, of those that have frames."""
+    """Return the shares by trial, for trials with frames."""
     kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
     found = {}
     for record in records:
@@ -244,7 +244,7 @@ def _machine(environment: Mapping[str, Any]) -> Machine:
 
 
 def _first(error: ValidationError) -> str:
-    """The first complaint, without what was in the file: that may be anything."""
+    """Return the first error, without the file's own text, which may be anything."""
     first = error.errors(include_url=False, include_input=False)[0]
     field = ".".join(map(str, first["loc"]))[:200]
     return f"field '{field}': {first['msg']}" if field else str(first["msg"])

@@ -1,14 +1,15 @@
-"""Two files of pytest-benchmark: did a frame with the extension become dearer, counted in frames without it?
+"""Comparison of two files of pytest-benchmark: the cost of a frame with the extension, in frames without it.
 
-``tests/benchmarks/test_frame_speed.py`` times both on the same stack, in turns. Only their ratio is compared, because
-times of two runs tell of the machine. Each second of frames gives one figure:
+``tests/benchmarks/test_frame_speed.py`` times both on the same stack, alternating. Only their ratio is compared,
+because
+times of two runs depend on the machine. Each second of frames gives one figure:
 
     frame ratio            r_k = mean frame time of the k-th second with the extension
                                  / median frame time of the frames without it just before
     head against base      r_k of the head / r_k of the base, for every k and every stack of an engine
 
-``times.judge_times`` judges the interval of the mean of the last. A frame counts for at most ``MOST`` times the median
-of the frames at the same place of all seconds, because a longer one was interrupted.
+``timing.judge_times`` judges the interval of the mean of the last. A frame counts for at most ``MOST`` times the median
+of the frames at the same place of all seconds, because a longer frame was interrupted.
 """
 
 from __future__ import annotations
@@ -31,30 +32,30 @@ from bench.studies.tolerance import Tolerance
 from stability_core.port import FloatArray
 
 FORMAT = "stillstack-frame-1"
-"""Marks the benchmarks of a file that are frame times; others, such as those of kernels, are passed over."""
+"""Mark of benchmarks that are frame times; other benchmarks, such as kernels, are skipped."""
 ALONE = "none"
 """The policy of frames without the extension."""
 MOST = 2.0
-"""What a frame counts for at most, in medians of the frames at the same place of all seconds."""
+"""Greatest weight of a frame, in medians of the frames at the same place of all seconds."""
 TOLERANCE = Tolerance(time_share=0.25)
-"""Of one run against another. Their ratios also differ by what no spread within a run shows, such as where memory lies:
-on two shared cores runs of the same code were up to 1.23 apart."""
+"""Tolerance between two runs. Their ratios also differ by effects that no spread within a run shows, such as memory
+placement: on two shared cores runs of the same code differed by up to a factor of 1.23."""
 ABOUT = (
-    "Frame ratio: time of a frame with the extension over that of one without it, both on the same stack in the same "
+    "Frame ratio: time of a frame with the extension over that of a frame without it, on the same stack in the same "
     f"run; the ratio of head to base, and its {CONFIDENCE:.0%} interval."
 )
 _Time: TypeAlias = Annotated[float, Field(gt=0)]
 
 
 class _Read(BaseModel):
-    """A part of what pytest-benchmark wrote, as far as a comparison needs it."""
+    """The part of a pytest-benchmark file that a comparison needs."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
 
 
 class _Stats(_Read):
     data: list[_Time] = []
-    """Time of each round [s]; missing if the file was saved without them."""
+    """Time of each round [s]; empty if the file was saved without rounds."""
 
 
 class _Frame(_Read):
@@ -67,7 +68,7 @@ class _Frame(_Read):
     policy: str
     frames_per_second: int = Field(gt=0)
     alone_ms: list[_Time] = []
-    """Median time of a frame without the extension before each second [ms]; missing in benchmarks without it."""
+    """Median time of a frame without the extension before each second [ms]; empty in benchmarks without it."""
 
 
 class _Benchmark(_Read):
@@ -97,7 +98,7 @@ class _File(_Read):
 
 
 class Group(NamedTuple):
-    """What is timed with the extension."""
+    """A stack that is timed with the extension."""
 
     engine: str
     profile: str
@@ -110,7 +111,7 @@ class Group(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Name of the cells that are judged together: all stacks of an engine."""
+        """Name of the group that is judged together: all stacks of an engine."""
         return f"{self.engine}.{self.profile}.{self.policy} / {ALONE}"
 
 
@@ -119,20 +120,20 @@ class FrameTimes:
     """One side of a comparison."""
 
     name: str
-    """As the user named it."""
+    """Name given by the user."""
     processor: str | None
     circumstances: Mapping[str, str]
     versions: Mapping[Group, str]
-    """Of the engine."""
+    """Engine version by group."""
     ratios: Mapping[Group, FloatArray]
     """Frame ratio of each second, shape (s,)."""
 
 
 def are_benchmarks(base: Path, head: Path) -> bool:
-    """Whether pytest-benchmark wrote both sides of a comparison, judged by their content.
+    """Return whether pytest-benchmark wrote both sides of a comparison, by their content.
 
     Raises:
-        BaselineError: if it wrote one of them.
+        BaselineError: if it wrote only one of them.
     """
     written = [_is_benchmark_file(path) for path in (base, head)]
     if any(written) and not all(written):
@@ -148,7 +149,7 @@ def read_benchmarks(path: Path) -> FrameTimes:
     """Read the frame times of a file that pytest-benchmark wrote.
 
     Raises:
-        BaselineError: if it holds none, or is not whole.
+        BaselineError: if the file holds none, or is incomplete.
     """
     try:
         content = parse(read_file(path), str(path))
@@ -160,16 +161,16 @@ def read_benchmarks(path: Path) -> FrameTimes:
     versions: dict[Group, str] = {}
     ratios: dict[Group, FloatArray] = {}
     for one in file.benchmarks:
-        told = one.extra_info
-        cell = Group(told.engine, told.profile, f"{told.scene}-{told.levels}", told.policy)
-        if told.policy == ALONE:
+        info = one.extra_info
+        cell = Group(info.engine, info.profile, f"{info.scene}-{info.levels}", info.policy)
+        if info.policy == ALONE:
             continue
         if cell in ratios:
-            raise BaselineError(f"{path}: {one.fullname[:200]!r} is there twice")
-        versions[cell], ratios[cell] = told.version, _ratios(path, one)
+            raise BaselineError(f"{path}: {one.fullname[:200]!r} occurs twice; remove one")
+        versions[cell], ratios[cell] = info.version, _ratios(path, one)
     if not ratios:
         raise BaselineError(
-            f"{path}: holds no frame times with the extension; 'uv run pytest --benchmark-only' makes a file that does"
+            f"{path}: holds no frame times with the extension; make such a file with 'uv run pytest --benchmark-only'"
         )
     commit = (file.commit_info.id or "unknown")[:12] + (" with changes" if file.commit_info.dirty else "")
     processor = file.machine_info.cpu.brand_raw
@@ -185,17 +186,17 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
     """Compare the frame ratios of two files.
 
     Args:
-        base: what is expected.
-        head: what is judged.
-        across_versions: whether different versions of an engine are compared.
+        base: the expected side.
+        head: the side to judge.
+        across_versions: True to compare different versions of an engine.
 
     Raises:
         NothingInCommonError: if no stack is timed with the extension in both.
     """
     if not base.ratios.keys() & head.ratios.keys():
         raise NothingInCommonError(
-            f"{base.name} and {head.name} have no frame with the extension in common: were both made by "
-            "'uv run pytest --benchmark-only'?"
+            f"{base.name} and {head.name} share no frame with the extension: make both with "
+            "'uv run pytest --benchmark-only'"
         )
     findings = [
         Finding("time", str(cell), "open", "missing in the head") for cell in base.ratios if cell not in head.ratios
@@ -221,9 +222,9 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
 
 
 def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versions: bool) -> str | None:
-    """Why the frame ratios of a cell cannot be compared; None if they can."""
+    """Return why the frame ratios of a group cannot be compared; None if they can."""
     if base.processor is None or head.processor is None:
-        return "on which processor it ran was not kept"
+        return "its processor is unknown"
     if base.processor != head.processor:
         return f"on {head.processor}, was on {base.processor}"
     was, now = base.versions[cell], head.versions[cell]
@@ -240,28 +241,28 @@ def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Group
         was, now = base.ratios[cell], head.ratios[cell]
         pairs += zip(was.tolist(), now.tolist(), strict=False)
         figures.append(f"{cell.stack} {_middle(now):.3f}, was {_middle(was):.3f}")
-    judgement, told = judge_times(pairs, TOLERANCE.time_share)
-    return Finding("time", name, judgement, f"{told} ({'; '.join(figures)})")
+    judgement, message = judge_times(pairs, TOLERANCE.time_share)
+    return Finding("time", name, judgement, f"{message} ({'; '.join(figures)})")
 
 
 def _middle(ratios: FloatArray) -> float:
-    """Geometric mean."""
+    """Return the geometric mean."""
     return float(np.exp(np.log(ratios).mean()))
 
 
 def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
-    """Frame ratio of each whole second, shape (s,)."""
-    told, times = benchmark.extra_info, np.array(benchmark.stats.data)
+    """Return the frame ratio of each whole second, shape (s,)."""
+    info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
         raise BaselineError(f"{path}: saved without its rounds; save it with --benchmark-save-data")
-    count = min(len(times) // told.frames_per_second, len(told.alone_ms))
+    count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:
         raise BaselineError(
-            f"{path}: {benchmark.fullname[:200]!r} holds no second of frames with those without beside it"
+            f"{path}: {benchmark.fullname[:200]!r} holds no second of frames with and without the extension"
         )
-    frames = times[: count * told.frames_per_second].reshape(count, told.frames_per_second)
+    frames = times[: count * info.frames_per_second].reshape(count, info.frames_per_second)
     means = np.minimum(frames, MOST * np.median(frames, axis=0)).mean(axis=1)
-    ratios: FloatArray = 1e3 * means / np.array(told.alone_ms[:count])
+    ratios: FloatArray = 1e3 * means / np.array(info.alone_ms[:count])
     return ratios
 
 
@@ -270,7 +271,7 @@ def _is_benchmark_file(path: Path) -> bool:
         return False
     try:
         content = parse(read_file(path), str(path))
-    except JsonError:  # told in full by whoever reads it as something else
+    except JsonError:  # reported by the reader of the other format
         return False
     return isinstance(content, dict) and {"machine_info", "benchmarks"} <= content.keys()
 
@@ -282,7 +283,7 @@ def _frame_benchmarks(content: Any) -> Iterator[Any]:
 
 
 def _first(error: Exception) -> str:
-    """The first complaint, without what was in the file."""
+    """Return the first error, without the file's own text."""
     if not isinstance(error, ValidationError):
         return "'benchmarks' is not a list of benchmarks"
     first = error.errors(include_url=False, include_input=False)[0]

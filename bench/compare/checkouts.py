@@ -1,4 +1,4 @@
-"""Two versions of the suite side by side, each in a checkout and an environment of its own."""
+"""Two versions of the suite side by side, each with its own checkout and environment."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from rich.console import Console
 from bench.machine.source_digest import ROOT
 
 _HOME = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack" / "checkouts"
-"""They are kept: the next comparison with the same base finds it installed, and its core compiled."""
-_UV = os.environ.get("UV", "uv")  # 'uv run' tells where it is
+"""Checkouts are kept: the next comparison with the same base finds it installed, and its core compiled."""
+_UV = os.environ.get("UV", "uv")  # set by 'uv run'
 _INHERITED = ("VIRTUAL_ENV", "PYTHONPATH")
 """Variables that would lead a checkout to the environment of this process."""
 
 
 class CheckoutError(ValueError):
-    """A version that cannot be checked out, installed or run; the message tells why."""
+    """A version that cannot be checked out, installed or run; the message states the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Checkout:
     """A version of the suite that can be run."""
 
     name: str
-    """As the user called it."""
+    """Name given by the user."""
     folder: Path
 
     @property
@@ -38,21 +38,21 @@ class Checkout:
         return self.folder / ".venv" / "bin" / "python"
 
     def run(self, study: Path, out: Path) -> None:
-        """Run a study with this version, or go on with it.
+        """Run or continue a study with this version.
 
         Raises:
-            CheckoutError: if that fails.
+            CheckoutError: if the run fails.
         """
         _call(self.name, [str(self.python), "-m", "bench", "run", str(study), "--out", str(out)], self.folder)
 
 
 def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout:
-    """A checkout of ``version`` with its own environment.
+    """Return a checkout of ``version`` with its own environment.
 
     Args:
-        version: a commit, a branch or a tag; or a folder that holds a checkout, which is then used as it is.
-        packages: what is installed over its locked environment, such as the wheel of another build of an engine.
-        console: is told what takes long.
+        version: a commit, a branch or a tag; or a folder with a checkout, which is used unchanged.
+        packages: packages to install over the locked environment, such as the wheel of another build of an engine.
+        console: prints the long steps.
 
     Raises:
         CheckoutError: if there is no such version, or it cannot be installed.
@@ -60,7 +60,7 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
     if (Path(version) / "bench" / "__main__.py").is_file():
         checkout = Checkout(version, Path(version).resolve())
         if packages:
-            raise CheckoutError(f"{version} is a folder, which is used as it is: install {packages[0]} there yourself")
+            raise CheckoutError(f"{version} is a folder, which is used unchanged: install {packages[0]} there yourself")
         if not checkout.python.exists():
             raise CheckoutError(f"{version} has no environment: run 'uv sync' there")
         return checkout
@@ -79,13 +79,17 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
 
 
 def _call(version: str, command: Sequence[str], folder: Path) -> str:
-    """Output of a command; what it says on its error stream is told if it fails."""
+    """Return the output of a command; its error output becomes the message if it fails.
+
+    Raises:
+    CheckoutError: if the command cannot be run or fails.
+    """
     environment = {name: value for name, value in os.environ.items() if name not in _INHERITED}
     try:
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CheckoutError(f"{version}: {command[0]} cannot be run ({error.strerror})") from error
     if done.returncode != 0:
-        words = " ".join(done.stderr.split())[-500:] or "it said nothing"
+        words = " ".join(done.stderr.split())[-500:] or "no error output"
         raise CheckoutError(f"{version}: '{' '.join(command[:4])} ...' failed: {words}")
     return done.stdout

@@ -1,4 +1,4 @@
-"""Holds two sides against each other, trial by trial: what can be compared goes to the gates, the rest is told."""
+"""Compare two sides trial by trial: comparable trials go to the gates, the others are listed with the reason."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scenarios.registry import with_defaults
 
 
 class NothingInCommonError(ValueError):
-    """Two sides that share no trial: neither a pass nor a regression can be told."""
+    """Two sides that share no trial, so that neither a pass nor a regression can be stated."""
 
 
 Pair = tuple[TrialRecord, TrialRecord]
@@ -25,13 +25,13 @@ Pair = tuple[TrialRecord, TrialRecord]
 def compare_runs(
     base: Baseline, head: Baseline, names: tuple[str, str], *, across_versions: bool = False
 ) -> Comparison:
-    """What all gates say of ``head``, held against ``base``.
+    """Return the findings of all gates for ``head``, compared with ``base``.
 
     Args:
-        base: the run that sets what is expected.
-        head: the run that is judged, by the tolerances of its own study.
-        names: of both, for the reader.
-        across_versions: whether outcomes of different versions of an engine are held against each other.
+        base: the expected run.
+        head: the run to judge, by the tolerances of its own study.
+        names: names of both, for the reader.
+        across_versions: True to compare outcomes of different versions of an engine.
 
     Raises:
         NothingInCommonError: if no trial is in both.
@@ -40,7 +40,7 @@ def compare_runs(
     now = {record.trial: record for record in head.trials}
     pairs = [(before[trial], now[trial]) for trial in before if trial in now]
     if not pairs:
-        raise NothingInCommonError(f"{names[0]} and {names[1]} have no trial in common: were they of the same study?")
+        raise NothingInCommonError(f"{names[0]} and {names[1]} have no trial in common: compare runs of the same study")
     findings = [Finding("outcome", trial, "open", f"missing in {names[1]}") for trial in before if trial not in now]
     findings += [Finding("outcome", trial, "open", f"new: not in {names[0]}") for trial in now if trial not in before]
     comparable = []
@@ -61,7 +61,7 @@ def compare_runs(
 def _incomparable(
     base: Baseline, head: Baseline, one: TrialRecord, other: TrialRecord, across_versions: bool
 ) -> str | None:
-    """Why two trials of one name cannot be held against each other; None if they can."""
+    """Return why two trials of one id cannot be compared; None if they can."""
     if _scene(one) != _scene(other):
         return "another scene under the same name"
     if one.engine_version != other.engine_version and not across_versions:
@@ -104,7 +104,7 @@ def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iter
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
-    """One finding for each engine, profile and part of a frame, over all of its trials that have a yardstick."""
+    """Yield one finding for each engine, profile and part of a frame, over all trials with a yardstick."""
     groups: dict[str, list[Pair]] = defaultdict(list)
     for one, other in pairs:
         if one.trial in base.shares and other.trial in head.shares:
@@ -121,16 +121,14 @@ def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Coll
                         cell = f"{name}.{part} / {yardstick}"
                         figures[cell].append((before[part] / before[yardstick], now[part] / now[yardstick]))
         if not figures:
-            yield Finding(
-                "time", name, "open", "no yardstick: the core is another, and so is what the engine had to do"
-            )
+            yield Finding("time", name, "open", "no yardstick: the core differs, and so does the engine's work")
         least = max(_tolerance(head, other).time_share for _, other in group)
         for cell, those in figures.items():
             yield Finding("time", cell, *judge_times(those, least))
 
 
 def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) -> Part | None:
-    """The part of a frame that both sides share; None if there is none, or the processor is another."""
+    """Return the part of a frame that both sides share; None if there is none, or the processor differs."""
     if base is None or head is None or other_processor(base, head) is not None:
         return None
     if base.runs_same_code(head):
@@ -143,7 +141,7 @@ def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:
 
 
 def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
-    """What differs between the runs as a whole: processors, versions, commits."""
+    """Yield the differences between the runs as a whole: processors, versions, commits."""
     before, now = _circumstances(base), _circumstances(head)
     for what in dict.fromkeys([*before, *now]):
         was, are = (", ".join(sorted(side.get(what, {"unknown"}))) for side in (before, now))
@@ -152,7 +150,7 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 
 
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
-    """What a side's trials ran on and with; several where they ran on several machines."""
+    """Return the circumstances of a side's trials; several values if they ran on several machines."""
     found: dict[str, set[str]] = defaultdict(set)
     for machine in side.machines.values():
         found["processor"].add(machine.processor)

@@ -1,8 +1,8 @@
-"""The determinism gate: did every brick go the same way to the last bit?
+"""The determinism gate: whether every pose is the same to the last bit.
 
-Asked only where the answer means something: of engines that repeat themselves across processes, in one version of the
-engine and on one model of processor. A change is an alarm, not a fault: a change of the core or of a scene may well be
-meant to move bricks. Then a new baseline says so.
+It judges only engines that repeat themselves across processes, in one version of the engine and on one model of
+processor. A change is an alarm, not a fault: a change of the core or of a scene may be meant to move bricks, and then
+comes with a new baseline.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from reports.records.trial import TrialRecord
 def judge_poses(
     base: TrialRecord, head: TrialRecord, machines: tuple[Machine | None, Machine | None]
 ) -> tuple[Judgement, str]:
-    """Whether both trials went the same way.
+    """Judge whether the poses of both trials are the same.
 
     Args:
-        base: a trial of an engine that repeats itself, not stopped by the clock.
+        base: a trial of an engine that repeats itself, not stopped by its time limit.
         head: the same of the other side.
-        machines: where each of them ran; None where that is not known.
+        machines: the machine of each; None if unknown.
     """
     if base.engine_version != head.engine_version:
         return "open", f"{head.engine} {head.engine_version}, was {base.engine_version}"
@@ -35,9 +35,9 @@ def judge_poses(
 
 
 def other_processor(base: Machine | None, head: Machine | None) -> str | None:
-    """Why what depends on the processor cannot be compared; None if it can."""
+    """Return why results that depend on the processor cannot be compared; None if they can."""
     if base is None or head is None:
-        return "on which processor it ran was not kept"
+        return "its processor is unknown"
     if base.processor != head.processor:
         return f"on {head.processor}, was on {base.processor}"
     return None

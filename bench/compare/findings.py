@@ -1,4 +1,4 @@
-"""What a gate finds out about one trial, and what all gates found out together."""
+"""Findings of the gates: of one gate about one trial, and of all gates together."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scenarios.lookup import look_up
 
 Gate: TypeAlias = Literal["outcome", "hash", "time"]
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]
-"""``open``: nothing could be decided, and the finding tells why. It is never counted as a pass."""
+"""``open``: nothing could be decided, and the finding states why. It never counts as a pass."""
 
 GATES: tuple[Gate, ...] = get_args(Gate)
 ALARMS: frozenset[Judgement] = frozenset({"worse", "changed"})
@@ -20,44 +20,44 @@ _LONGEST = 200
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What one gate says of one trial, or of a cell of trials."""
+    """The judgement of one gate on one trial, or on a group of trials."""
 
     gate: Gate
     trial: str
     judgement: Judgement
-    told: str
-    """What differs, or why nothing could be decided; empty where all is the same."""
+    message: str
+    """The difference, or why nothing could be decided; empty where all is the same."""
 
     @property
     def is_alarm(self) -> bool:
-        """Whether the gate fails by it."""
+        """True if the gate fails by it."""
         return self.judgement in ALARMS
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Everything that two runs told when they were held against each other."""
+    """All findings of a comparison."""
 
     base: str
-    """As the user named it."""
+    """Name given by the user."""
     head: str
     findings: Sequence[Finding]
     notes: Sequence[str] = ()
-    """What differs between the runs as a whole, such as their machines."""
+    """Differences between the runs as a whole, such as their machines."""
     about_times: str = ""
-    """What the figures of the time gate are, where they are not parts of frames."""
+    """Meaning of the time gate's figures, where they are not parts of frames."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
-        """The findings that fail one of ``gates``."""
+        """Return the findings that fail one of ``gates``."""
         return [finding for finding in self.findings if finding.gate in gates and finding.is_alarm]
 
     def counts(self, gate: Gate) -> Counter[Judgement]:
-        """How often a gate came to each judgement."""
+        """Return the number of findings of a gate by judgement."""
         return Counter(finding.judgement for finding in self.findings if finding.gate == gate)
 
 
 def chosen_gates(names: str) -> tuple[Gate, ...]:
-    """The gates that a list such as ``outcome,time`` names; ``none`` names none.
+    """Return the gates named in a list such as ``outcome,time``; ``none`` names none.
 
     Raises:
         UnknownNameError: if one of them does not exist.
@@ -70,6 +70,6 @@ def chosen_gates(names: str) -> tuple[Gate, ...]:
 
 
 def plain(text: str) -> str:
-    """Text of a file that anybody may have written: one line of printable letters, of a sane length."""
+    """Return untrusted text of a file as one line of printable letters, of limited length."""
     cut = text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
     return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in cut)

@@ -1,4 +1,4 @@
-"""Both sides run anew on this machine, in turns (A B, B A, A B ...), so that its moods favour neither."""
+"""Run both sides on this machine, alternating (A B, B A, A B ...), which cancels slow drifts of its speed."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from reports.records.trial import TrialRecord
 def run_interleaved(
     sides: tuple[Checkout, Checkout], study: Study, rounds: int, out: Path, console: Console
 ) -> tuple[Baseline, Baseline]:
-    """Run ``study`` with base and head ``rounds`` times in alternating order; a round more is a repeat more.
+    """Run ``study`` with base and head ``rounds`` times in alternating order; each round adds a repeat.
 
-    What was cut off goes on in the same folder.
+    An interrupted run continues in the same folder.
 
     Args:
         sides: base and head.
-        study: what both run; tolerances are the study's.
-        rounds: how often each side runs it.
+        study: the study of both; tolerances are the study's.
+        rounds: number of runs of each side.
         out: folder for the results of all runs.
-        console: is told how far it is.
+        console: prints the progress.
 
     Raises:
         CheckoutError: if a side cannot run the study.
-        BaselineError: if it did not leave what a run leaves.
+        BaselineError: if a side left no results.
     """
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()
@@ -51,7 +51,7 @@ def run_interleaved(
 
 
 def as_repeats(runs: Sequence[Baseline], repeats: int) -> Baseline:
-    """Several runs of a study of so many ``repeats`` as one run of more repeats."""
+    """Return several runs of a study with ``repeats`` repeats as one run with more repeats."""
     shares: dict[str, Mapping[Part, float]] = {}
     machines: dict[str, Machine] = {}
     trials: list[TrialRecord] = []
@@ -67,6 +67,6 @@ def as_repeats(runs: Sequence[Baseline], repeats: int) -> Baseline:
 
 
 def _without_tolerances(study: Study) -> Study:
-    """The study as an older version of the suite knows it: it may not have heard of tolerances."""
+    """Return the study without tolerances, because an older version of the suite may not know that field."""
     plain = [scenario.model_copy(update={"tolerance": Tolerance()}) for scenario in study.scenario]
     return study.model_copy(update={"scenario": plain})

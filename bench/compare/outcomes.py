@@ -1,7 +1,7 @@
-"""The outcome gate: levels, the level of collapse, the verdict, sink and creep.
+"""The outcome gate: levels, collapse level, verdict, sink and creep.
 
-A trial that the clock may have ended never comes here. One trial is held against one; repeats of an engine that does
-not repeat itself are held against each other as groups, since one of its trials is a draw.
+Trials that the time limit may have ended are excluded before. One trial is compared with one trial; repeats of an
+engine that does not repeat itself are compared as groups, because a single trial is a random draw.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
 
 LEAST_REPEATS = 5
-"""Of an engine that does not repeat itself, so many trials a side are needed. That all five of one side are worse than
-all five of the other happens by chance in one of 252 cells."""
+"""Trials needed per side for an engine that does not repeat itself. All five of one side are worse than all five of
+the other by chance in one of 252 groups."""
 
 _PLAYED = frozenset({"completed", "collapsed"})
 _MM = 1e3
 
 
 def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> tuple[Judgement, str]:
-    """Whether ``head`` came out worse than ``base``, and in what."""
+    """Judge whether ``head`` came out worse than ``base``, and in which figure."""
     if head.status not in _PLAYED or base.status not in _PLAYED:
         return _judge_failure(base, head)
     worse = [*_lost(base, head), *_less(base, head, tolerance)]
@@ -31,8 +31,8 @@ def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) ->
     better = [*_lost(head, base), *_less(head, base, tolerance)]
     if better:
         return "better", f"was: {'; '.join(better)}"
-    if base.verdict != head.verdict and _differ_in_what_counts(base, head):
-        return "open", f"{head.verdict}, was {base.verdict}: creep of one of them is not known"
+    if base.verdict != head.verdict and _differ_in_creep_rule(base, head):
+        return "open", f"{head.verdict}, was {base.verdict}: the creep of one is unknown"
     if base.verdict != head.verdict:
         return "open", f"{head.verdict}, was {base.verdict}: neither is right"
     return "same", ""
@@ -41,52 +41,52 @@ def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) ->
 def judge_draws(
     base: Sequence[TrialRecord], head: Sequence[TrialRecord], tolerance: Tolerance
 ) -> tuple[Judgement, str]:
-    """The same for the repeats of an engine that does not repeat itself: worse only if all are worse than all."""
+    """Judge repeats of an engine that does not repeat itself: worse only if all are worse than all."""
     judged = [judge_outcome(one, other, tolerance) for one, other in product(base, head)]
     kinds = {judgement for judgement, _ in judged}
     if len(kinds) > 1:
         return "same", ""
-    judgement, told = judged[0]
+    judgement, message = judged[0]
     fewest = min(len(base), len(head))
     if judgement in {"worse", "better"} and fewest < LEAST_REPEATS:
-        draw = f"the engine does not repeat itself, and {fewest} of the {LEAST_REPEATS} repeats that tell are there"
-        return "open", f"{told}; may be chance: {draw}"
-    return judgement, told
+        draw = f"the engine does not repeat itself, and {fewest} of the {LEAST_REPEATS} repeats needed are there"
+        return "open", f"{message}; may be chance: {draw}"
+    return judgement, message
 
 
 def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str]:
-    """Of trials of which at least one was not played to an end."""
-    told = f"{head.status}, was {base.status}"
+    """Judge trials of which at least one was not played to its end."""
+    message = f"{head.status}, was {base.status}"
     if head.message and head.status not in _PLAYED:
-        told += f" ({head.message})"
+        message += f" ({head.message})"
     if base.status in _PLAYED:
-        return "worse", told
+        return "worse", message
     if head.status in _PLAYED:
-        return "better", told
-    return ("same", "") if base.status == head.status else ("open", told)
+        return "better", message
+    return ("same", "") if base.status == head.status else ("open", message)
 
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
-    """A verdict that was right and is no longer."""
-    if _differ_in_what_counts(base, head):
+    """Return the verdict if it was right and is no longer."""
+    if _differ_in_creep_rule(base, head):
         return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
 
 
-def _differ_in_what_counts(base: TrialRecord, head: TrialRecord) -> bool:
-    """Tell whether only one side was judged by its creep, and that decides: a record from before format 3 was not."""
+def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
+    """Return whether only one side was judged by its creep and that decides, because format 3 introduced creep."""
     is_judged_alike = (base.creep_m_s is None) == (head.creep_m_s is None)
     return not is_judged_alike and {base.verdict, head.verdict} == {"right", "creeps"}
 
 
 def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[str]:
-    """In what figures ``head`` falls short of ``base`` by more than is tolerated."""
+    """Return the figures in which ``head`` falls short of ``base`` by more than the tolerance."""
     found = []
     if _fall_error(head) > _fall_error(base) + tolerance.levels:
         found.append(f"{_fall(head)}, {_fall(base)} before")
     if head.expectation.outcome != "fall" and head.height_levels < base.height_levels - tolerance.levels:
         found.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
-    if head.height_levels == base.height_levels:  # the sink of another level is another figure
+    if head.height_levels == base.height_levels:  # sinks of different levels are not comparable
         allowed = _allowed(base.sink_m, tolerance.sink_m, tolerance.sink_share)
         if _exceeds(head.sink_m, allowed):
             found.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
@@ -97,12 +97,12 @@ def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[st
 
 
 def _certain_creep(record: TrialRecord) -> float | None:
-    """The lower end [m/s] of the interval of a trial's creep: a stack that trembles may seem to creep."""
+    """Return the lower end [m/s] of the interval of a trial's creep: a stack that trembles may seem to creep."""
     return None if record.creep_m_s is None else record.creep_m_s - (record.creep_error_m_s or 0.0)
 
 
 def _fall_error(record: TrialRecord) -> int:
-    """By how many levels the collapse misses what theory demands. To stand is to fall beyond the last level."""
+    """Return the difference in levels between the collapse and theory. To stand is to fall beyond the last level."""
     beyond = record.levels_planned + 1
     falls_at = beyond if record.collapse_level is None else record.collapse_level
     demanded = record.expectation.level if record.expectation.outcome == "fall" else None

@@ -1,4 +1,4 @@
-"""A comparison as people and machines want it: tables for a terminal, Markdown, JUnit XML and JSON."""
+"""Write a comparison for people and programs: tables for a terminal, Markdown, JUnit XML and JSON."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from reports.tables.table import Table, render, to_markdown
 _KINDS: tuple[Judgement, ...] = get_args(Judgement)
 _RATIO = (
     "Times: part / yardstick, of a typical frame of each trial; the ratio of head to base, and its "
-    f"{CONFIDENCE:.0%} interval. The yardstick is the part that has not changed."
+    f"{CONFIDENCE:.0%} interval. The yardstick is the unchanged part."
 )
-_ASIDE = "Another engine, scene, processor or an end by the clock is told as such: neither a regression nor a pass."
+_ASIDE = "Another engine, scene, processor or an end by the time limit is neither a regression nor a pass."
 
 
 def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """The whole comparison in a line."""
+    """Return a summary of the comparison in one line."""
     alarms = comparison.alarms(fail_on)
     if alarms:
         counts = ", ".join(
@@ -37,9 +37,9 @@ def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
 
 
 def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
-    """What the gates counted, then what is worse or better or was not decided."""
+    """Return the counts of the gates, then the findings that are worse, better or open."""
     counted = Table(
-        "What the gates found",
+        "Findings of the gates",
         ("gate", "fails", "worse", "changed", "better", "same", "not decided"),
         tuple(
             (gate, "yes" if gate in fail_on else "no", *(str(counts[kind]) for kind in _KINDS))
@@ -47,7 +47,7 @@ def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
             if (counts := comparison.counts(gate))
         ),
         (
-            f"{plain(comparison.head)}, held against {plain(comparison.base)}.",
+            f"{plain(comparison.head)}, compared with {plain(comparison.base)}.",
             *(f"Not the same: {plain(note)}" for note in comparison.notes),
         ),
     )
@@ -62,25 +62,25 @@ def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
 
 
 def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...], ratio: str) -> Table:
-    rows = tuple((finding.gate, plain(finding.trial), plain(finding.told)) for finding in findings)
+    rows = tuple((finding.gate, plain(finding.trial), plain(finding.message)) for finding in findings)
     if any(gate == "time" for gate, _, _ in rows):
         notes += (ratio,)
     return Table(title, ("gate", "trial", "what"), rows, notes, folds=True)
 
 
 def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) -> None:
-    """Print the tables, whose text may hold anything, and the headline last."""
+    """Print the tables and, last, the headline; their text is untrusted."""
     for table in tables(comparison, fail_on):
         render(replace(_mapped(table, escape), notes=table.notes), console)
     console.print(headline(comparison, fail_on), style="bold", highlight=False)
 
 
 _ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
-"""Of what has a meaning inside a line of Markdown, and of what calls a person."""
+"""Replacements for characters with a meaning inside a line of Markdown, and for mentions of people."""
 
 
 def markdown(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """For a job's summary or a comment; no text of the files can become a link, an image or HTML."""
+    """Return Markdown for a job's summary or a comment; no text of the files can become a link, an image or HTML."""
     found = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
     return f"**Stacking: {headline(comparison, fail_on)}**\n\n{found}"
 
@@ -95,7 +95,7 @@ def _literal(text: str) -> str:
 
 
 def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:
-    """JUnit XML: a suite a gate, a case a trial; what was not decided is skipped."""
+    """Return JUnit XML: a suite per gate, a case per trial; open findings are skipped cases."""
     root = ET.Element("testsuites", name="stillstack")
     for gate in GATES:
         findings = [finding for finding in comparison.findings if finding.gate == gate]
@@ -105,20 +105,20 @@ def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:
         suite = ET.SubElement(root, "testsuite", {"name": gate} | {key: str(n) for key, n in counts.items()})
         for finding in findings:
             case = ET.SubElement(suite, "testcase", classname=f"stillstack.{gate}", name=plain(finding.trial))
-            told = plain(finding.told)
+            message = plain(finding.message)
             if finding.judgement == "open":
-                ET.SubElement(case, "skipped", message=told)
+                ET.SubElement(case, "skipped", message=message)
             elif finding.judgement in ALARMS and gate in fail_on:
-                ET.SubElement(case, "failure", type=finding.judgement, message=told)
-            elif told:
-                ET.SubElement(case, "system-out").text = f"{finding.judgement}: {told}"
+                ET.SubElement(case, "failure", type=finding.judgement, message=message)
+            elif message:
+                ET.SubElement(case, "system-out").text = f"{finding.judgement}: {message}"
     ET.indent(root)
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
 
 
 def as_json(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Everything, for other programs."""
+    """Return the whole comparison as JSON, for other programs."""
     content = {
         "format": "stillstack-comparison-1",
         "alarms": len(comparison.alarms(fail_on)),

@@ -1,4 +1,4 @@
-"""JSON that somebody else wrote: refused, with the reason, unless it is finite, unambiguous and of a sane size."""
+"""Parse untrusted JSON: refuse it, with the reason, unless it is finite, unambiguous and of limited size."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 MOST_BYTES = 2**26
-"""Larger files are not read [bytes]: 64 MiB hold some 40,000 trials."""
+"""Greatest size of a file [bytes]: 64 MiB hold some 40,000 trials."""
 
 
 class JsonError(ValueError):
-    """A text that is not acceptable JSON; the message tells why."""
+    """A text that is not acceptable JSON; the message states the reason."""
 
 
 def read_file(path: Path) -> bytes:
-    """The content of a file that is no larger than ``MOST_BYTES``.
+    """Return the content of a file that is no larger than ``MOST_BYTES``.
 
     Raises:
         JsonError: if it cannot be read or is larger.
     """
     try:
         with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)  # not by its size on disk: a pipe or a device has none
+            content = file.read(MOST_BYTES + 1)  # the size on disk is no guide: a pipe or a device has none
     except OSError as error:
         raise JsonError(f"{path}: cannot be read ({error.strerror})") from error
     if len(content) > MOST_BYTES:
@@ -31,7 +31,7 @@ def read_file(path: Path) -> bytes:
 
 
 def parse(content: bytes, source: str) -> Any:
-    """The value that ``content`` tells; ``source`` names it in errors.
+    """Return the value of ``content``; ``source`` names it in errors.
 
     Raises:
         JsonError: if it is not JSON in UTF-8, nests too deeply, or holds NaN, infinity or a key twice.
@@ -44,7 +44,7 @@ def parse(content: bytes, source: str) -> Any:
         raise JsonError(f"{source}: not valid JSON, or cut off: {error}") from error
     except RecursionError:
         raise JsonError(f"{source}: nests too deeply") from None
-    except ValueError as error:  # also of an integer of thousands of digits
+    except ValueError as error:  # also for an integer of thousands of digits
         raise JsonError(f"{source}: {error}") from error
 
 

@@ -1,12 +1,13 @@
-"""The timing gate: did a part of a frame become slower against another part of the very same frames?
+"""The timing gate: whether a part of a frame became slower relative to another part of the same frames.
 
-A machine that runs twice as fast a minute later, as shared ones do, makes times of two runs useless, and those of two
-machines always are. But the parts of a frame run within a millisecond: their ratio, its median over the frames of a
-trial, varies by some percent where the times themselves vary by a factor. The yardstick is the part that has not
-changed: the core, if both sides run the same sources, as when builds of an engine are compared; else the engine's step,
-if it is of one version and every brick went the same way, so that its work was the same.
+Times of two runs cannot be compared, because a shared machine may run twice as fast a minute later. But the parts of a
+frame run within a millisecond: their ratio, its median over the frames of a trial, varies by some percent where the
+times
+themselves vary by a factor. The yardstick is the unchanged part: the core, if both sides run the same sources, as when
+builds of an engine are compared; else the engine's step, if it is of one version and all poses are the same, so that
+its work was the same.
 
-The median tells of a typical frame; what happens in few frames, such as freezing, it does not see.
+The median describes a typical frame; it does not show rare events such as freezing.
 """
 
 from __future__ import annotations
@@ -24,19 +25,19 @@ from bench.compare.findings import Judgement
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 
 Part: TypeAlias = Literal["engine", "readback", "core"]
-"""Parts of a frame: the engine's step, reading contacts, the core. Freezing and waking take too few frames to tell."""
+"""Parts of a frame: the engine's step, reading contacts, the core. Freezing and waking are too rare to judge."""
 PARTS: tuple[Part, ...] = get_args(Part)
 LEAST_PAIRS = 3
-"""Fewer pairs of trials than this have no spread to speak of."""
+"""Fewest pairs of trials that have a spread."""
 CONFIDENCE = 0.99
-"""Of the interval, so that fifty comparisons of the same code raise no alarm by chance alone."""
+"""Confidence of the interval, so that fifty comparisons of the same code raise no alarm by chance."""
 _LEAST_FRAMES = 60
-"""A trial of fewer timed frames than this, a second's, says nothing of a typical one."""
+"""Fewest timed frames, a second's, that describe a typical frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A ratio of head to base, and where it lies with ``CONFIDENCE``."""
+    """A ratio of head to base, with its interval at ``CONFIDENCE``."""
 
     ratio: float
     low: float
@@ -47,13 +48,13 @@ class Interval:
 
 
 def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
-    """Time of each part over that of the engine's step in the same frame: its median over a trial's timed frames.
+    """Return the time of each part over the engine's step in the same frame: the median over the timed frames.
 
-    Empty for trials without an extension, and for those of too few frames.
+    Empty for trials without an extension, and for trials of too few frames.
     """
     timed = rows[UNTIMED_FRAMES : UNTIMED_FRAMES + timed_frames]
     columns = [(row.engine_ms, row.readback_ms, row.core_ms) for row in timed]
-    times = np.array(columns, np.float64)  # what is null becomes NaN
+    times = np.array(columns, np.float64)  # null becomes NaN
     if len(times) < _LEAST_FRAMES or not (times > 0).all():
         return {}
     medians = np.median(times / times[:, :1], axis=0)
@@ -61,9 +62,10 @@ def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
 
 
 def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
-    """Mean ratio of pairs (base, head) of positive figures, and its Student interval on the logarithms.
+    """Return the mean ratio of pairs (base, head) of positive figures, and its Student interval on the logarithms.
 
-    Not a bootstrap: of the four to sixteen pairs that a short study gives, its percentiles lie too close together.
+    A bootstrap is not used, because its percentiles lie too close together for the four to sixteen pairs of a short
+    study.
 
     Raises:
         ValueError: for fewer than ``LEAST_PAIRS``.
@@ -78,15 +80,15 @@ def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
 
 
 def judge_times(pairs: Sequence[tuple[float, float]], least: float) -> tuple[Judgement, str]:
-    """Whether the head is slower by more than the share ``least``, faster by as much, neither, or cannot be told."""
+    """Judge whether the head is slower by more than the share ``least``, faster by as much, neither, or undecided."""
     if len(pairs) < LEAST_PAIRS:
-        return "open", f"cannot tell from {len(pairs)} pairs of trials: {LEAST_PAIRS} are needed"
+        return "open", f"undecided: {len(pairs)} pairs of trials, {LEAST_PAIRS} are needed"
     found = interval(pairs)
-    told = f"{found} times the base"
+    message = f"{found} times the base"
     if found.low > 1 + least:
-        return "worse", told
+        return "worse", message
     if found.high < 1 / (1 + least):
-        return "better", told
+        return "better", message
     if found.high <= 1 + least:
-        return "same", told
-    return "open", f"cannot tell: {told}"
+        return "same", message
+    return "open", f"undecided: {message}"

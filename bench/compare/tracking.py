@@ -1,4 +1,4 @@
-"""A run's figures in the format that benchmark-tracking actions draw curves from (``customSmallerIsBetter``)."""
+"""Figures of a run in the format of benchmark-tracking actions (``customSmallerIsBetter``)."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ _PERCENT = 100.0
 
 
 def tracked(side: Baseline) -> list[dict[str, str | float]]:
-    """Figures of which smaller is better: levels missed, and parts of a frame against the engine's step.
+    """Return figures of which smaller is better: levels missed, and parts of a frame over the engine's step.
 
-    Times in milliseconds are left out on purpose: a curve of those of CI machines tells of the machines.
+    Times in milliseconds are left out, because their curve on CI machines shows the machines.
     """
     figures: list[dict[str, str | float]] = []
     for record in side.trials:

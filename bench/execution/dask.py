@@ -1,7 +1,8 @@
-"""A study on a Dask cluster: its trials run on the workers, each in a process of its own, and come back to one writer.
+"""Run a study on a Dask cluster: workers run the trials, each in a process of its own, and one writer collects them.
 
-Scheduler and workers are Dask's own (``dask scheduler``, ``dask worker``), started from the same checkout; how many
-trials a worker runs at a time is its number of threads. Dask runs the trials of a lost worker again on another.
+Scheduler and workers are Dask's own (``dask scheduler``, ``dask worker``), started from the same checkout. A worker
+runs
+as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another.
 """
 
 from __future__ import annotations
@@ -31,19 +32,19 @@ from bench.studies.schema import Limits
 from bench.trial.run_trial import Outcome, bare_record
 
 CONNECT_S = 10
-"""How long a scheduler is waited for [s]."""
+"""Time to wait for a scheduler [s]."""
 _POLL_S = 0.2
-"""How often the wish to stop is looked at [s]."""
+"""Interval at which an interruption is checked [s]."""
 _DECISIVE = ("python", "packages", "lock_sha256", "sources", "settings", "engines")
-"""What must be the same on every worker, for the same trial to go the same way everywhere."""
+"""Properties that must be the same on every worker, so that a trial has the same outcome everywhere."""
 
 _at_work: dict[str, set[IsolatedTrial]] = {}
-"""In a worker: the trials that run there, by the run that they belong to."""
+"""In a worker: the running trials, by their run."""
 _preparing = threading.Lock()
 
 
 class Order(NamedTuple):
-    """What a worker is told of a run, once for all of its trials."""
+    """A worker's instructions for a run, sent once for all of its trials."""
 
     run: str
     """Unique name of the run."""
@@ -51,25 +52,25 @@ class Order(NamedTuple):
     core_policies: tuple[str, ...]
     limits: Limits
     decisive: Mapping[str, Any]
-    """The client's own values of what must be the same."""
+    """The client's values of the properties in ``_DECISIVE``."""
 
 
 class RemoteOutcome(NamedTuple):
-    """What came back from a worker."""
+    """The result that a worker returns."""
 
     outcome: Outcome
     environment: Mapping[str, Any]
-    """Where the trial took place, as the record's digest names it."""
+    """The worker's environment, as the record's digest names it."""
 
 
 @contextmanager
 def connected(address: str) -> Iterator[Client]:
-    """A connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``; Dask's own log stays silent.
+    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``; Dask's own log stays silent.
 
     Raises:
-        ClusterError: if none answers there.
+        ClusterError: if no scheduler answers.
     """
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its traces tell nothing that our errors do not
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its tracebacks add nothing to our errors
     try:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -91,30 +92,30 @@ def run_on_cluster(
     observer: Observer,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Iterator[RemoteOutcome]:
-    """Outcomes in the order in which trials finish; those still running are ended when the caller stops.
+    """Yield outcomes in the order in which trials finish; end the running trials when the caller stops.
 
     Args:
         client: connection to the scheduler.
-        trials: what to run.
-        limits: when a trial stops.
-        engines: whose modules the workers load.
-        core_policies: for which they compile the core.
-        environment: of this process; a worker that would run other code or other engines is refused.
-        observer: is told how it goes on.
-        stopped: whether to end early, without those that still run.
+        trials: the trials to run.
+        limits: limits of a trial.
+        engines: engines whose modules the workers load.
+        core_policies: policies for which the workers compile the core.
+        environment: environment of this process; a worker with other code or engines is refused.
+        observer: receives the progress.
+        stopped: returns True to end early, without the running trials.
 
     Raises:
         ClusterError: if a worker runs another checkout, or the scheduler is lost.
     """
     decisive = {name: environment[name] for name in _DECISIVE}
     order = Order(uuid.uuid4().hex, tuple(engines), tuple(core_policies), limits, decisive)
-    # one task a trial, in the study's order; the results of a task are forgotten as soon as they are handed on
+    # one task per trial, in the study's order; results of a task are dropped as soon as they are yielded
     futures = client.map(
         _run_trial, trials, order=order, key=[f"{trial.id}-{order.run}" for trial in trials], pure=False, batch_size=100
     )
     by_key = {future.key: trial for future, trial in zip(futures, trials, strict=True)}
     waiting = as_completed(futures, loop=client.loop)
-    del futures  # a future that nobody holds is forgotten by the cluster
+    del futures  # the cluster drops a future that nobody holds
     try:
         while by_key:
             for future in waiting.next_batch(block=False):
@@ -126,7 +127,7 @@ def run_on_cluster(
             if stopped():
                 return
             if client.status != "running":
-                raise ClusterError("the scheduler was lost: start it again, and the same command goes on")
+                raise ClusterError("the scheduler was lost: start it again, then run the same command to continue")
             time.sleep(_POLL_S)
     finally:
         if by_key and client.status == "running":
@@ -144,19 +145,19 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
     except ClusterError:
         raise
     except CancelledError as error:
-        raise ClusterError("the scheduler was lost: start it again, and the same command goes on") from error
-    except Exception as error:  # the trial itself raises nothing: the worker could not even load it
+        raise ClusterError("the scheduler was lost: start it again, then run the same command to continue") from error
+    except Exception as error:  # a trial raises nothing, so the worker could not load it
         why = f"{type(error).__name__}: {error}"
-        raise ClusterError(f"a worker failed ({why}): start the workers anew from the same checkout") from error
+        raise ClusterError(f"a worker failed ({why}): start the workers again from the same checkout") from error
 
 
 def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
-    """In a worker: one trial in a process of its own."""
+    """Run one trial in a process of its own, in a worker."""
     environment = _environment(order.engines)
     different = [name for name in _DECISIVE if environment[name] != order.decisive[name]]
     if different:
         raise ClusterError(
-            f"the worker on {platform.node()} differs in: {', '.join(different)}. Start it anew from the same checkout"
+            f"the worker on {platform.node()} differs in: {', '.join(different)}; start it again from the same checkout"
         )
     with _preparing:
         _prepare(order.engines, order.core_policies)
@@ -171,19 +172,19 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
 
 @cache
 def _environment(engines: tuple[str, ...]) -> dict[str, Any]:
-    """As it was when this worker loaded the code: files that change later are not what it runs."""
+    """Return the environment at the time when this worker loaded the code: later changes of files do not count."""
     return describe(engines)
 
 
 @cache
 def _prepare(engines: tuple[str, ...], core_policies: tuple[str, ...]) -> None:
-    # a worker that has a nanny is daemonic, lest it outlives it; trials see to it by themselves that they do not
+    # a worker with a nanny is daemonic, so that it does not outlive the nanny; trials end with their parent anyway
     multiprocessing.current_process().daemon = False
     start_server(engines, core_policies)
     await_server()
 
 
 def _stop(run: str) -> None:
-    """In a worker: end the trials of a run that has been given up."""
+    """End the trials of an abandoned run, in a worker."""
     for one in list(_at_work.get(run, ())):
         one.stop()

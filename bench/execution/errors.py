@@ -1,4 +1,4 @@
-"""Errors that both the choice of where to run and the cluster's own code raise."""
+"""Errors of execution, shared by ``execute`` and the cluster's code."""
 
 
 class ClusterError(ValueError):

@@ -1,4 +1,4 @@
-"""How long a plan will take, told from earlier trials, and how much of that is a guess."""
+"""Estimate the duration of a plan from earlier trials, and the share of it that is a guess."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ from bench.studies.plan import Trial
 from reports.records.folder import TRIALS
 
 START_S = 0.1
-"""Share of each trial [s] for its process and its files."""
+"""Time per trial [s] for its process and its files."""
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Time that trials will take, and what it was told from."""
+    """Estimated time of trials, and its sources."""
 
     known_s: float
-    """Of the trials of which something is known [s], one after another."""
+    """Total time of the trials with a known duration [s]."""
     same: int
     """Number of trials that were run before."""
     similar: int
-    """Number of those that only others of their engine and scene stand for."""
+    """Number of trials estimated from others of their engine and scene."""
     unknown: int
     limit_s: float
-    """Longest time [s] that an unknown trial may take."""
+    """Longest time [s] of an unknown trial."""
     folders: Sequence[Path]
-    """The results that were used."""
+    """Results folders that were used."""
 
-    def told(self, jobs: int) -> str:
-        """In words, for ``jobs`` trials at a time."""
+    def summary(self, jobs: int) -> str:
+        """Return the estimate in words, for ``jobs`` trials at a time."""
         count = self.same + self.similar + self.unknown
         longest = f"at most {_duration(self.unknown * self.limit_s / jobs)}"
         if not self.folders:
-            return f"{count} trials: {longest}; no earlier trials tell more"
+            return f"{count} trials: {longest}; there are no earlier trials to estimate from"
         source = f"{self.same} from the same trials, {self.similar} from others of their engine and scene"
         folders = ", ".join(map(str, self.folders))
-        rest = f", and {longest} for {self.unknown} of which nothing is known" if self.unknown else ""
+        rest = f", and {longest} for {self.unknown} unknown trials" if self.unknown else ""
         return f"{count} trials: about {_duration(self.known_s / jobs)} ({source}, in {folders}){rest}"
 
 
 def estimate(trials: Iterable[Trial], limit_s: float, folders: Iterable[Path]) -> Estimate:
-    """How long ``trials`` will take.
+    """Estimate the time of ``trials``.
 
     Args:
-        trials: what will be run.
+        trials: the trials to run.
         limit_s: wall time [s] after which a trial is stopped.
-        folders: where earlier results may be; those that hold none are passed over.
+        folders: folders of earlier results; folders without results are skipped.
     """
     same: dict[str, list[float]] = defaultdict(list)
     similar: dict[tuple[str, str], list[float]] = defaultdict(list)
@@ -77,7 +77,7 @@ def estimate(trials: Iterable[Trial], limit_s: float, folders: Iterable[Path]) -
 
 
 def _records(path: Path) -> Iterator[dict[str, Any]]:
-    """The lines that can be read: an estimate need not complain of the others."""
+    """Yield the readable lines; an estimate ignores the others."""
     try:
         with path.open(encoding="utf-8", errors="replace") as lines:
             for line in lines:

@@ -1,4 +1,4 @@
-"""Where a study's trials run: in processes of this machine, or on a cluster's workers. Progress is shown meanwhile."""
+"""Run a study's trials in processes of this machine or on a cluster, and show the progress."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def outcomes_here(
     interruption: Interruption,
     console: Console,
 ) -> Iterator[Outcome]:
-    """Outcomes of ``trials`` as they finish, ``jobs`` at a time; a wish to stop ends it early, with every process."""
+    """Yield outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all of them."""
     core_policies = _core_policies(study)
     try:
         start_server(study.engines, core_policies)
@@ -51,12 +51,12 @@ def outcomes_on_cluster(
     console: Console,
     know: Callable[[Mapping[str, Any]], None],
 ) -> Iterator[Outcome]:
-    """Outcomes of ``trials`` as the workers finish them; ``know`` is told the environment of each, before it.
+    """Yield outcomes of ``trials`` as the workers finish them; call ``know`` with the environment of each before.
 
     Raises:
         ClusterError: if no scheduler answers, it is lost, or a worker runs another checkout.
     """
-    from bench.execution.dask import connected, run_on_cluster  # half a second that a run on this machine need not wait
+    from bench.execution.dask import connected, run_on_cluster  # half a second that only a cluster needs
 
     with connected(address) as client:
         workers = len(client.scheduler_info(n_workers=-1)["workers"])

@@ -1,8 +1,9 @@
-"""The server from which trials are forked: it has loaded the harness and the engines, but never opened one.
+"""The server from which trials are forked: it has loaded the harness and the engines, but never opened an engine.
 
-Several threads may ask at once how one of its processes ended. ``multiprocessing`` reads a child's exit status from a
-pipe, where it lies once. Of two threads that ask at the same moment one gets it, and the other, which finds the pipe at
-its end, notes 255. Here they do: starting a trial looks after all children, while other threads wait for theirs.
+Several threads may read the exit status of a child at the same time. ``multiprocessing`` reads it from a pipe, which
+holds it once, so the second of two threads finds the end of the pipe and records 255. That happens here, because
+starting
+a trial polls all children while other threads wait for theirs. So one lock guards the read.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from pebble.concurrent import process
 from adapters import ENGINES
 
 WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
-"""Environment variable that names the policies for which the server compiles: it is started with no other word."""
+"""Environment variable with the policies to compile: the server takes no arguments."""
 
 
 class _Popen(popen_forkserver.Popen):
     _asking: ClassVar[threading.Lock] = threading.Lock()
-    """Held for as long as it takes to read a status that has come."""
+    """Held while a status is read."""
 
     def poll(self, flag: int = os.WNOHANG) -> int | None:
         if self.returncode is None and connection.wait([self.sentinel], 0 if flag == os.WNOHANG else None):
@@ -46,21 +47,21 @@ class _Context(context.ForkServerContext):
 
 
 CONTEXT = _Context()
-"""In place of ``multiprocessing.get_context("forkserver")``."""
+"""Replacement for ``multiprocessing.get_context("forkserver")``."""
 
 
 def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
-    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor them.
+    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor the trials.
 
     Args:
-        engines: whose modules it loads.
-        core_policies: for which it compiles the core; a policy that no trial uses costs nothing.
+        engines: engines whose modules it loads.
+        core_policies: policies for which it compiles the core; none if no trial uses the core.
     """
     modules = [ENGINES[engine].module for engine in engines]
     core = ["bench.execution.preload_core"] if core_policies else []
     os.environ[WANTED_POLICIES] = ",".join(core_policies)
     forkserver.set_forkserver_preload(["bench.execution.worker", *modules, *core, "bench.execution.preload"])
-    resource_tracker.ensure_running()  # its start would let the signal through again
+    resource_tracker.ensure_running()  # its start would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # works in a cluster worker's threads too
     try:
         forkserver.ensure_running()
@@ -69,12 +70,12 @@ def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
 
 
 def await_server() -> None:
-    """Return when the server has loaded everything, and compiled the core if need be."""
+    """Wait until the server has loaded everything, and compiled the core if necessary."""
     in_process(os.getpid, None)().result()
 
 
 def stop_everything() -> None:
-    """End the server and every trial that still runs."""
+    """End the server and every running trial."""
     for child in psutil.Process().children(recursive=True):
         try:
             child.kill()
@@ -83,6 +84,6 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """``function`` in a fresh process that is ended after ``timeout_s`` [s]."""
+    """Return ``function`` wrapped to run in a fresh process that is ended after ``timeout_s`` [s]."""
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
     return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]

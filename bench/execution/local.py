@@ -1,4 +1,4 @@
-"""Runs the trials of a study, some at a time, and hands on what each leaves behind."""
+"""Run the trials of a study on this machine, some at a time, and yield their outcomes."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from bench.trial.run_trial import Outcome
 from reports.records.trial import TrialRecord
 
 _POLL_S = 0.2
-"""How often progress and the wish to stop are looked at [s]."""
+"""Interval at which progress and interruptions are checked [s]."""
 _CALM_S = 0.2
-"""How long the cores are watched to find those that nobody uses [s]."""
+"""Time for which the cores are observed to find idle ones [s]."""
 
 
 class Observer(Protocol):
-    """Who is told how a run goes on."""
+    """Receives the progress of a run."""
 
     def started(self, trial: Trial) -> None:
-        """A trial begins."""
+        """Note that a trial starts."""
 
     def progressed(self, trial: Trial, progress: Progress) -> None:
-        """A trial has got somewhat further."""
+        """Note the progress of a trial."""
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """A trial has ended, however it did."""
+        """Note that a trial has ended, in any way."""
 
 
 def run_trials(
@@ -47,15 +47,15 @@ def run_trials(
     observer: Observer,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Iterator[Outcome]:
-    """Outcomes in the order in which trials finish; those still running are ended when the caller stops.
+    """Yield outcomes in the order in which trials finish; end the running trials when the caller stops.
 
     Args:
-        trials: what to run.
-        limits: when a trial stops.
+        trials: the trials to run.
+        limits: limits of a trial.
         environment: digest of the environment, for the records.
-        jobs: how many trials run at a time; more than one disturbs the timings.
-        observer: is told how it goes on.
-        stopped: whether to end early, without those that still run.
+        jobs: number of trials at a time; more than 1 disturbs the timings.
+        observer: receives the progress.
+        stopped: returns True to end early, without the running trials.
     """
     waiting = deque(trials)
     running: list[IsolatedTrial] = []
@@ -85,9 +85,9 @@ def run_trials(
 
 
 def _cores(jobs: int) -> list[int | None]:
-    """A core for each trial that runs at a time, the calmest last; None where there are too few, or the system cannot.
+    """Return a core for each concurrent trial, the idlest last; None if there are too few or affinity is unavailable.
 
-    A trial that stays on its core finds its caches warm, and all of a study's trials the same ones.
+    A trial that stays on its core finds its caches warm, and all trials of a study use the same cores.
     """
     allowed = allowed_cores()
     if jobs > len(allowed) or not hasattr(os, "sched_setaffinity"):

@@ -1,4 +1,4 @@
-"""Imported by the server from which trials are forked: they find the core compiled in memory."""
+"""Compile the core in the fork server, so that trials find it compiled in memory."""
 
 import os
 

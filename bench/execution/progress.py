@@ -1,4 +1,4 @@
-"""Shows how a run goes on: live bars on a terminal, plain lines elsewhere, so that a log can be read."""
+"""Show the progress of a run: live bars on a terminal, plain lines elsewhere, so that a log can be read."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from reports.records.trial import TrialRecord
 
 _FAILED = ("diverged", "crashed", "error", "out_of_memory")
 _UNEXPECTED = ("unsupported", *_FAILED)
-"""Endings of which the reason is told at once, not only in the records."""
+"""Endings whose reason is printed at once, not only recorded."""
 
 
 class LiveProgress(AbstractContextManager["LiveProgress"]):
-    """A bar an engine, and a line a running trial with the level that it builds."""
+    """A bar per engine, and a line per running trial with the level under construction."""
 
     def __init__(self, trials: Sequence[Trial], console: Console) -> None:
         self._bars = Bars(
@@ -49,16 +49,16 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
         self._bars.stop()
 
     def started(self, trial: Trial) -> None:
-        """A line for the trial."""
+        """Add a line for the trial."""
         self._trials[trial.id] = self._bars.add_task("", label=f"  {_short(trial)}", total=None, note="starts")
 
     def progressed(self, trial: Trial, progress: Progress) -> None:
-        """The level that it builds."""
+        """Show the level under construction."""
         note = f"level {progress.level} of {progress.levels}, {progress.bricks} bricks, {progress.simulated_s:.0f} s"
         self._bars.update(self._trials[trial.id], completed=progress.level, total=progress.levels, note=note)
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """The trial's line gives way to the engine's bar, which counts how its trials ended."""
+        """Remove the trial's line, and count its ending in the engine's bar."""
         self._bars.remove_task(self._trials.pop(trial.id))
         ends = self._ends[trial.engine]
         ends[record.status] += 1
@@ -68,7 +68,7 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
 
 
 class PlainProgress(AbstractContextManager["PlainProgress"]):
-    """One line a finished trial."""
+    """One line per finished trial."""
 
     def __init__(self, trials: Sequence[Trial], console: Console) -> None:
         self._console = console
@@ -78,16 +78,16 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Nothing is left to be undone."""
+        """Do nothing."""
 
     def started(self, trial: Trial) -> None:
-        """Told when it ends."""
+        """Do nothing; a trial is printed when it ends."""
 
     def progressed(self, trial: Trial, progress: Progress) -> None:
-        """Told when it ends."""
+        """Do nothing; a trial is printed when it ends."""
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """How the trial ended."""
+        """Print how the trial ended."""
         self._finished += 1
         how = f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
         seconds = "" if record.wall_s is None else f", {record.wall_s:.1f} s"
@@ -101,12 +101,12 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
 
 
 def show_progress(trials: Sequence[Trial], console: Console) -> LiveProgress | PlainProgress:
-    """Live bars if ``console`` is a terminal, else plain lines."""
+    """Return live bars if ``console`` is a terminal, else plain lines."""
     return LiveProgress(trials, console) if console.is_terminal else PlainProgress(trials, console)
 
 
 def _counts(ends: Counter[str]) -> str:
-    """How many trials ended how; the rare ends are told only where there are any."""
+    """Return the counts of endings; rare endings are listed only if there are any."""
     failed = sum(ends[status] for status in _FAILED)
     rare = [
         f"{ends[status]} {name}" for status, name in (("timeout", "timed out"), ("unsupported", "n/a")) if ends[status]

@@ -1,6 +1,6 @@
-"""The folder in which a run leaves its results; its names are fixed.
+"""The results folder of a run; its file names are fixed.
 
-A run that was cut off goes on in its folder. Whatever the cut, even of the power: a record on disk means that all of
+An interrupted run continues in its folder. After any interruption, even a power cut, a record on disk means that all of
 its trial is there, and a trial without a record is run again.
 """
 
@@ -38,7 +38,7 @@ class ResultsError(ValueError):
 
 
 def check_folder(folder: Path) -> None:
-    """Whether a folder can be written.
+    """Check that a folder can be written.
 
     Raises:
         ResultsError: if it cannot.
@@ -51,12 +51,12 @@ def check_folder(folder: Path) -> None:
 
 
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
-    """What differs between this run and the one that left trials in ``folder``; nothing if there are no trials."""
+    """Return the differences between this run and the run that left trials in ``folder``; empty without trials."""
     if not (folder / TRIALS).exists():
         return []
     different = []
     try:
-        if load_study(str(folder / STUDY)) != study:
+        if not load_study(str(folder / STUDY)).has_same_plan(study):
             different.append("study")
     except StudyError:
         different.append("study")
@@ -65,9 +65,9 @@ def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[
 
 
 def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
-    """Ids of trials that the folder's study plans and that have no record; none if it keeps no study that can be run.
+    """Return the ids of planned trials without a record; empty if the folder keeps no study that can be run.
 
-    A study that no longer can be run (an engine that is not installed, a scene that is gone) can still be reported.
+    A study that can no longer be run (an engine is not installed, a scene is gone) can still be reported.
     """
     try:
         study = load_study(str(folder / STUDY))
@@ -88,15 +88,15 @@ class Results:
         fresh: bool = False,
         accept_changes: bool = False,
     ) -> None:
-        """Make the folder, or go on with the trials that it holds.
+        """Create the folder, or continue with the trials that it holds.
 
         Args:
-            folder: where to.
-            study: what is run.
-            environment: what every trial shares.
-            fresh: whether trials of an earlier run are replaced.
-            accept_changes: whether trials of another study, commit or machine are gone on with; each record names the
-                environment that it came from.
+            folder: the results folder.
+            study: the study that is run.
+            environment: the environment that all trials share.
+            fresh: True to replace the trials of an earlier run.
+            accept_changes: True to continue although study, commit or machine differ; each record names its
+            environment.
 
         Raises:
             ResultsError: if the folder cannot be written, another run is at work in it, or what it holds came from
@@ -105,11 +105,11 @@ class Results:
         check_folder(folder)
         folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
-        self._lock = FileLock(folder / _LOCK)  # the system frees it when the process dies, however it does
+        self._lock = FileLock(folder / _LOCK)  # the system releases it when the process ends
         try:
             self._lock.acquire(blocking=False)
         except Timeout:
-            raise ResultsError(f"another run is at work in {folder}: wait for it, or choose another --out") from None
+            raise ResultsError(f"another run uses {folder}: wait for it, or choose another --out") from None
         try:
             if fresh:
                 _clear(folder)
@@ -135,23 +135,23 @@ class Results:
         self._recordings.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
-        """Whether the last line was torn by a cut; that trial is run again."""
+        """True if the last line was torn by an interruption; that trial is run again."""
         self.statuses: dict[str, Status] = {record.trial: record.status for record in read_records(folder / TRIALS)}
-        """How each of the trials kept so far ended, by its id."""
+        """Status of each recorded trial, by its id."""
 
     @property
     def finished(self) -> set[str]:
-        """Ids of the trials kept so far."""
+        """Ids of the recorded trials."""
         return set(self.statuses)
 
     def know(self, environment: Mapping[str, Any]) -> None:
-        """Keep the environment of another machine under the digest by which its records name it."""
+        """Write the environment of another machine under the digest by which its records name it."""
         file = self.folder / f"environment-{digest(environment)}.json"
         if digest(environment) != self._environment and not file.exists():
             write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
-        """Write frames and recording, then the record: a record on disk means that all of its trial is."""
+        """Write frames and recording, then the record: a record on disk means that all of its trial is there."""
         if outcome.frames:
             write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
         if outcome.recording is not None:
@@ -160,13 +160,13 @@ class Results:
         self.statuses[outcome.record.trial] = outcome.record.status
 
     def close(self) -> None:
-        """No more outcomes."""
+        """Release the folder."""
         self._writer.close()
         self._lock.release()
 
 
 def _clear(folder: Path) -> None:
-    """Remove what an earlier run left, the trials first: without them nothing else counts."""
+    """Remove the files of an earlier run, the trials first: the other files depend on them."""
     for name in (TRIALS, *_PARTS):
         part = folder / name
         if part.is_dir():
@@ -195,6 +195,6 @@ def _put_aside(folder: Path) -> None:
 
 def _refusal(folder: Path, different: Sequence[str]) -> str:
     return (
-        f"{folder} holds trials of another run; changed since: {', '.join(different)}. Choose another folder with "
-        "--out, replace the trials with --fresh, or go on nevertheless with --accept-changes"
+        f"{folder} holds trials of another run; changed since: {', '.join(different)}; choose another folder with "
+        "--out, replace the trials with --fresh, or continue nevertheless with --accept-changes"
     )

@@ -1,4 +1,4 @@
-"""Ctrl-C, ``kill`` and a closed terminal as a wish to stop, looked at where nothing is half done."""
+"""Interruptions: Ctrl-C, ``kill`` and a closed terminal set a flag, which is checked where nothing is half done."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption(AbstractContextManager["Interruption"]):
-    """While entered, a signal to stop only sets ``signal``; pressing Ctrl-C again changes nothing."""
+    """While entered, a signal to stop only sets ``signal``; a second Ctrl-C changes nothing."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
-        """Number of the first signal that asked to stop; None if none did."""
+        """Number of the first signal to stop; None if there was none."""
         self._before: dict[int, Any] = {}
         self._raises = False
 
@@ -31,17 +31,17 @@ class Interruption(AbstractContextManager["Interruption"]):
             signal.signal(number, handler)
 
     def is_set(self) -> bool:
-        """Whether a signal asked to stop."""
+        """Return whether a signal to stop has arrived."""
         return self.signal is not None
 
     @property
     def exit_status(self) -> int:
-        """What a shell tells of a program that was stopped so."""
+        """Exit status of a program that was stopped by this signal."""
         return 128 + (self.signal or 0)
 
     @contextmanager
     def at_once(self) -> Iterator[None]:
-        """While entered, a wish to stop breaks off a call that cannot look: it raises KeyboardInterrupt, once."""
+        """Let an interruption raise KeyboardInterrupt, once, while entered: for calls that cannot check the flag."""
         if self.signal is not None:
             raise KeyboardInterrupt
         self._raises = True

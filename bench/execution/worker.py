@@ -1,7 +1,7 @@
-"""One trial in a fresh process: what an engine does to its process is this trial's outcome, and nobody else's.
+"""Run one trial in a fresh process, so that an engine's crash ends this trial only.
 
-The processes are forked from the server of ``forkserver``: a trial starts in tens of milliseconds, sees no other
-trial's leftovers, and runs the code as it was when the server started.
+The processes are forked from the server of ``forkserver``: a trial starts in tens of milliseconds, shares no state with
+other trials, and runs the code as it was when the server started.
 """
 
 from __future__ import annotations
@@ -34,28 +34,28 @@ from reports.records.plain_text import plain_text
 from reports.records.trial import Status
 
 GRACE_S = 60.0
-"""A trial stops itself at its limit; a process that still lives so much later [s] hangs in the engine."""
+"""Time after its limit [s] at which a trial that did not stop itself counts as hung in the engine."""
 _ATTEND_S = 0.1
-"""How often the memory of a silent process is looked at [s]."""
-_TELL_S = 0.25
-"""Progress is told no more often than this [s], lest telling disturbs the timing."""
+"""Interval at which the memory of a silent process is checked [s]."""
+_REPORT_S = 0.25
+"""Least interval between progress messages [s], so that they do not disturb the timing."""
 _MOST_OUTPUT = 2**24
-"""An engine that prints without end must not fill the disk [bytes]."""
+"""Greatest size of an engine's output [bytes], so that it cannot fill the disk."""
 _TAIL = 2**16
-"""How much of its output is looked through for its last words [bytes]."""
+"""Length of the end of its output that is searched for an error message [bytes]."""
 _MEBI = 2**20
-_HUNG = "the engine hung and was stopped; how far it got is not known"
+_HUNG = "the engine hung and was stopped; its progress is unknown"
 
 
 class IsolatedTrial:
-    """A trial at work in its own process."""
+    """A trial that runs in its own process."""
 
     def __init__(self, trial: Trial, limits: Limits, environment: str, core: int | None, folder: Path) -> None:
-        """Start it.
+        """Start the process.
 
         Args:
-            trial: what to run.
-            limits: when it is stopped.
+            trial: the trial to run.
+            limits: its limits.
             environment: digest of the environment, for the record.
             core: the processor core to run on; None leaves that to the system.
             folder: for its output while it runs.
@@ -76,12 +76,12 @@ class IsolatedTrial:
         threading.Thread(target=self._attend, daemon=True).start()
 
     def news(self) -> Iterator[Progress]:
-        """What it has told since last asked."""
+        """Yield the progress reported since the last call."""
         while self._news:
             yield self._news.popleft()
 
     def _attend(self) -> None:
-        """Listen to the process and limit its memory, whatever the run itself is busy with."""
+        """Listen to the process and limit its memory, independently of the run's own thread."""
         with self._reader:
             while not self.future.done():
                 try:
@@ -96,7 +96,7 @@ class IsolatedTrial:
                 self._limit_memory()
 
     def _limit_memory(self) -> None:
-        """End the process if it has taken more memory than it may."""
+        """End the process if it uses more memory than its limit."""
         if self._pid is None:
             return
         try:
@@ -108,7 +108,7 @@ class IsolatedTrial:
             return
 
     def outcome(self) -> Outcome:
-        """What it left behind; waits for its end."""
+        """Wait for the end of the process; return its outcome."""
         try:
             return self.future.result()
         except ProcessExpired as error:
@@ -121,16 +121,17 @@ class IsolatedTrial:
             return self._lost("timeout", _HUNG)
         except MemoryError:
             return self._lost("out_of_memory", "the process ran out of memory")
-        except Exception as error:  # a fault of the harness itself costs this trial, not the run
+        except Exception as error:  # a fault of the harness itself ends this trial, not the run
             return self._lost("error", f"harness: {type(error).__name__}: {error}")
         finally:
             self._log.unlink(missing_ok=True)
 
     def stop(self) -> None:
-        """End it without an outcome.
+        """End the process without an outcome.
 
-        Its process is killed rather than its future cancelled: a result that comes at the same moment would break the
-        thread that waits for it. Before the process has told its number no result can come.
+        The process is killed rather than its future cancelled, because a result that arrives at the same moment would
+        break the
+        thread that waits for it. No result can arrive before the process has reported its number.
         """
         if self._pid is None:
             self.future.cancel()  # type: ignore[no-untyped-call]
@@ -139,14 +140,15 @@ class IsolatedTrial:
             os.kill(self._pid, signal.SIGKILL)
 
     def _lost(self, status: Status, message: str) -> Outcome:
-        """The record of a trial whose process left none."""
+        """Return the record of a trial whose process left none."""
         return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
 
     def _stopped_itself(self, exitcode: int | None) -> bool:
-        """Whether the process died of its own alarm, not of one that its engine had set before the limit.
+        """Return whether the process died of its own alarm, not of an alarm that its engine set before the limit.
 
         Either that alarm or pebble ends a step that does not return. Pebble counts polls of 0.1 s, each of which takes
-        a little longer, so that its limit comes seconds late after minutes.
+        a little
+        longer, so its limit comes seconds late after minutes.
         """
         return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 
@@ -158,25 +160,25 @@ def _run_in_child(
     trial: Trial, limits: Limits, environment: str, core: int | None, writer: Connection, log: Path
 ) -> Outcome:
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # an engine that hangs may keep that thread from running
+    signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # an engine that hangs may block that thread
     _send_output_to(log)
     if core is not None:
         os.sched_setaffinity(0, {core})
     writer.send(os.getpid())
-    last = -_TELL_S
+    last = -_REPORT_S
 
-    def tell(progress: Progress) -> None:
+    def report(progress: Progress) -> None:
         nonlocal last
         now = monotonic()
-        if now - last >= _TELL_S:
+        if now - last >= _REPORT_S:
             last = now
             writer.send(progress)
 
-    return run_trial(trial, limits, environment, tell)
+    return run_trial(trial, limits, environment, report)
 
 
 def _end_with_parent() -> None:
-    """A harness that was killed takes its trials along, lest they disturb the timings of the run that goes on."""
+    """Let the process end with its parent, so that trials of a killed harness do not disturb the next run."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         connection.wait([parent.sentinel])
@@ -184,7 +186,7 @@ def _end_with_parent() -> None:
 
 
 def _send_output_to(log: Path) -> None:
-    """Engines print at will: keep it off the terminal, and keep it for a crash's last words."""
+    """Send the output of engines to a file: off the terminal, and available after a crash."""
     with log.open("w", encoding="utf-8") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
@@ -195,20 +197,20 @@ def _send_output_to(log: Path) -> None:
 
 def _ending(exitcode: int | None) -> str:
     if exitcode == -signal.SIGKILL:
-        return "the process died of SIGKILL (if nobody sent it, the system ran out of memory)"
+        return "the process died of SIGKILL (unless somebody sent it, the system ran out of memory)"
     if exitcode is not None and exitcode < 0:
         return f"the process died of {signal.Signals(-exitcode).name}"
     return f"the process ended with status {exitcode}"
 
 
 def _last_words(log: Path) -> str:
-    """What a crashed process printed last: Python's line on a fatal error if there is one."""
+    """Return the last line that a crashed process printed, or Python's line on a fatal error if there is one."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))
             said = plain_text(file.read().decode(errors="replace"))
     except FileNotFoundError:
-        return "it said nothing"
+        return "no output"
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     fatal = [line for line in lines if line.startswith("Fatal Python error")]
-    return (fatal or lines or ["it said nothing"])[-1][:300]
+    return (fatal or lines or ["no output"])[-1][:300]

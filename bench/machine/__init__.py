@@ -1,1 +1,1 @@
-"""Describe the machine and the sources that a run takes place on."""
+"""Describe the machine and the sources of a run."""

@@ -1,4 +1,4 @@
-"""A fixed calculation, timed beside every trial: what it costs tells how steady the machine is, and how fast."""
+"""A fixed calculation, timed beside every trial, which measures the speed and the steadiness of the machine."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _STEPS = 2000
 
 
 def calibrate(clock: Callable[[], float] = perf_counter) -> list[float]:
-    """Times [ms] of the fixed calculation, done some times over: about 5 ms in all."""
+    """Return the times [ms] of several runs of the fixed calculation: about 5 ms in all."""
     times_ms = []
     for _ in range(_LOOPS):
         begin = clock()
@@ -24,5 +24,5 @@ def calibrate(clock: Callable[[], float] = perf_counter) -> list[float]:
 
 
 def typical(before: list[float], after: list[float]) -> float:
-    """Median time [ms] of what was measured before and after a trial."""
+    """Return the median time [ms] of the measurements before and after a trial."""
     return statistics.median([*before, *after])

@@ -1,8 +1,9 @@
-"""A digest of the core's code: which core made a published page, whatever its prose said.
+"""A digest of the core's code, independent of its prose: it names the core that made a published page.
 
-The digest covers the syntax trees of all Python files of ``stability_core``, sorted by their names. Docstrings and all
-other strings that stand alone, comments and layout are left out, so that an edit of prose outdates no page. Any other
-change counts, also one that changes no result, such as a new name of a variable.
+The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name, without docstrings, other
+strings that stand alone, comments and layout, so that an edit of prose outdates no page. Any other change counts, even
+a
+change without effect on results, such as a renamed variable.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def present_core() -> str:
 
 
 def core_of_commit(commit: str) -> str | None:
-    """Return the digest of a commit's core; None if there is no git, or it does not hold that commit."""
+    """Return the digest of a commit's core; None without git, or if git does not have that commit."""
     try:
         archive = subprocess.run(
             ["git", "archive", commit, CORE], cwd=ROOT, capture_output=True, check=True, timeout=60
@@ -53,7 +54,7 @@ def core_of_commit(commit: str) -> str | None:
 
 
 def _code(part: object) -> str:
-    """Write a syntax tree without prose, alike on every version of Python: fields that are empty are left out."""
+    """Write a syntax tree without prose, identically on every version of Python: empty fields are left out."""
     if isinstance(part, ast.AST):
         fields = [f"{name}={_code(value)}" for name, value in ast.iter_fields(part) if value not in (None, [])]
         return f"{type(part).__name__}({', '.join(fields)})"
@@ -63,7 +64,7 @@ def _code(part: object) -> str:
 
 
 def _is_prose(statement: object) -> bool:
-    """Whether a statement is a string that stands alone: a docstring, or one below a constant."""
+    """Return whether a statement is a string that stands alone: a docstring, or one below a constant."""
     if not isinstance(statement, ast.Expr) or not isinstance(statement.value, ast.Constant):
         return False
     return isinstance(statement.value.value, str)

@@ -1,4 +1,4 @@
-"""Where a run took place: versions, machine, commit, and what each engine gives and how its profiles are set."""
+"""The environment of a run: versions, machine, commit, and each engine's capabilities and profiles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
 
 
 def describe(engines: Iterable[str]) -> dict[str, Any]:
-    """What every trial of a run shares; the same on the same machine at the same commit, all of it plain JSON."""
+    """Return the environment that all trials of a run share, as plain JSON; it depends on machine and commit only."""
     environment = {
         "python": platform.python_version(),
         "platform": platform.platform(),
@@ -47,12 +47,12 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
 
 
 def describe_engine(name: str) -> dict[str, Any]:
-    """Version, capabilities and profiles of one engine.
+    """Return version, capabilities and profiles of one engine.
 
     Raises:
         EngineNotInstalledError: if its package is missing.
     """
-    shown = capabilities(name)  # loads the engine: a missing one is told before its version is looked up
+    shown = capabilities(name)  # loads the engine, so that a missing package is reported before its version is read
     return {
         "version": engine_version(name),
         "capabilities": asdict(shown),
@@ -61,7 +61,7 @@ def describe_engine(name: str) -> dict[str, Any]:
 
 
 def session() -> dict[str, Any]:
-    """How the machine was when a run began or went on; it may differ each time."""
+    """Return the state of the machine when a run starts or continues; it may differ each time."""
     return {
         "host": platform.node(),
         "begun": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -72,14 +72,14 @@ def session() -> dict[str, Any]:
 
 
 def allowed_cores() -> set[int]:
-    """The cores that this process may run on."""
+    """Return the cores that this process may run on."""
     if hasattr(os, "sched_getaffinity"):  # Linux only
         return os.sched_getaffinity(0)
     return set(range(os.cpu_count() or 1))
 
 
 def digest(environment: Mapping[str, Any]) -> str:
-    """Short digest by which a record names its environment."""
+    """Return the short digest by which a record names its environment."""
     canonical = json.dumps(environment, sort_keys=True).encode()
     return hashlib.blake2b(canonical, digest_size=6).hexdigest()
 
@@ -104,13 +104,13 @@ def _processor() -> str:
 
 
 def _governor() -> str | None:
-    """What decides the processor's frequency; None where the system does not tell."""
+    """Return the governor of the processor's frequency; None where the system does not show it."""
     file = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
     return file.read_text(encoding="utf-8").strip() if file.exists() else None
 
 
 def _git(*arguments: str) -> str | None:
-    """Output of a git command in this checkout; None where there is no git or no checkout."""
+    """Return the output of a git command in this checkout; None without git or a checkout."""
     try:
         done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True, timeout=10)
     except (OSError, subprocess.SubprocessError):

@@ -1,7 +1,7 @@
-"""Where the core's compiled kernels are kept: in a folder of their own for each version of the core's sources.
+"""The folder of the core's compiled kernels: one for each version of the core's sources.
 
-Numba's cache notices a changed file, but not a changed kernel of another file that was compiled into it: after an
-update of the checkout, stale kernels would go on to decide what stands. A folder named after all sources cannot.
+Numba's cache notices a changed file, but not a changed kernel of another file that was inlined: after an update of the
+checkout, stale kernels would go on deciding. A folder named after all sources prevents that.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ _CORE = ROOT / "stability_core"
 
 
 def keep_kernels_apart() -> None:
-    """Point Numba to this version's folder, unless the user chose one; must come before Numba is imported."""
+    """Point Numba to this version's folder, unless the user chose one; call it before Numba is imported."""
     if _VARIABLE in os.environ:
         return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = home / "stillstack" / "kernels" / sources_digest([_CORE])
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:  # a read-only home: compile anew in each session rather than fail
+    except OSError:  # a read-only home: compile in each session rather than fail
         folder = Path(tempfile.mkdtemp(prefix="stillstack-kernels-"))
     os.environ[_VARIABLE] = str(folder)

@@ -1,4 +1,4 @@
-"""A digest of the sources: which version of the code and of the engines' settings a result came from."""
+"""A digest of the sources: the version of the code and of the engines' settings behind a result."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters"
 
 
 def sources_digest(folders: Iterable[Path]) -> str:
-    """Digest all Python files below ``folders``, and the engines' profiles: their names and their content."""
+    """Return the digest of all Python files below ``folders``, and of the engines' profiles: names and content."""
     digest = hashlib.blake2b(digest_size=8)
     for folder in folders:
         for path in sorted([*folder.rglob("*.py"), *folder.glob("profiles/*.toml")]):

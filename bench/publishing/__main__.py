@@ -1,4 +1,4 @@
-"""``uv run python -m bench.publishing``: see ``publish``."""
+"""The entry point of ``uv run python -m bench.publishing``: see ``publish``."""
 
 import typer
 

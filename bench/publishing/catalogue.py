@@ -1,4 +1,4 @@
-"""What is published in ``docs/results``, and by which command its numbers are made."""
+"""The studies published in ``docs/results``, and the command behind each."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PUBLISHED = ROOT / "docs" / "results"
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Stills that are published as one picture, a row a scene and a column a policy."""
+    """Stills that are published as one picture, a row per scene and a column per policy."""
 
     engine: str
     profile: str
@@ -26,14 +26,14 @@ class Publication:
     """A study whose results are published in the folder of its name."""
 
     shows: str
-    """In a line."""
+    """Content, in one line."""
     study: str
     selection: Selection = field(default_factory=Selection)
     gallery: Gallery | None = None
 
     @property
     def arguments(self) -> list[str]:
-        """Of ``bench run``."""
+        """Arguments of ``bench run``."""
         chosen = self.selection
         options = {
             "--engine": chosen.engines,
@@ -47,11 +47,11 @@ class Publication:
 
     @property
     def command(self) -> str:
-        """What runs the study."""
+        """The command that runs the study."""
         return shlex.join(["uv", "run", "-m", "bench", "run", *self.arguments])
 
     def resolved(self) -> Study:
-        """The study as it is run; errors as of ``selected``."""
+        """Return the study with its selection; raises the errors of ``selected``."""
         return selected(load_study(self.study), self.selection)
 
 
@@ -64,7 +64,7 @@ PUBLICATIONS: dict[str, Publication] = {
         gallery=Gallery("bullet", "game", ("four_stack", "card_house-3", "leaning_tower")),
     ),
     "publish": Publication(
-        "those stacks by 20 hands on six engines, profile `game`, without the extension and with `at_rest`, "
+        "those stacks with 20 seeds on six engines, profile `game`, without the extension and with `at_rest`, "
         "`paper` and `equilibrium`",
         "publish",
     ),
@@ -74,7 +74,7 @@ PUBLICATIONS: dict[str, Publication] = {
         Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier")),
     ),
     "any_stack": Publication(
-        "stacks of other people's bug reports, and each at three times the size, profile `game`, five 3-D engines, "
+        "stacks of public bug reports, and each at three times the size, profile `game`, five 3-D engines, "
         "without the extension and with `equilibrium`",
         "any_stack",
         Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier"), policies=("none", "equilibrium")),
@@ -102,9 +102,9 @@ PUBLICATIONS: dict[str, Publication] = {
         Selection(profiles=("default", "tuned"), policies=("none",)),
     ),
     "unity4": Publication(
-        "the paper's stacks on an emulation of its engine, by 30 hands, without and with the extension", "unity4"
+        "the paper's stacks on an emulation of its engine, 30 seeds, without and with the extension", "unity4"
     ),
-    "unity4_leaning": Publication("flatter Vs and higher card houses there, by 10 hands", "unity4_leaning"),
+    "unity4_leaning": Publication("flatter Vs and higher card houses there, 10 seeds", "unity4_leaning"),
     "claims": Publication(
         "the paper's three stacks on PhysX and Rapier, profile `game`, seed 0",
         "paper",
@@ -133,11 +133,11 @@ PUBLICATIONS: dict[str, Publication] = {
         "complementarity, every profile",
         "forces",
     ),
-    "scale": Publication("what a world 10 or 100 times larger buys", "scale"),
+    "scale": Publication("the effect of a world 10 or 100 times larger", "scale"),
     "ratio": Publication(
-        "frame time with the extension over without, on 25 levels of PhysX and Rapier, every profile",
+        "frame time with the extension over frame time without, 25 levels of PhysX and Rapier, every profile",
         "ratio",
         Selection(engines=("physx", "rapier")),
     ),
 }
-"""By the name of the folder."""
+"""Publications by the name of their folder."""

@@ -1,12 +1,13 @@
-"""Parts of the documents that adapters, scenes and published results write themselves.
+"""Generated blocks of the documents, from adapters, scenes and published results.
 
-``uv run python -m bench.publishing.doc_blocks`` fills them anew; publishing a study does so, too.
+``uv run python -m bench.publishing.doc_blocks`` fills them; publishing a study does so, too.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from adapters import ENGINES, Profile, profiles
@@ -15,12 +16,14 @@ from bench.machine.environment import describe_engine
 from bench.machine.source_digest import ROOT
 from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED
 from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
+from reports import load
 from reports.records.folder import ResultsFolder
+from reports.records.trial import TrialRecord
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import ALL, pair_rows
 from reports.tables.capabilities import capability_table
-from reports.tables.correctness import TITLE as CORRECTNESS
-from reports.tables.outcomes import TITLE as OUTCOMES
+from reports.tables.correctness import correctness_table
+from reports.tables.outcomes import outcomes_table
 from reports.tables.pairs import right_of_judged
 from reports.tables.table import NOTHING, Table, to_markdown
 from scenarios.registry import SCENARIOS, build
@@ -28,33 +31,33 @@ from scenarios.scenario import Scenario
 
 
 def capabilities_block() -> str:
-    """What the engines show to the core, side by side; without a title."""
+    """Return the capabilities of the engines, side by side, without a title."""
     table = capability_table({name: describe_engine(name) for name in ENGINES})
     return _untitled(table)
 
 
 def profiles_block() -> str:
-    """Every profile of every engine: who set it up, and each knob with its reason."""
+    """Return every profile of every engine: its author, and each knob with its reason."""
     return "\n".join(_engine(name) for name in ENGINES)
 
 
 def headline_block() -> str:
-    """What stood and what fell in the paper's study, with its picture."""
+    """Return the outcomes of the paper's study, with its picture."""
     gallery = PUBLICATIONS[HEADLINE].gallery
     assert gallery is not None, "the headline has a picture"
     shown = f"Final states on {gallery.engine}: a row a stack, a column a policy"
     picture = f"![{shown}]({PUBLISHED.name}/{HEADLINE}/stills.png)"
-    return f"{picture}\n\n{_published_rows(HEADLINE, OUTCOMES)}\n{_caveat(HEADLINE)}"
+    return f"{picture}\n\n{_rows(outcomes_table(_records(HEADLINE)))}{_caveat(HEADLINE)}"
 
 
 def many_seeds_block() -> str:
-    """How many of the trials by twenty hands ended as theory demands, of those that must stand and that must fall."""
-    return f"{_published_rows('publish', CORRECTNESS)}\n{_caveat('publish')}"
+    """Return the number of correct trials with twenty seeds, among those that must stand and those that must fall."""
+    return f"{_rows(correctness_table(load(PUBLISHED / 'publish').trials))}{_caveat('publish')}"
 
 
 def pairs_block() -> str:
-    """Of how many pairs each policy got both sides right on each engine."""
-    rows = [row for row in pair_rows(groups_of(ResultsFolder(PUBLISHED / "truth").records)) if row.family == ALL]
+    """Return the number of pairs with both outcomes correct, by engine and policy."""
+    rows = [row for row in pair_rows(groups_of(_records("truth"))) if row.family == ALL]
     counted = {(row.set_up.engine, row.set_up.policy): right_of_judged(row.success_rates) for row in rows}
     engines, policies = (tuple(dict.fromkeys(getattr(row.set_up, key) for row in rows)) for key in ("engine", "policy"))
     cells = ((engine, *(counted[engine, policy] for policy in policies)) for engine in engines)
@@ -62,14 +65,14 @@ def pairs_block() -> str:
 
 
 def results_block() -> str:
-    """Every study that is published so far, and the command that makes its numbers."""
+    """Return every published study, and the command behind it."""
     there = {name: one for name, one in PUBLICATIONS.items() if ResultsFolder(PUBLISHED / name).trials_file.exists()}
     rows = tuple((f"`{name}/`", one.shows, f"`{one.command}`") for name, one in there.items())
     return _untitled(Table("", ("Folder", "Study", "Command"), rows))
 
 
 def cores_block() -> str:
-    """Every published page, and the core that its claims hold for."""
+    """Return every published page, and the core of its claims."""
     present = present_core()
     rows = tuple((f"[`{name}`]({name})", *_core(page, present)) for name, page in _published_pages())
     return _untitled(Table("", ("Page", "Core", "Claims"), rows))
@@ -83,13 +86,13 @@ def _core(page: Path, present: str) -> tuple[str, str]:
 
 
 def claims_block() -> str:
-    """Which pages are of an earlier core, in a sentence for documents that quote them."""
+    """Return which pages are of an earlier core, in a sentence for documents that quote them."""
     present = present_core()
     earlier = [name for name, page in _published_pages() if warning(core_of(page), present)]
     if not earlier:
         return "Every published page was made with the present core.\n"
-    told = ", ".join(f"`{name}`" for name in earlier)
-    return f"**Made with an earlier core and not yet made again: {told}.** Claims from them hold for that core only.\n"
+    names = ", ".join(f"`{name}`" for name in earlier)
+    return f"**Made with an earlier core and not yet made again: {names}.** Claims from them hold for that core only.\n"
 
 
 def _published_pages() -> list[tuple[str, Path]]:
@@ -97,26 +100,29 @@ def _published_pages() -> list[tuple[str, Path]]:
 
 
 def _caveat(name: str) -> str:
-    """What stands below a publication's table if it is of an earlier core; else nothing."""
-    told = warning(core_of(PUBLISHED / name / "tables.md"), present_core())
-    return f"\n*{told}*\n" if told else ""
+    """Return the note below a publication's table if it is of an earlier core; else an empty text."""
+    caveat = warning(core_of(PUBLISHED / name / "tables.md"), present_core())
+    return f"\n*{caveat}*\n" if caveat else ""
 
 
 def scenes_block() -> str:
-    """Each scene as it is built by default, in three lines."""
+    """Return each default scene in three lines."""
     return "\n".join(_scene(name, scenario) for name, scenario in SCENARIOS.items())
 
 
 def _scene(name: str, scenario: Scenario[...]) -> str:
     scene = build(name)
-    told = f"- Theory: {scene.expectation.theory}\n- Look for: {scene.look_for}\n"
-    return f"**`{name}`**: {scenario.description}\n\n{told}"
+    lines = f"- Theory: {scene.expectation.theory}\n- Look for: {scene.look_for}\n"
+    return f"**`{name}`**: {scenario.description}\n\n{lines}"
 
 
-def _published_rows(name: str, title: str) -> str:
-    """The table of a title in the tables of a publication, without its notes."""
-    tables = (PUBLISHED / name / "tables.md").read_text(encoding="utf-8")
-    return tables.partition(f"## {title}\n\n")[2].partition("\n\n")[0]
+def _rows(table: Table) -> str:
+    """Return the table as Markdown without its title and its notes."""
+    return _untitled(replace(table, notes=()))
+
+
+def _records(name: str) -> list[TrialRecord]:
+    return ResultsFolder(PUBLISHED / name).records
 
 
 def _engine(name: str) -> str:
@@ -148,11 +154,11 @@ BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "scenes": ("docs/truth.md", scenes_block),
     "profiles": ("docs/profiles.md", profiles_block),
 }
-"""Of each block, the document that it stands in, and what writes it."""
+"""The document of each block, and the function that writes the block."""
 
 
 def filled(document: str, block: str, content: str) -> str:
-    """The document with ``content`` between the two marks of a block.
+    """Return the document with ``content`` between the two marks of a block.
 
     Raises:
         ValueError: if the document has no such marks.
@@ -164,7 +170,7 @@ def filled(document: str, block: str, content: str) -> str:
 
 
 def main() -> None:
-    """Fill every block anew."""
+    """Fill every block."""
     for block, (name, write) in BLOCKS.items():
         path = ROOT / name
         path.write_text(filled(path.read_text(encoding="utf-8"), block, write()), encoding="utf-8")

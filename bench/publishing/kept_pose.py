@@ -1,12 +1,12 @@
-"""Does a leaning tower fall as one? How much of it is still in one piece when it strikes the ground.
+"""Measure how much of a leaning tower is still in one piece when it strikes the ground.
 
     uv run python -m bench.publishing.kept_pose
 
 writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each fall beside it.
 
 A real leaning tower turns about the edge of its lowest plank and stays whole until it hits the ground. From the frame
-before the core lets it go to the first frame in which a falling plank touches the ground, a plank is kept if its pose,
-seen from the plank below it, has moved by less than half a thickness and turned by less than 5 degrees. The lowest
+before the core unfreezes it to the first frame in which a falling plank touches the ground, a plank keeps its pose if,
+relative to the plank below it, it has moved by less than half a thickness and turned by less than 5 degrees. The lowest
 plank does not fall, and the second turns on it: neither is counted.
 """
 
@@ -33,7 +33,7 @@ FOLDER = PUBLISHED / "equilibrium"
 MOVED = THICKNESS / 2
 TURNED = np.radians(5.0)
 STRUCK = 1e-3
-"""A corner [m] so close to the ground has struck it: less than the fall of one frame."""
+"""Distance of a corner from the ground [m] at which it has struck it: less than the fall of one frame."""
 
 
 @dataclass(frozen=True)
@@ -41,14 +41,14 @@ class Fall:
     """One tower, from its release to the ground."""
 
     poses: list[tuple[FloatArray, FloatArray]]
-    """Positions (n, 3) [m] and quaternions (n, 4), frame by frame; the first is the last before the release."""
+    """Positions (n, 3) [m] and quaternions (n, 4), by frame; the first is the last frame before the release."""
     frame_s: float
     woken: int
-    """Planks that the core woke in the frame of the release."""
+    """Number of planks that the core unfroze in the frame of the release."""
 
     @property
     def kept(self) -> BoolArray:
-        """For each plank from the third on: is its pose on the plank below kept at the end? Shape (n - 2,)."""
+        """Mask of the planks from the third on that keep their pose on the plank below, shape (n - 2,)."""
         begin, end = (seen_from_below(*self.poses[frame]) for frame in (0, -1))
         moved = np.linalg.norm(end[0] - begin[0], axis=1)
         cosine = ((np.einsum("nij,nij->n", begin[1], end[1])) - 1) / 2
@@ -57,20 +57,20 @@ class Fall:
 
     @property
     def tilt(self) -> float:
-        """How far [rad] the top plank has turned about y at the end."""
+        """Angle [rad] by which the top plank has turned about y at the end."""
         w, x, y, z = self.poses[-1][1][-1]
         return float(abs(np.arctan2(2 * (w * y - z * x), 1 - 2 * (x * x + y * y))))
 
 
 def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Position (n - 1, 3) and rotation (n - 1, 3, 3) of each plank but the lowest in the frame of the one below."""
+    """Return positions (n - 1, 3) and rotations (n - 1, 3, 3) of all upper planks, relative to the plank below."""
     axes = rotation(quaternion)
     below = np.swapaxes(axes[:-1], 1, 2)
     return np.einsum("nij,nj->ni", below, np.diff(position, axis=0)), below @ axes[1:]
 
 
 def watch_fall(engine: str, policy: str) -> Fall:
-    """Build a leaning tower until it falls, and keep the poses of the fall."""
+    """Build a leaning tower until it falls, and return the poses of the fall."""
     scene = build("leaning_tower")
     simulation = open_engine(engine, "game", world=scene.world, sleeping="off", expected=scene.bricks)
     poses: list[tuple[FloatArray, FloatArray]] = []
@@ -95,11 +95,11 @@ def watch_fall(engine: str, policy: str) -> Fall:
 
 
 def table(falls: dict[tuple[str, str], Fall]) -> str:
-    """The results as a page."""
+    """Return the results as a page."""
     lines = [
         "# How a leaning tower falls",
         "",
-        "Made by `uv run python -m bench.publishing.kept_pose`, whose docstring tells what is counted: the planks that",
+        "Made by `uv run python -m bench.publishing.kept_pose`, whose docstring defines the count: the planks that",
         "keep their pose on the plank below until the tower strikes the ground. Scene `leaning_tower`, profile `game`.",
         "The fall lasts from the release to the first touch of the ground; the tilt is the top plank's by then.",
         "",
@@ -116,7 +116,7 @@ def table(falls: dict[tuple[str, str], Fall]) -> str:
 
 
 def picture(fall: Fall) -> str:
-    """Side view (x to the right, z up) at the release, half-way and at the ground, as SVG."""
+    """Return the side view (x to the right, z up) at the release, half-way and at the ground, as SVG."""
     moments = [0, len(fall.poses) // 2, len(fall.poses) - 1]
     pitch, height = 3.2 * LENGTH, 1.2 * LENGTH
     scale = 2000
@@ -140,7 +140,7 @@ def picture(fall: Fall) -> str:
 
 
 def main() -> None:
-    """Watch every fall and write the page with its pictures."""
+    """Play every fall and write the page with its pictures."""
     core = present_core()
     falls = {(engine, policy): watch_fall(engine, policy) for engine in ENGINES for policy in POLICIES}
     write_page(FOLDER / "kept_pose.md", table(falls), core)

@@ -1,7 +1,7 @@
-"""Marks on published pages: which core made a page, and a banner on top if that is not the present one.
+"""Marks on published pages: the core that made a page, and a banner on top if that is not the present core.
 
 Each page below ``docs/results`` ends with a line ``core: DIGEST``, written together with its numbers and never changed
-after. The banner follows from it, and ``uv run python -m bench.publishing --mark`` renews all banners.
+afterwards. The banner follows from it; ``uv run python -m bench.publishing --mark`` renews all banners.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, REPORT, ResultsFolder, published_rows
 
 UNKNOWN = "unknown"
-"""In place of a digest, on a page that was made before digests were recorded and whose commit is not known."""
+"""Replaces the digest on a page that was made before digests were recorded and whose commit is unknown."""
 NOT_USED = "not used"
-"""In place of a digest, on a page of engines alone: it says nothing of the core."""
+"""Replaces the digest on a page of engines alone, which does not use the core."""
 _FOOTER = re.compile(rf"\n*^core: ([0-9a-f]{{12}}|{UNKNOWN}|{NOT_USED})\n*\Z", re.MULTILINE)
 _BANNER = re.compile(r"\A> \*\*Made with an earlier core[^\n]*\n\n?")
 _TABLES = "tables.md"
 
 
 class MarkError(ValueError):
-    """A page that does not tell its core; the message names the page and the fix."""
+    """A page without the digest of its core; the message names the page and the fix."""
 
 
 def pages(folder: Path) -> Iterator[Path]:
     """Yield every published page below ``docs/results``, sorted.
 
-    Its own README is their list, and a report that was made there is not published.
+    The README there lists the pages, and a report that was built there is not published.
     """
     return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder and path.parent.name != REPORT)
 
@@ -55,28 +55,28 @@ def core_of(page: Path) -> str:
 
 
 def warning(core: str, present: str) -> str:
-    """Return what readers must know of a page of ``core``; empty if it holds for the present one."""
+    """Return the caveat for a page of ``core``; empty if it holds for the present core."""
     if core in {present, NOT_USED}:
         return ""
-    told = "digest unknown" if core == UNKNOWN else f"digest `{core}`"
-    return f"Made with an earlier core ({told}); not yet made again: its claims hold for that core only."
+    digest = "digest unknown" if core == UNKNOWN else f"digest `{core}`"
+    return f"Made with an earlier core ({digest}); not yet made again: its claims hold for that core only."
 
 
 def marked(text: str, core: str, present: str) -> str:
-    """Return a page with the line that names its core, and the banner on top that its core asks for."""
-    told = warning(core, present)
-    banner = f"> **{told}**\n\n" if told else ""
+    """Return a page with the line that names its core, and the banner that its core requires."""
+    caveat = warning(core, present)
+    banner = f"> **{caveat}**\n\n" if caveat else ""
     return banner + signed(_BANNER.sub("", text), core)
 
 
 def write_page(page: Path, text: str, core: str) -> None:
-    """Write a page that was made with ``core``: the digest when its making began, lest the code changed meanwhile."""
+    """Write a page that was made with ``core``: the digest at the start, because the code may change meanwhile."""
     page.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(page, marked(text, core, present_core()).encode())
 
 
 def mark(page: Path, present: str | None = None) -> None:
-    """Renew a page's banner; a page that does not tell its core yet gets the line, as far as its core can be known."""
+    """Renew a page's banner; add the line with the core to a page without it, as far as its core is known."""
     text = page.read_text(encoding="utf-8")
     found = _FOOTER.search(text)
     core = found[1] if found else _recorded_core(page)
@@ -84,7 +84,7 @@ def mark(page: Path, present: str | None = None) -> None:
 
 
 def mark_all(folder: Path) -> int:
-    """Renew the banners of all pages; return how many are of an earlier core."""
+    """Renew the banners of all pages; return the number of pages of an earlier core."""
     present, earlier = present_core(), 0
     for page in pages(folder):
         mark(page, present)
@@ -93,7 +93,7 @@ def mark_all(folder: Path) -> int:
 
 
 def _recorded_core(page: Path) -> str:
-    """The core that the run of a study recorded, or that of the commit which it names."""
+    """Return the core recorded by the run of a study, or the core of the commit that it names."""
     if page.name != _TABLES or not (page.parent / ENVIRONMENT).exists():
         return UNKNOWN
     if not is_of_core(page.parent):
@@ -103,6 +103,6 @@ def _recorded_core(page: Path) -> str:
 
 
 def is_of_core(folder: Path) -> bool:
-    """Whether any trial of a published study was played with a policy of the core."""
+    """Return whether any trial of a published study used a policy of the core."""
     policies = {row["policy"] for row in published_rows(ResultsFolder(folder).trials_file)}
     return any(BENCH_POLICIES[policy].core is not None for policy in policies)

@@ -1,9 +1,10 @@
 """``uv run python -m bench.publishing NAME [DIR]``: publish a study in ``docs/results/NAME``.
 
-Without DIR the study is run first, into ``results/published-NAME``; what was cut off goes on there. Tables, figures and
-trials are then copied, and the documents' generated parts filled anew, so that the README says what the tables say.
+Without DIR the study is run first, into ``results/published-NAME``, where an interrupted run continues. Tables, figures
+and trials are then copied, and the generated blocks of the documents filled, so that they agree with the tables.
 
-``uv run python -m bench.publishing --mark`` runs nothing: it marks the pages of an earlier core, and fills those parts.
+``uv run python -m bench.publishing --mark`` runs nothing: it marks the pages of an earlier core, and fills those
+blocks.
 """
 
 from __future__ import annotations
@@ -38,9 +39,9 @@ from scenarios.lookup import UnknownNameError, look_up
 PICTURE = "stills.png"
 FIGURE = "figure.svg"
 _FIGURES = ("cost.svg", "figures/pairs.svg", "figures/speed.svg")
-"""The figure of a report that is published is the first of these that is there, unless there is a picture."""
+"""Candidates for the published figure of a report, unless there is a picture: the first that exists."""
 _EARLIER = ("trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg", "figures")
-"""What was published before trials were kept as Parquet; "bench report" makes it of the published folder."""
+"""Files published before trials were kept as Parquet; "bench report" makes them from the published folder."""
 _STILL_PIXELS, _PICTURE_DPI = 480, 120
 
 
@@ -49,13 +50,13 @@ class PublishError(ValueError):
 
 
 def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
-    """Copy what readers need of a results folder and its report into ``to / name``; returns that folder.
+    """Copy the published part of a results folder and its report into ``to / name``; return that folder.
 
     Raises:
-        UnknownNameError: if nothing of that name is published.
-        PublishError: if the folder holds another study, half of one, or one of changed sources.
+        UnknownNameError: if there is no publication of that name.
+        PublishError: if the folder holds another study, an incomplete study, or a study of changed sources.
         RecordError: if its records cannot be read.
-        StillsError: if a picture is due and cannot be drawn.
+        StillsError: if a picture is required and cannot be drawn.
     """
     publication, records = look_up("publication", name, PUBLICATIONS), read_records(folder / TRIALS)
     _check(publication, folder, records)
@@ -77,21 +78,21 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
 
 
 def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:
-    if load_study(str(folder / STUDY)) != publication.resolved():
+    if not load_study(str(folder / STUDY)).has_same_plan(publication.resolved()):
         raise PublishError(f"{folder} holds another study: run {publication.command}")
     missing = missing_trials(folder, records)
     if missing:
-        raise PublishError(f"{folder} lacks {len(missing)} trials: go on with {publication.command} --out {folder}")
+        raise PublishError(f"{folder} lacks {len(missing)} trials: run {publication.command} --out {folder}")
     _check_sources(json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8")), str(folder))
 
 
 def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
-        raise PublishError(f"{where}: sources that no commit holds; commit them, and run it again")
+        raise PublishError(f"{where}: its sources are in no commit; commit them, and run the study again")
 
 
 def _remove_earlier(target: Path) -> None:
-    """Remove what an earlier version published beside the files of today, and the figure."""
+    """Remove the files of an earlier version, and the figure."""
     for name in (*_EARLIER, FIGURE, PICTURE):
         if (target / name).is_dir():
             shutil.rmtree(target / name)
@@ -100,14 +101,14 @@ def _remove_earlier(target: Path) -> None:
 
 
 def _copy_figure(report: Path, target: Path) -> None:
-    """Copy the figure that sums up a study; "bench report" makes the others again."""
+    """Copy the figure that summarises a study; "bench report" makes the others."""
     figure = next((report / name for name in _FIGURES if (report / name).exists()), None)
     if figure is not None:
         shutil.copyfile(figure, target)
 
 
 def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], picture: Path) -> None:
-    """The picture of some stills."""
+    """Draw the picture of some stills."""
     wanted = (gallery.engine, gallery.profile)
     stacks = [
         read_stack(folder, those)
@@ -132,13 +133,13 @@ def main(
     if name is None:
         earlier = mark_all(PUBLISHED)
         doc_blocks.main()
-        typer.echo(f"pages of an earlier core: {earlier}; the documents' generated parts are filled anew")
+        typer.echo(f"pages of an earlier core: {earlier}; the generated blocks of the documents are filled")
         return
     try:
         publication = look_up("publication", name, PUBLICATIONS)
         if folder is None:
             folder = ROOT / "results" / f"published-{name}"
-            _check_sources(describe(()), "this checkout")  # before the hours that a run may take
+            _check_sources(describe(()), "this checkout")  # before a run that may take hours
             _bench("run", *publication.arguments, "--out", str(folder))
         else:
             _bench("report", str(folder))
@@ -147,11 +148,11 @@ def main(
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
     doc_blocks.main()
-    typer.echo(f"published in {target.relative_to(ROOT)}; the documents' generated parts are filled anew")
+    typer.echo(f"published in {target.relative_to(ROOT)}; the generated blocks of the documents are filled")
 
 
 def _bench(*arguments: str) -> None:
-    """The command line, in a process of its own as always; its tables are not shown here."""
+    """Run the command line in a process of its own, without its tables."""
     done = subprocess.run([sys.executable, "-m", "bench", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
     if done.returncode:
         raise typer.Exit(done.returncode)

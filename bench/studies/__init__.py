@@ -1,1 +1,1 @@
-"""Plan what is run: studies and their schema, selections, trials, policies and tolerances."""
+"""Studies and their schema, selections, trials, policies and tolerances."""

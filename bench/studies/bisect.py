@@ -1,4 +1,4 @@
-"""The table ``bisect`` of a scenario in a study: which parameter is bisected, between which ends, and how finely."""
+"""The table ``bisect`` of a scenario in a study: the bisected parameter, the ends of the search, and its tolerance."""
 
 from __future__ import annotations
 

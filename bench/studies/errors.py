@@ -1,4 +1,4 @@
-"""What is wrong with a field of a study, in words of the one who wrote the file."""
+"""Error messages for the fields of a study, in the terms of its author."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ _PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "dict_type": lambda _: "must be a table",
     "model_type": lambda _: "must be a table",
 }
-"""By pydantic's name of the fault; for others its own words are good enough."""
+"""Messages by pydantic's error type; other errors keep pydantic's message."""
 
 
 def field_name(location: Iterable[str | int]) -> str:
-    """A place in a study as its writer would name it, such as ``scenario[0].name``."""
+    """Return a place in a study in its author's notation, such as ``scenario[0].name``."""
     parts = [part for part in location if isinstance(part, int) or not part.startswith(("list[", "function-"))]
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
 
 
 def plain_words(detail: Mapping[str, Any]) -> str:
-    """What one of pydantic's error details says."""
+    """Return the message of one of pydantic's error details."""
     words = _PLAIN.get(detail["type"])
     return words(detail.get("ctx", {})) if words else str(detail["msg"]).removeprefix("Value error, ")

@@ -1,4 +1,4 @@
-"""From a study to its trials. A trial's id is the unit of resume: same id, same trial."""
+"""The trials of a study. A trial's id is the unit of resume: same id, same trial."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ class Trial:
     parameters: Mapping[str, int | float | str]
     policy: str
     seed: int
-    """0 builds exactly; any other number is a hand that does not."""
+    """Seed of the placement noise; 0 builds exactly."""
     repeat: int
-    """Number of the repetition, from 0; repetitions differ in nothing but their timing."""
+    """Number of the repeat, from 0; repeats differ in timing only."""
     watch_s: float | None = None
-    """How long [s] it watches after its last action; None as its scene says."""
+    """Time [s] for which it watches after its last action; None: the scene's."""
 
     @property
     def id(self) -> str:
-        """Unique within a study, the same in every run of it, and fit to name a file."""
+        """Id of the trial: unique within a study, the same in every run of it, and a valid file name."""
         return f"{self.engine}.{self.profile}.{self.scene}.{self.policy}.s{self.seed}.r{self.repeat}"
 
     def build_scene(self) -> Scene:
-        """The scene as this trial's hand builds it.
+        """Return the scene with this trial's placement noise.
 
         Raises:
             NoRoomError: if its bricks fit too closely for placement noise.
@@ -53,8 +53,7 @@ class Trial:
 
 
 def plan_trials(study: Study) -> list[Trial]:
-    """All trials of a study that are known beforehand: scene by scene, so that engines and policies are compared soon
-    after another.
+    """Return all trials known beforehand, scene by scene, so that engines and policies are compared at similar times.
 
     The policies on one stack follow each other at once and in alternating order (A B, then B A), so that a machine
     that grows slower favours none of them. Of a bisected parameter both ends are known: see ``next_trials``.
@@ -68,7 +67,7 @@ def plan_trials(study: Study) -> list[Trial]:
 
 
 def waiting_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the trials that can be run now: those known beforehand that have not ended, then ``next_trials``.
+    """Return the trials that can be run now: the unfinished ones known beforehand, then ``next_trials``.
 
     Args:
         study: what is run.
@@ -107,7 +106,7 @@ def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> li
 
 
 def most_trials(study: Study) -> int:
-    """Return how many trials a study runs at most: no bisection tries more values than its tolerance asks for."""
+    """Return the greatest number of trials of a study: no bisection tries more values than its tolerance needs."""
     later = sum(
         (chosen.bisect.bisection.most_tries - 2) * len(_trials_of(study, chosen.name, parameters))
         for chosen in study.scenario

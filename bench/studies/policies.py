@@ -1,4 +1,4 @@
-"""Every policy that a trial can be run with, by one name: the engine's own sleeping, or a policy of the core."""
+"""The policies of a trial by name: the engine's own sleeping, or a policy of the core."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stability_core import POLICIES
 
 @dataclass(frozen=True, slots=True)
 class BenchPolicy:
-    """How the engine sleeps, and which policy of the core decides, if any."""
+    """The engine's sleeping, and the policy of the core, if any."""
 
     sleeping: Sleeping
     core: str | None

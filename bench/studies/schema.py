@@ -1,7 +1,7 @@
-"""Studies: which engines build which scenes under which policies, and for how long they may take.
+"""Studies: engines, scenes, policies and the limits of a trial.
 
-A study is a TOML file; those beside this one go by their names. Every name in it is checked before anything runs, and
-an error names the file, the field and what may stand there.
+A study is a TOML file; the studies beside this file are known by their names. Every name is checked before anything
+runs, and an error names the file, the field and its allowed values.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class StudyError(ValueError):
 MOST_SEEDS = 100_000
 MOST_REPEATS = 1_000
 MOST_WATCH_S = 100 * 3600.0
-"""More than these are a slip of the keyboard: the plan alone would fill the memory."""
+"""Upper limits of a plan: a larger number is a typing error, and the plan alone would fill the memory."""
 
 
 def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
@@ -83,18 +83,18 @@ class ChosenScenario(_Model):
     name: ScenarioName
     parameters: Mapping[str, Value | list[Value]] = {}
     tolerance: Tolerance = Tolerance()
-    """By how much its trials may come out worse when runs are compared."""
+    """Tolerance of its trials when runs are compared."""
     bisect: Bisect | None = None
-    """A parameter whose threshold is searched for in every variant: the trials follow from those before."""
+    """A parameter whose threshold is searched in every variant: each trial follows from those before."""
 
     def variants(self) -> Iterator[dict[str, Value]]:
-        """The parameters of every variant, without the bisected one: all combinations of the listed values."""
+        """Yield the parameters of every variant, without the bisected one: all combinations of the listed values."""
         choices = [value if isinstance(value, list) else [value] for value in self.parameters.values()]
         for values in product(*choices):
             yield dict(zip(self.parameters, values, strict=True))
 
     def known_variants(self) -> Iterator[dict[str, Value]]:
-        """The parameters of the variants that are known beforehand: of a bisected one both ends."""
+        """Yield the parameters of the variants that are known beforehand: of a bisected one both ends."""
         for parameters in self.variants():
             if self.bisect is None:
                 yield parameters
@@ -117,7 +117,7 @@ class ChosenScenario(_Model):
 
 
 class Rule(_Model):
-    """Trials that match every field that is given; a field that is left out matches all."""
+    """A rule for trials: it matches if every given field matches."""
 
     engines: Annotated[list[EngineName], Distinct] = []
     profiles: Annotated[list[str], Distinct] = []
@@ -125,7 +125,7 @@ class Rule(_Model):
     scenarios: Annotated[list[ScenarioName], Distinct] = []
 
     def matches(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
-        """Whether the rule speaks of such a trial."""
+        """Return whether the rule matches such a trial."""
         wanted = (self.engines, self.profiles, self.policies, self.scenarios)
         given = (engine, profile, policy, scenario)
         return all(value in names for value, names in zip(given, wanted, strict=True) if names)
@@ -143,31 +143,31 @@ class Sweep(_Model):
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
     profile: str = "game"
     substeps: Annotated[list[StrictInt], Distinct] = []
-    """Engine steps a frame; those of the profile if there are none."""
+    """Engine steps per frame; empty: the profile's."""
     iterations: Annotated[list[StrictInt], Distinct] = []
-    """Of the engine's solver, in a step; those of the profile if there are none."""
+    """Iterations of the engine's solver per step; empty: the profile's."""
 
     def profiles(self) -> list[str]:
-        """The names of the varied profiles."""
+        """Return the names of the varied profiles."""
         varied = {"substeps": self.substeps, "iterations": self.iterations}
         named = {what: values for what, values in varied.items() if values}
         return [varied_name(self.profile, dict(zip(named, values, strict=True))) for values in product(*named.values())]
 
 
 class Limits(_Model):
-    """What ends a trial that does not end by itself, and what ends a stack's standing."""
+    """Limits of a trial and of a standing stack."""
 
     trial_wall_s: float = Field(default=60.0, gt=0)
     """Wall time [s] after which a trial stops and is censored."""
     memory_mib: int = Field(default=4096, ge=1)
-    """Memory [MiB] above which a trial's process is ended. A trial of a hundred planks takes about 300."""
+    """Memory [MiB] above which a trial's process is ended. A trial of a hundred planks uses about 300 MiB."""
     creep_per_min: float = Field(default=CREEP_LIMIT_PER_MIN, gt=0)
-    """Creep, in thicknesses of a brick a minute, from which a stack that must stand does not."""
+    """Greatest creep of a stack that must stand, in thicknesses of a brick per minute."""
     ratio: bool = True
-    """Whether trials with an extension also measure the frame time without it on the same stack."""
+    """True if trials with an extension also measure the frame time without it on the same stack."""
     forces: bool = False
-    """Whether trials of an engine alone read its contact forces while a finished stack is watched, and compare them
-    with what contacts allow."""
+    """True if trials of an engine alone read its contact forces while a finished stack is watched, and compare them
+    with the forces that contacts can exert."""
 
 
 class Study(_Model):
@@ -177,24 +177,28 @@ class Study(_Model):
     description: str = ""
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
     profiles: Annotated[list[str], Distinct] = ["game"]
-    """Of every engine; may be empty if there is a sweep."""
+    """Profiles of every engine; may be empty if there is a sweep."""
     policies: Annotated[list[PolicyName], Distinct] = Field(min_length=1)
     scenario: list[ChosenScenario] = Field(min_length=1)
     seeds: int = Field(default=1, ge=1, le=MOST_SEEDS)
-    """Seeds 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
+    """Number of seeds: 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
     repeats: int = Field(default=1, ge=1, le=MOST_REPEATS)
     sweep: list[Sweep] = []
-    """Further profiles of the engines that each names; of those engines only that the study has."""
+    """Further profiles of the engines that each names, as far as the study has these engines."""
     include: list[Rule] = []
-    """If there are any, only trials are run that match at least one."""
+    """If not empty, only trials are run that match at least one rule."""
     exclude: list[Rule] = []
-    """Trials that match one of these are not run."""
+    """Trials that match one of these rules are not run."""
     watch_s: float | None = Field(default=None, gt=0, le=MOST_WATCH_S)
-    """How long [s] every trial watches after its last action; as long as its scene says if it is left out."""
+    """Time [s] for which every trial watches after its last action; None: the scene's."""
     limits: Limits = Limits()
 
+    def has_same_plan(self, other: Study) -> bool:
+        """Return whether both studies plan the same trials: the description is prose."""
+        return self.model_copy(update={"description": other.description}) == other
+
     def set_ups(self) -> list[tuple[str, str]]:
-        """Every engine with every profile that it is to be run with, each once."""
+        """Return every engine with each of its profiles, once."""
         plain = [(engine, profile) for profile in self.profiles for engine in self.engines]
         swept = [
             (engine, profile)
@@ -206,7 +210,7 @@ class Study(_Model):
         return list(dict.fromkeys(plain + swept))
 
     def admits(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
-        """Whether the rules let such a trial be run."""
+        """Return whether the rules admit such a trial."""
         named = (engine, profile, policy, scenario)
         included = not self.include or any(rule.matches(*named) for rule in self.include)
         return included and not any(rule.matches(*named) for rule in self.exclude)
@@ -248,15 +252,15 @@ _SCENARIO_PARTS: Mapping[str, type[BaseModel]] = {"tolerance": Tolerance, "bisec
 
 
 def study_names() -> list[str]:
-    """Names of the studies that come with the suite."""
+    """Return the names of the studies of the suite."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
 def load_study(name: str) -> Study:
-    """The study that comes with the suite under this name, or that lies in the TOML file ``name``.
+    """Return the study of the suite with this name, or of the TOML file ``name``.
 
     Raises:
-        UnknownNameError: if there is neither.
+        UnknownNameError: if neither exists.
         StudyError: if the file is no valid study.
         EngineNotInstalledError: if the package of one of its engines is missing.
     """
@@ -276,10 +280,10 @@ def load_study(name: str) -> Study:
 
 
 def check_study(content: Mapping[str, object], source: str) -> Study:
-    """A study from its fields; ``source`` tells in errors where they come from.
+    """Return a study from its fields; ``source`` names their origin in errors.
 
     Raises:
-        StudyError: naming the source, the field and what may stand there.
+        StudyError: for an invalid field; the message names the source, the field and its allowed values.
         EngineNotInstalledError: if the package of one of its engines is missing.
     """
     try:
@@ -291,7 +295,7 @@ def check_study(content: Mapping[str, object], source: str) -> Study:
 
 def _complaint(detail: Mapping[str, Any]) -> str:
     location = detail["loc"]
-    if location[2:3] == ("parameters",) and len(location) > 4:  # a union: one complaint for each of its kinds
+    if location[2:3] == ("parameters",) and len(location) > 4:  # a union has one error for each of its members
         return f"field '{field_name(location[:4])}': must be a number, a text, or a list of these"
     field = field_name(location)
     if detail["type"] == "extra_forbidden":

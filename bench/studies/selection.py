@@ -1,4 +1,4 @@
-"""A study as the command line narrows or changes it."""
+"""Selections: a study as narrowed or changed by the command line."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _HOUR_S = 3600.0
 _USUAL_WATCH_S = 5.0
 """How long [s] scenes watch that do not say otherwise."""
 OWN = ".toml"
-"""How the name of a scene of one's own ends: a file of bricks."""
+"""Suffix of the file with a user's own scene."""
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """What the command line asks for; what is empty or None stays as the study has it."""
+    """The choices of the command line; an empty field or None keeps the study's value."""
 
     engines: Sequence[str] = ()
     scenarios: Sequence[str] = ()
@@ -33,11 +33,11 @@ class Selection:
 
 
 def selected(study: Study, selection: Selection) -> Study:
-    """The study with the selection in place of its own; a chosen scenario keeps the study's parameters, if it has any.
+    """Return the study with the selection applied; a selected scenario keeps the study's parameters, if any.
 
     Raises:
         UnknownNameError: for a name that does not exist.
-        StudyError: for a combination that cannot be run, such as a profile that an engine does not have.
+        StudyError: for an impossible combination, such as a profile that an engine does not have.
         EngineNotInstalledError: if the package of one of the engines is missing.
     """
     for engine in selection.engines:
@@ -67,12 +67,12 @@ def selected(study: Study, selection: Selection) -> Study:
 
 
 def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
-    """The fields of a study that watches for so long [s]."""
+    """Return the fields of a study that watches for ``watch_s`` [s]."""
     longer = max(1.0, watch_s / (study.watch_s or _USUAL_WATCH_S))
     limits = study.limits.model_dump()
     return {"watch_s": watch_s, "limits": limits | {"trial_wall_s": limits["trial_wall_s"] * longer}}
 
 
 def _plain(name: str) -> dict[str, Any]:
-    """A scenario of which the study has no parameters: as it is, or out of a file."""
+    """Return a scenario for which the study has no parameters: with its defaults, or from a file."""
     return {"name": "own_scene", "parameters": {"file": name}} if name.endswith(OWN) else {"name": name}

@@ -1,4 +1,4 @@
-"""Write a resolved study as TOML, as a results folder keeps it."""
+"""Write a resolved study as TOML, for a results folder."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bench.studies.tolerance import Tolerance
 
 
 def to_toml(study: Study) -> str:
-    """The resolved study. TOML writes strings, numbers and flat lists as JSON does, and nothing for what is not set."""
+    """Return the study as TOML, which writes strings, numbers and flat lists as JSON does, and omits unset fields."""
     content = study.model_dump()
     scenarios, limits = content.pop("scenario"), content.pop("limits")
     rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}
@@ -31,7 +31,7 @@ def to_toml(study: Study) -> str:
 
 
 def _set_tolerances(tolerance: Mapping[str, Any]) -> dict[str, Any]:
-    """Those that differ from their defaults."""
+    """Return the tolerances that differ from their defaults."""
     usual = Tolerance().model_dump()
     return {name: value for name, value in tolerance.items() if value != usual[name]}
 

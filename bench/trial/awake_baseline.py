@@ -1,7 +1,7 @@
 """Time the same standing stack without the extension: the baseline, all awake.
 
-Comparing two runs would compare two stacks: the one without the extension has often fallen by then. So the stack that
-the extension built is put, at its actual poses, into a fresh world in which every brick is awake.
+Comparing two runs would compare two stacks, because the stack without the extension has often fallen by then. So the
+stack that the extension built is loaded, at its actual poses, into a fresh world in which every brick is awake.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from bench.trial.stepping import PlainFrames
 from scenarios.model import World
 
 WARM_UP_FRAMES = 2
-"""The first frame builds the engine's caches, the second starts from the contacts that the first one found."""
+"""Warm-up frames: the first builds the engine's caches, the second starts from the contacts of the first."""
 TIMED_FRAMES = 60
 """Frames to be timed: a second of the stack."""
 LEAST_FRAMES = 10
-"""Fewer frames than this are no measurement."""
+"""Fewest frames that count as a measurement."""
 MOST_WORLDS = 20
-"""A tall stack falls within some frames of waking: it is put up anew so often, lest few frames decide."""
+"""Most worlds to open: a tall stack falls within some frames of waking, so it is loaded again to time more frames."""
 MOST_WALL_S = 20.0
-"""Wall time [s] after which no further frame is begun: a slow engine must not spend its trial's time limit here."""
+"""Wall time [s] after which no further frame starts, so that a slow engine does not spend its trial's limit here."""
 HIGHEST_LEVEL = 25
-"""The paper's height: all ratios of taller stacks are taken at it."""
+"""The paper's height: the ratio of a taller stack is taken at this level."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class BaselineTime:
 
 
 def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> BaselineTime:
-    """Mean frame time [ms] of the stack while it stands in fresh worlds of the engine alone."""
+    """Return mean frame time [ms] of the stack while it stands in fresh worlds of the engine alone."""
     times_ms: list[float] = []
     deadline = perf_counter() + MOST_WALL_S
     for _ in range(MOST_WORLDS):
@@ -51,7 +51,7 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
         if len(times_ms) == TIMED_FRAMES or perf_counter() > deadline:
             break
     if len(times_ms) < LEAST_FRAMES:
-        why = "is too slow" if perf_counter() > deadline else "fell at once, each time that it was put up"
+        why = "is too slow" if perf_counter() > deadline else "fell at once in each fresh world"
         return BaselineTime(None, f"the awake stack {why}: too few frames to time")
     return BaselineTime(statistics.fmean(times_ms))
 
@@ -69,7 +69,7 @@ def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simu
 def _time_while_it_stands(
     engine: str, profile: str, world: World, stack: Snapshot, wanted: int, deadline: float
 ) -> list[float]:
-    """Times [ms] of up to ``wanted`` frames after the warm-up, as long as every brick is in place."""
+    """Return the times [ms] of up to ``wanted`` frames after the warm-up, as long as every brick is in place."""
     plan = Plan.of(stack.bricks)
     simulation = open_awake(engine, profile, world, stack)
     try:

@@ -18,16 +18,16 @@ from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
-"""How long [s] before it is pushed or pulled a brick is held: the extension wakes it in the frame after it is told."""
+"""Time [s] for which a brick is held before it is pushed or pulled: the extension unfreezes it in the next frame."""
 _EARLY_S = 1e-9
-"""An action is due if it lies no more than this [s] ahead: frame times are rounded sums."""
+"""Time [s] by which an action may lie ahead and still be due, because frame times are rounded sums."""
 
 
 class Builder:
-    """Carries out a scene's actions on a simulation, each in the frame in which it is due."""
+    """Carries out a scene's actions on a simulation, each in its frame."""
 
     def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
-        """Build ``scene`` in an empty ``simulation``; ``listener`` hears which bodies a user holds."""
+        """Build ``scene`` in an empty ``simulation``; ``listener`` receives the bodies that a user holds."""
         self._simulation = simulation
         self._fixed = Boxes.of(scene.world.fixed)
         self._is_poured = scene.poured
@@ -36,22 +36,22 @@ class Builder:
         self._drives = Drives(simulation)
         self._is_driving = False
         self._pending = list(reversed(scene.actions))
-        self._missing = Counter(brick.level for brick in scene.bricks)  # bricks still to come, by level
+        self._missing = Counter(brick.level for brick in scene.bricks)  # bricks not yet placed, by level
         self.bodies: list[int] = []
-        """Ids of all bricks let go so far, in the order of placement."""
-        self._planned: dict[int, Brick] = {}  # by body, of those now in the world
-        self._drop_below: dict[int, float] = {}  # by body, of those that lost their support
+        """Ids of all released bricks, in the order of placement."""
+        self._planned: dict[int, Brick] = {}  # bricks in the world, by body
+        self._drop_below: dict[int, float] = {}  # bricks that lost their support, by body
         self.placed: dict[int, float] = {}
-        """The levels that are complete, and when [s] the last brick of each was let go."""
+        """The complete levels, each with the time [s] at which its last brick was released."""
         self.level = 0
-        """The highest level of which a brick has been let go."""
+        """The highest level of which a brick has been released."""
         self.plan = Plan.of(())
-        """Of the bricks now in the world, in the order of ``Simulation.poses``."""
-        self._set_down: list[int] = []  # bodies of prebuilt stacks that nobody has asked for yet
+        """Plan of the bricks in the world, in the order of ``Simulation.poses``."""
+        self._set_down: list[int] = []  # bodies of prebuilt stacks not yet returned by ``take_set_down``
 
     @property
     def bricks(self) -> list[Brick]:
-        """The bricks now in the world as they were planned, in the order of ``Simulation.poses``."""
+        """The bricks in the world as planned, in the order of ``Simulation.poses``."""
         return list(self._planned.values())
 
     @property
@@ -71,7 +71,7 @@ class Builder:
         return bodies
 
     def act(self, time: float) -> None:
-        """Carry out all actions that are due at ``time`` [s], and go on with those that take longer."""
+        """Carry out all actions due at ``time`` [s], and continue longer ones."""
         for body in self._manipulator.pull_on(time):
             self._forget(body)
             self._plan_anew()
@@ -96,7 +96,7 @@ class Builder:
             self._follow_pulls()
 
     def _carry_out(self, action: Action, time: float) -> None:
-        """Do what is due, or begin what takes longer."""
+        """Carry out an action, or start a longer one."""
         match action:
             case Place():
                 self._place(action, time)
@@ -116,7 +116,7 @@ class Builder:
                 self._gravity.begin(action)
 
     def _follow_pulls(self) -> None:
-        """Plan every pulled brick at its actual pose: it is in place wherever it is."""
+        """Plan every pulled brick at its actual pose, so that it counts as in place."""
         bodies, position, quaternion = self._simulation.poses()
         for row, body in enumerate(bodies.tolist()):
             if body in self._manipulator.pulls:
@@ -126,12 +126,12 @@ class Builder:
         self._plan_anew()
 
     def _forget(self, body: int) -> None:
-        """Take a brick that the simulation no longer holds out of the plan."""
+        """Remove a brick that has left the simulation from the plan."""
         self._drives.forget(body)
         self._note_lost_support(self._planned.pop(body), body)
 
     def _note_lost_support(self, before: Brick, moved: int) -> None:
-        """Note the bricks that rested on one that was taken away or pulled from where it was ``before``."""
+        """Note the bricks that rested on a brick that was removed or pulled from where it was ``before``."""
         rest = {body: brick for body, brick in self._planned.items() if body != moved}
         left = [self._planned[moved]] if moved in self._planned else []
         bodies, position, _ = self._simulation.poses()
@@ -168,11 +168,11 @@ class Builder:
                 self.placed[brick.level] = time
 
     def _resting_shift(self, action: Place) -> float:
-        """Return what to add to the planned heights [m] so that the group hangs ``CLEARANCE`` above its support.
+        """Return the shift [m] of planned heights that lets the group hang ``CLEARANCE`` above its support.
 
-        The support is a fixed box or a brick of a lower level than the one that it carries. A brick that is planned
-        beside the group is none, though it may overlap it in plan by the micrometres by which it has moved; of poured
-        bricks the plan tells nothing.
+        The support is a fixed box or a brick of a lower level. A brick planned beside the group is no support, though
+        it may
+        overlap it in plan by the micrometres by which it has moved. Poured bricks do not lie where they were planned.
         """
         _, position, quaternion = self._simulation.poses()
         plan, group = self.plan, Boxes.of(action.bricks)
@@ -187,7 +187,7 @@ class Builder:
 
 
 def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick:
-    """A brick at the pose that an engine reports: position (3,) [m], quaternion (4,)."""
+    """Return a brick at the pose reported by an engine: position (3,) [m], quaternion (4,)."""
     x, y, z = position.tolist()
     w, i, j, k = quaternion.tolist()
     return replace(brick, position=(x, y, z), quaternion=(w, i, j, k))

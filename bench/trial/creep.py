@@ -1,9 +1,9 @@
-"""How fast the bricks of a finished stack creep: the slope of their positions over the last half of the watch.
+"""Measure the creep of a finished stack: the slope of its bricks' positions over the last half of the watch.
 
 The slope's interval is that of Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): Newey and West's estimator of the
 variance with a bandwidth of the whole series. Frames are not independent draws, because a brick that trembles or sways
-is where it was a frame ago; the usual interval of a regression takes them for independent and is certain of creep in
-stacks that only sway. This estimator needs no bandwidth to be chosen, and becomes wide where a series sways slowly or
+is near its place a frame ago. The usual interval of a regression assumes independence and finds creep in stacks that
+only sway. This estimator needs no bandwidth to be chosen, and becomes wide where a series sways slowly or
 its slope is not steady.
 
     t_i         times less their mean; n of them
@@ -26,12 +26,12 @@ QUANTILE = 5.78
 series of 1,000 independent numbers; 150 numbers give 5.77, 50 give 5.83. ``tests/bench/trial/test_creep.py`` repeats
 it."""
 LEAST_FRAMES = 20
-"""Fewer frames are no measurement: a third of a second."""
+"""Fewest frames that count as a measurement: a third of a second."""
 
 
 @dataclass(frozen=True, slots=True)
 class Creep:
-    """How fast bricks creep. The first three figures are those of one brick: the fastest for its thickness."""
+    """The creep of bricks. The first three figures are of the brick that is fastest for its thickness."""
 
     speed_m_s: float
     """Speed of its centre [m/s]."""
@@ -46,7 +46,7 @@ class Creep:
 
 
 class CreepMeter:
-    """Takes in the positions of the bricks after every frame; those of before ``from_s`` do not count."""
+    """Takes the positions of the bricks after every frame; positions before ``from_s`` do not count."""
 
     def __init__(self, from_s: float) -> None:
         self._from_s = from_s
@@ -54,7 +54,7 @@ class CreepMeter:
         self._positions: list[FloatArray] = []
 
     def see(self, time: float, position: FloatArray) -> None:
-        """Take in the centres [m], shape (n, 3), at the end of a frame; the array must not change later."""
+        """Take the centres [m], shape (n, 3), at the end of a frame; the array must not change later."""
         if time <= self._from_s:
             return
         if self._positions and len(position) != len(self._positions[-1]):
@@ -63,14 +63,14 @@ class CreepMeter:
         self._positions.append(position)
 
     def measure(self, thickness: FloatArray) -> Creep | None:
-        """Return how fast the bricks of these thicknesses [m], shape (n,), creep; None with too few frames."""
+        """Return the creep of bricks of these thicknesses [m], shape (n,); None with too few frames."""
         if len(self._times) < LEAST_FRAMES or not len(thickness):
             return None
         return creep_of(np.array(self._times), np.array(self._positions), thickness)
 
 
 def creep_of(time: FloatArray, position: FloatArray, thickness: FloatArray) -> Creep:
-    """Return how fast bricks creep.
+    """Return the creep of bricks.
 
     Args:
         time: ends of frames [s], shape (m,).
@@ -92,7 +92,7 @@ def creep_of(time: FloatArray, position: FloatArray, thickness: FloatArray) -> C
 
 
 def _error(time: FloatArray, moved: FloatArray, slope: FloatArray) -> float:
-    """Half width [m/s] of the 95 % interval of a brick's speed along its own direction."""
+    """Return the half width [m/s] of the 95 % interval of a brick's speed along its own direction."""
     speed = float(np.linalg.norm(slope))
     if speed == 0.0:
         return 0.0

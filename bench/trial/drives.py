@@ -1,4 +1,4 @@
-"""Bodies that the host moves: their velocities from frame to frame, and where the plan has them and what they carry."""
+"""Bodies moved by the host: their velocities in each frame, and the plans of the bricks that they carry."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from scenarios.model import Brick, Drive
 
 @dataclass(slots=True)
 class _Driving:
-    """A moved body and the velocity that it has or is being brought to."""
+    """A moved body with its present and its target velocity."""
 
     action: Drive
     start: FloatArray
-    """Velocity [m/s] and spin [rad/s] when the action began, shape (6,)."""
+    """Velocity [m/s] and spin [rad/s] at the start of the action, shape (6,)."""
     now: FloatArray
-    """The same in the present frame."""
+    """Velocity and spin in the present frame, shape (6,)."""
 
 
 class Drives:
@@ -33,23 +33,23 @@ class Drives:
         self._driven: dict[int, _Driving] = {}
 
     def is_changing(self, time: float) -> bool:
-        """True while a body has not yet the velocity that it is brought to."""
+        """Return True while a body has not reached its target velocity."""
         return any(time < driving.action.until for driving in self._driven.values())
 
     def begin(self, body: int, action: Drive) -> None:
-        """Begin to bring a body to a velocity."""
+        """Start to accelerate a body to a velocity."""
         before = self._driven.get(body)
         start = np.zeros(6) if before is None else before.now
         self._driven[body] = _Driving(action, start, start)
 
     def forget(self, body: int) -> None:
-        """A body left the world."""
+        """Drop a body that left the world."""
         self._driven.pop(body, None)
 
     def go_on(self, time: float, planned: Mapping[int, Brick]) -> dict[int, Brick]:
-        """Drive on for the frame that begins at ``time`` [s]; return the bricks whose plan moves, by body.
+        """Drive for the frame that starts at ``time`` [s]; return the bricks whose plan moves, by body.
 
-        The velocity is that of the middle of the frame, so that an even acceleration covers its exact distance.
+        The velocity is that of the middle of the frame, so that a uniform acceleration covers its exact distance.
         """
         frame_s = self._simulation.info.frame_s
         changed: dict[int, Brick] = {}
@@ -70,7 +70,7 @@ class Drives:
 def _moved(
     bodies: list[int], planned: Mapping[int, Brick], linear: FloatArray, angular: FloatArray, seconds: float
 ) -> dict[int, Brick]:
-    """Return the planned bricks after ``seconds`` on a platform, the first of ``bodies``, that moves as given."""
+    """Return the planned bricks after ``seconds`` on a moving platform, the first of ``bodies``."""
     center = np.array(planned[bodies[0]].position)
     turn = advanced(center, np.array((1.0, 0.0, 0.0, 0.0)), linear, angular, seconds)[1]
     moved = {}

@@ -1,4 +1,4 @@
-"""Gravity that turns while a scene is played: the simulation and the extension hear of it in the same frame."""
+"""Turning gravity: simulation and extension receive the new vector in the same frame."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ class TurningGravity:
 
     simulation: Simulation
     notify: Callable[[Vector], None]
-    """Is called with every new gravity [m/s2]."""
+    """Called with every new gravity [m/s2]."""
     tilts: list[tuple[Tilt, Vector]] = field(default_factory=list)
-    """Those that go on, each with the gravity with which it began."""
+    """Tilts in progress, each with the gravity at its start."""
 
     def begin(self, tilt: Tilt) -> None:
-        """Begin to turn gravity, from where the tilts before leave it by then."""
+        """Start to turn gravity, from where earlier tilts leave it."""
         self.turn_on(tilt.time)
         self.tilts.append((tilt, self.simulation.world.gravity))
 
     def turn_on(self, time: float) -> None:
-        """Set gravity for the frame that begins at ``time`` [s]; end the tilts that are over."""
+        """Set gravity for the frame that starts at ``time`` [s]; end the tilts that are over."""
         for tilt, start in self.tilts:
             angle = math.radians(tilt.speed) * min(time - tilt.time, tilt.seconds)
             gravity = turned(start, tilt.axis, -angle)

@@ -15,7 +15,7 @@ def verdict(
     *,
     creeps: bool = False,
 ) -> Verdict:
-    """Was the outcome what theory demands?
+    """Return the verdict on an outcome.
 
     Standing is right if the trial ran to its end and no brick creeps; falling is right only at the level itself, not
     before it is due and not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its
@@ -32,7 +32,7 @@ def verdict(
             return "false_collapse"
         return "creeps" if creeps else "right"
     if expectation.level is None:
-        raise ValueError("a scene that must fall names the level at which it does")
+        raise ValueError("an expectation to fall needs a level")
     if collapse_level is None or collapse_level > expectation.level:
         return "false_stand"
     is_early = collapse_s is not None and collapse_s < expectation.not_before_s
@@ -44,7 +44,7 @@ def verdict(
 
 
 def _is_late(expectation: Expectation, collapse_s: float | None) -> bool:
-    """Tell whether a fall came later than theory allows: until then something held the stack."""
+    """Return whether a fall came later than theory allows, so that something held the stack."""
     if expectation.within_s is None or collapse_s is None:
         return False
     return collapse_s > expectation.not_before_s + expectation.within_s

@@ -1,4 +1,4 @@
-"""Act on bricks as a user does: hold, strike, press and pull them; the extension hears which are held."""
+"""Act on bricks as a user does: hold, strike, press and pull them; the listener receives which are held."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from scenarios.model import Press, Pull, Vector
 
 
 class Listener(Protocol):
-    """Who must know what a user holds: the stability extension, or nobody."""
+    """Receives the bodies that a user holds: the stability extension, or a stub."""
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """A user holds ``bodies``."""
+        """Note that a user holds ``bodies``."""
 
     def release(self, bodies: Sequence[int]) -> None:
-        """The user let ``bodies`` go."""
+        """Note that the user released ``bodies``."""
 
     def turn_gravity(self, gravity: Vector) -> None:
-        """Gravity [m/s2] has changed."""
+        """Note that gravity [m/s2] has changed."""
 
 
 @dataclass(slots=True)
 class _Pulling:
-    """A pull that goes on."""
+    """A pull in progress."""
 
     until: float
-    """When it ends [s]."""
+    """End [s]."""
     velocity: FloatArray
-    """Velocity that the user wants [m/s], shape (2,)."""
+    """Velocity wanted by the user [m/s], shape (2,)."""
     speed: FloatArray
-    """What it gives the brick at the beginning of a frame [m/s], shape (2,): as much more as friction takes away."""
+    """Velocity given to the brick at the start of a frame [m/s], shape (2,): larger by the loss to friction."""
     position: FloatArray
-    """Where the brick was a frame ago [m], shape (2,)."""
+    """Position of the brick a frame ago [m], shape (2,)."""
 
 
 class Manipulator:
@@ -48,29 +48,29 @@ class Manipulator:
         self._listener = listener
         self._held: set[int] = set()
         self.pulls: dict[int, _Pulling] = {}
-        """The pulls that go on, by body."""
+        """Pulls in progress, by body."""
         self.presses: dict[int, float] = {}
-        """When [s] each press that goes on ends, by body."""
+        """End [s] of each press in progress, by body."""
 
     def hold(self, body: int) -> None:
-        """Take hold of a body: it stays live, and what rests on it is looked at again."""
+        """Hold a body: it stays live, and the bodies that rest on it are judged again."""
         if body not in self._held:
             self._held.add(body)
             if self._listener is not None:
                 self._listener.disturb((body,))
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body with an ``impulse`` [N s] and let it go."""
+        """Strike a body with an ``impulse`` [N s] and release it."""
         self._simulation.push(body, impulse)
         self._let_go(body)
 
     def press(self, body: int, action: Press) -> None:
-        """Begin to press on a body."""
+        """Start to press on a body."""
         self._simulation.apply_force(body, action.force)
         self.presses[body] = action.until
 
     def press_on(self, time: float) -> None:
-        """Let go of the bodies whose press is over at ``time`` [s]."""
+        """Release the bodies whose press is over at ``time`` [s]."""
         for body in [body for body, until in self.presses.items() if time >= until]:
             del self.presses[body]
             self._simulation.apply_force(body, (0.0, 0.0, 0.0))
@@ -83,14 +83,14 @@ class Manipulator:
                 self._listener.release((body,))
 
     def pull(self, body: int, action: Pull) -> None:
-        """Begin to pull a body."""
+        """Start to pull a body."""
         wanted = np.array(action.velocity)
         self.pulls[body] = _Pulling(action.until, wanted, wanted, self._place(body))
 
     def pull_on(self, time: float) -> list[int]:
-        """Pull for one more frame, from ``time`` [s]; take away those whose pull has ended, and tell which.
+        """Pull for one more frame, from ``time`` [s]; remove the bodies whose pull has ended, and return them.
 
-        A strike a frame, as strong as it takes: where the brick stayed behind in the last frame, a stronger one.
+        Each frame applies one impulse. Its strength grows if the brick stayed behind in the last frame.
         """
         frame_s = self._simulation.info.frame_s
         for body, pulling in self.pulls.items():
@@ -109,7 +109,7 @@ class Manipulator:
         return ended
 
     def _place(self, body: int) -> FloatArray:
-        """Where a body is in x and y [m], shape (2,)."""
+        """Return the position of a body in x and y [m], shape (2,)."""
         bodies, position, _ = self._simulation.poses()
         place: FloatArray = position[bodies == body][0, :2].copy()
         return place

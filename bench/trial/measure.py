@@ -1,8 +1,7 @@
-"""Is it still standing, and how well? Pure functions of planned and actual poses.
+"""Measure whether a stack stands, and how well: pure functions of planned and actual poses.
 
-A brick is in place while it lies within a plank's thickness sideways of where it was let go and within
-15 degrees of tilt, and its level has not sunk by half a thickness into the level below. Four kinds of collapse
-are told apart:
+A brick is in place while it lies within a plank's thickness sideways of its release position and within 15 degrees of
+tilt, and its level has not sunk by half a thickness into the level below. There are four kinds of collapse:
 
 - topple: a brick turned by more than 15 degrees;
 - slide: a brick moved sideways by more than its thickness;
@@ -29,19 +28,19 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 TILT_LIMIT = falling.TILT_LIMIT
-"""Angle [rad] off its plan from which a brick has toppled."""
+"""Angle [rad] from the plan beyond which a brick has toppled."""
 SLIDE_LIMIT = falling.SLIDE_LIMIT
-"""Distance sideways of its plan from which a brick has slid, in thicknesses."""
+"""Horizontal distance from the plan beyond which a brick has slid, in thicknesses."""
 SINK_LIMIT = 0.5
 """Relative sink between neighbouring levels, in thicknesses of a brick."""
 DROP_LIMIT = 1.0
-"""Relative sink beyond which a brick that overlaps nothing has dropped, in thicknesses: a level that sank so far into
-the level below would overlap it by as much."""
+"""Relative sink beyond which a brick that overlaps nothing has dropped, in thicknesses: a level that sank so far would
+overlap the level below by as much."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Where a set of bricks ought to be; row i of every array belongs to brick i."""
+    """Planned poses of a set of bricks; row i of every array belongs to brick i."""
 
     position: FloatArray
     """Planned centres [m], shape (n, 3)."""
@@ -57,7 +56,7 @@ class Plan:
 
     @classmethod
     def of(cls, bricks: Sequence[Brick]) -> Plan:
-        """The plan of bricks as a scene tells it."""
+        """Return the plan of a scene's bricks."""
         return cls(
             np.array([brick.position for brick in bricks], np.float64).reshape(-1, 3),
             np.array([brick.quaternion for brick in bricks], np.float64).reshape(-1, 4),
@@ -75,7 +74,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """Which bricks are out of place, and how; boolean arrays of shape (n,)."""
+    """Bricks out of place, by kind; masks of shape (n,)."""
 
     topple: BoolArray
     slide: BoolArray
@@ -84,12 +83,12 @@ class Faults:
 
     @property
     def any(self) -> BoolArray:
-        """Out of place in whichever way."""
+        """Mask of the bricks out of place in any way."""
         return self.topple | self.slide | self.drop | self.sink
 
     @property
     def kind(self) -> CollapseKind | None:
-        """The gravest way in which a brick is out of place; None if all are in place."""
+        """The gravest kind of displacement; None if all bricks are in place."""
         if self.topple.any():
             return "topple"
         if self.slide.any():
@@ -100,14 +99,14 @@ class Faults:
 
 
 def sideways(plan: Plan, position: FloatArray) -> FloatArray:
-    """Horizontal distance [m] of each brick from where it was let go, shape (n,)."""
+    """Return the horizontal distance [m] of each brick from its release position, shape (n,)."""
     offset = position[:, :2] - plan.position[:, :2]
     distance: FloatArray = np.hypot(offset[:, 0], offset[:, 1])
     return distance
 
 
 def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
-    """Angle [rad] by which the vertical of each brick has turned from its plan, shape (n,); yaw is no tilt."""
+    """Return the angle [rad] of each brick's vertical to its plan, shape (n,); yaw is no tilt."""
     w, x, y, z = quaternion.T
     pw, px, py, pz = plan.quaternion.T
     # vector part of q * conj(planned): only its horizontal components turn the vertical
@@ -118,10 +117,11 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
 
 
 def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
-    """How far [m] each brick's level has sunk into the level below, shape (n,); the ground does not sink.
+    """Return how far [m] each brick's level has sunk into the level below, shape (n,); the ground does not sink.
 
-    The mean of a level is compared: a tower that leans as one lowers one side of a level and lifts the other,
-    and that is a lean, not a sink.
+    The mean of a level is compared, because a tower that leans as one lowers one side of a level and lifts the other,
+    which
+    is no sink.
     """
     if not len(position):
         return np.empty(0)
@@ -137,7 +137,7 @@ def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
 
 
 def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
-    """Which bricks are out of place, and how."""
+    """Return the bricks out of place, by kind."""
     thickness = plan.thickness
     sunk = relative_sink(plan, position)
     return Faults(
@@ -149,9 +149,9 @@ def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
 
 
 def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
-    """Find the bricks that lie more than a thickness too low and yet inside nothing, shape (n,).
+    """Return the bricks that lie more than a thickness too low and overlap nothing, shape (n,).
 
-    A brick that passed through the level below, or through the ground, counts as inside it.
+    A brick that passed through the level below, or through the ground, counts as overlapping it.
     """
     fallen = sunk > DROP_LIMIT * plan.thickness
     if not fallen.any():
@@ -166,19 +166,19 @@ def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk:
 
 
 def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
-    """True while every brick is in place."""
+    """Return True while every brick is in place."""
     return not faults(plan, position, quaternion).any.any()
 
 
 def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]) -> int:
-    """The highest of the ``landed`` levels that is in place together with every level below it; 0 if none."""
+    """Return the highest of the ``landed`` levels that is in place together with every level below it; 0 if none."""
     broken = plan.level[out_of_place]
     reach = int(broken.min()) - 1 if len(broken) else math.inf
     return max((level for level in landed if level <= reach), default=0)
 
 
 def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) -> float:
-    """Height [m] of the highest corner of a level's bricks."""
+    """Return the height [m] of the highest corner of a level's bricks."""
     of_level = plan.level == level
     w, x, y, z = quaternion[of_level].T
     third_row = np.abs(np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1))
@@ -187,7 +187,7 @@ def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) ->
 
 
 def sink(plan: Plan, position: FloatArray, level: int) -> float:
-    """How far [m] a level's bricks lie below their ideal height, on average."""
+    """Return how far [m] a level's bricks lie below their ideal height, on average."""
     of_level = plan.level == level
     return float((plan.position[of_level, 2] - position[of_level, 2]).mean())
 

@@ -1,4 +1,4 @@
-"""Monitor a stack on ground that tilts: at which slope something first moves, and what the engine's contacts allow."""
+"""Monitor a stack on tilting ground: the slope of the first motion, and the limit of the engine's contacts."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _EARLY_S = 1e-9
 
 
 class OnsetMonitor:
-    """Takes in the poses after every frame."""
+    """Takes the poses after every frame."""
 
     def __init__(self, scene: Scene, simulation: Simulation, *, is_alone: bool) -> None:
-        """Prepare to watch.
+        """Prepare to monitor.
 
         Args:
-            scene: with at least one ``Tilt``.
-            simulation: in which it is played.
-            is_alone: whether no extension freezes bricks, so that the engine's own contacts can be read.
+            scene: a scene with at least one ``Tilt``.
+            simulation: the simulation that plays it.
+            is_alone: True without an extension, so that the engine's own contacts can be read.
         """
         self._scene, self._simulation = scene, simulation
         self._first: Tilt = next(action for action in scene.actions if isinstance(action, Tilt))
@@ -41,7 +41,7 @@ class OnsetMonitor:
         """Slope [deg] of the ground in the frame in which a brick had first moved."""
 
     def see(self, time: float, position: FloatArray, quaternion: FloatArray) -> None:
-        """Take in one frame, which ended at ``time`` [s]."""
+        """Take one frame, which ended at ``time`` [s]."""
         if time <= self._first.time + _EARLY_S:
             self._rest = position, quaternion
             if self._contacts is not None:

@@ -1,4 +1,4 @@
-"""The contacts that an engine itself shows of a stack at rest: at which slope they give way, and the ridge's normal."""
+"""The engine's own contacts of a stack at rest: the slope at which they give way, and the normal at a ridge."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from scenarios.statics.force_balance import solve_balance
 from stability_core import Contacts
 
 TOUCHING = 20e-6
-"""Gap [m] up to which planks touch."""
+"""Gap [m] up to which planks count as touching."""
 STEEPEST = 45.0
-"""Slope [deg] up to which a limit is sought."""
+"""Greatest slope [deg] of the search."""
 PRECISION = 1e-3
-"""To which it is sought [deg]."""
+"""Tolerance of the search [deg]."""
 DIFFERENT = math.radians(1.0)
-"""Angle [rad] between the ridge conventions from which two planks meet at a ridge."""
+"""Angle [rad] between both ridge conventions above which two planks meet at a ridge."""
 
 
 class OwnContacts:
-    """The contacts that an engine last showed of each pair of bodies."""
+    """The latest contacts of each pair of bodies."""
 
     def __init__(self) -> None:
         self._pairs: dict[tuple[int, int], list[Patch]] = {}
 
     def see(self, contacts: Contacts) -> None:
-        """Take over the contacts of the latest step; pairs that are no longer listed keep those that they had."""
+        """Take the contacts of the latest step; pairs that are no longer listed keep their former contacts."""
         touching = contacts.chosen(contacts.separation <= TOUCHING)
         now: dict[tuple[int, int], list[Patch]] = {}
         rows = zip(touching.body_a.tolist(), touching.body_b.tolist(), touching.point, touching.normal, strict=True)
@@ -42,7 +42,7 @@ class OwnContacts:
 
     @property
     def patches(self) -> list[Patch]:
-        """One patch a contact point."""
+        """One patch per contact point."""
         return [patch for pair in self._pairs.values() for patch in pair]
 
     def ridge_deg(self, bricks: Sequence[Brick]) -> float | None:
@@ -75,9 +75,9 @@ def limit_slope(
     Args:
         bricks: their masses count.
         world: its friction, and its gravity on level ground.
-        axis: about which the ground turns; see ``scenarios.model.Tilt``.
-        patches: where bodies touch.
-        centers: of the bricks [m], shape (n, 3).
+        axis: axis of the tilt; see ``scenarios.model.Tilt``.
+        patches: contact patches.
+        centers: centres of the bricks [m], shape (n, 3).
     """
     mass = np.array([brick.mass for brick in bricks])
     length = float(np.mean([max(brick.size) for brick in bricks]))

@@ -1,6 +1,6 @@
-"""Monitor a poured pile: when it came to rest, how high and how steep it is, how far it sinks and creeps.
+"""Monitor a poured pile: when it came to rest, its height and slope, its sink and creep.
 
-Stands in for ``StackMonitor`` where bricks find their own places, and nothing could be called a collapse.
+Replaces ``StackMonitor`` for bricks without planned places, which cannot collapse.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from bench.trial.stack_monitor import Standing
 from scenarios.geometry import Boxes
 
 MOVING_M_S = 10e-3
-"""A brick whose centre is faster than this [m/s] is not at rest: what creeps is slower, what tumbles faster."""
+"""Speed of a brick's centre [m/s] above which it is not at rest: creep is slower, tumbling faster."""
 HALF_BELOW = 1 - 0.5 ** (1 / 3)
-"""Half of a cone's volume lies below this share of its height; and half of it within half its radius."""
+"""Share of a cone's height below which half of its volume lies; half of the volume lies within half the radius."""
 
 
 def slope_deg(position: FloatArray) -> float | None:
-    """Angle of repose [deg] of a pile of equal bricks: that of the cone with the same median height and radius.
+    """Return the angle of repose [deg] of a pile of equal bricks: of the cone with the same median height and radius.
 
-    Medians, so that a brick which rolled away changes nothing. None if all lie at one spot.
+    Medians are used, so that a brick that rolled away changes nothing. None if all lie at one spot.
 
     Args:
         position: their centres [m], shape (n, 3).
@@ -36,15 +36,15 @@ def slope_deg(position: FloatArray) -> float | None:
 
 
 class PileMonitor:
-    """Takes in the poses after every frame. Everything here is simulated time."""
+    """Takes the poses after every frame. All times are simulated."""
 
     collapse = None
-    """No brick has a place that it could leave."""
+    """None, because no brick has a planned place."""
     is_over = False
-    """A pile is always watched to the end."""
+    """False, because a pile is always watched to the end."""
 
     def __init__(self, last_action_s: float, watch_from_s: float, creep_from_s: float) -> None:
-        """Watch how a pile sinks and creeps.
+        """Start to measure sink and creep of a pile.
 
         Args:
             last_action_s: when [s] the last brick is poured.
@@ -63,9 +63,9 @@ class PileMonitor:
 
     @property
     def standing(self) -> Standing | None:
-        """The pile as it was last seen; None if nothing was poured.
+        """The pile as last seen; None if nothing was poured.
 
-        Its level is the number of bricks that were poured, its sink that of their mean height while it is watched.
+        Its level is the number of poured bricks, its sink that of their mean height during watching.
         """
         if self._latest is None or not len(self._latest[1]):
             return None
@@ -86,12 +86,12 @@ class PileMonitor:
 
     @property
     def creep(self) -> Creep | None:
-        """How fast its bricks creep; None if it was not watched so long."""
+        """Creep of its bricks; None if it was not watched long enough."""
         return self._creep.measure(self._plan.thickness)
 
     @property
     def rest_s(self) -> float | None:
-        """How long [s] after the last action a brick was last seen moving; None if one still moved at the end."""
+        """Time [s] after the last action at which a brick was last seen moving; None if one still moved at the end."""
         if self._latest is None or self._moved_s >= self._latest[0]:
             return None
         return max(0.0, self._moved_s - self._last_action_s)
@@ -99,7 +99,7 @@ class PileMonitor:
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
     ) -> None:
-        """Take in one frame, as ``StackMonitor.see`` does; each brick is a level of its own."""
+        """Take one frame, as ``StackMonitor.see`` does; each brick is a level of its own."""
         if self._latest is not None and len(self._latest[1]) == len(position):
             before, was = self._latest
             if measure.fastest(was, position, time - before) > MOVING_M_S:

@@ -1,4 +1,4 @@
-"""Plays one scene on one engine, frame by frame, until it is built and watched, has collapsed or must be stopped."""
+"""Play one scene on one engine, frame by frame, until it is built and watched, has collapsed or must be stopped."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from reports.records.trial import Status
 from scenarios.model import Brick, Scene, Tilt
 
 SEATING_S = 1.0
-"""The last brick's share of time [s], as every other has a second before the next one comes; watching starts then.
+"""Time [s] for the last brick to settle before watching starts, as every other brick has a second before the next one.
 Times the scene's pace."""
 CREEP_SHARE = 0.5
 """Share of the watch that is left out of the measurement of creep, because a stack still settles in it."""
 _ROUNDING_S = 1e-9
-"""Frame times are rounded sums [s]."""
+"""Rounding [s] of frame times, which are sums."""
 
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a trial has got."""
+    """Progress of a trial."""
 
     level: int
     levels: int
@@ -45,10 +45,10 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A stack just before the next level is begun."""
+    """A stack just before the next level starts."""
 
     bricks: Sequence[Brick]
-    """As planned."""
+    """The bricks as planned."""
     position: FloatArray
     """Actual centres [m], shape (n, 3)."""
     quaternion: FloatArray
@@ -56,7 +56,7 @@ class Snapshot:
 
 
 class Playback:
-    """One run. What it has seen is there to be read also if it ends by an exception."""
+    """One run. Its measurements can be read also if it ends by an exception."""
 
     def __init__(
         self,
@@ -64,27 +64,27 @@ class Playback:
         simulation: Simulation,
         policy: str | None,
         wall_limit_s: float,
-        tell: Callable[[Progress], None],
+        on_progress: Callable[[Progress], None],
         *,
         audits_forces: bool = False,
     ) -> None:
         """Prepare to play ``scene`` in an empty ``simulation``.
 
         Args:
-            scene: what to build.
+            scene: the scene to build.
             simulation: an empty world.
-            policy: of the core; None for the engine alone.
+            policy: policy of the core; None for the engine alone.
             wall_limit_s: wall time [s] after which to stop.
-            tell: is called with the progress after every frame.
-            audits_forces: whether to read contact forces while the finished stack is watched; of an engine alone, for
-                nothing tells what a frozen brick bears.
+            on_progress: called with the progress after every frame.
+            audits_forces: True to read contact forces while the finished stack is watched; of an engine alone, because
+                engines report no force on a frozen brick.
         """
         self._scene = scene
         self._simulation = simulation
         self.is_steered = policy is not None
         self._frames = PlainFrames(simulation) if policy is None else SteeredFrames(simulation, policy)
         self._wall_limit_s = wall_limit_s
-        self._tell = tell
+        self._on_progress = on_progress
         self._last_action_s = scene.done_s
         self._seated_s = self._last_action_s + SEATING_S * scene.pace
         self._hash = blake2b(digest_size=16)
@@ -106,7 +106,7 @@ class Playback:
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
-        """By level: the stack when it was complete, just before the next one was begun."""
+        """The stack of each complete level, just before the next level started."""
         self.adopted: int | None = None
         """Bodies of prebuilt stacks frozen before the first step; None without an extension or a prebuilt stack."""
 
@@ -121,7 +121,7 @@ class Playback:
         return self._hash.hexdigest()
 
     def run(self) -> Status:
-        """Play to the end; returns how it ended.
+        """Play to the end; return how it ended.
 
         A stack that still stands when a frame ends after the limit has timed out, even if that frame was the last.
         """
@@ -140,17 +140,17 @@ class Playback:
                 return "completed" if self.monitor.collapse is None else "collapsed"
 
     def frames_of(self, level: int) -> list[FrameRow]:
-        """The frames in which ``level`` was placed, each brick's second included."""
+        """Return the frames in which ``level`` was placed, including each brick's second."""
         until = self._seated_s + _ROUNDING_S
         return [row for row in self.rows if row.level == level and row.time_s <= until]
 
     def _adopt(self, bodies: Sequence[int]) -> None:
-        """Let the extension, if there is one, judge a prebuilt stack before the next step."""
+        """Let the extension, if any, judge a prebuilt stack before the next step."""
         if bodies and isinstance(self._frames, SteeredFrames):
             self.adopted = (self.adopted or 0) + len(self._frames.adopt(bodies))
 
     def _play_frame(self) -> bool:
-        """One frame, recorded and monitored; False if the poses are no longer finite."""
+        """Play, record and monitor one frame; return False if the poses are no longer finite."""
         begin = self.simulated_s
         times, steering = self._frames.play()
         self.rows.append(self._row(times, steering))
@@ -160,7 +160,7 @@ class Playback:
             return False
         self._hash.update(np.ascontiguousarray(position, np.float64).tobytes())
         self._hash.update(np.ascontiguousarray(quaternion, np.float64).tobytes())
-        position, quaternion = position.copy(), quaternion.copy()  # an engine may hand out its own memory
+        position, quaternion = position.copy(), quaternion.copy()  # an engine may return views of its memory
         self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
         builder = self.builder
         self.monitor.see(now, builder.plan, position, quaternion, builder.placed)
@@ -176,7 +176,7 @@ class Playback:
             self.sleep_stats.see(begin, now, bodies.tolist(), steering.frozen, steering.woken)
         if now <= self._seated_s + _ROUNDING_S:
             self.at_level[builder.level] = Snapshot(builder.bricks, position, quaternion)
-        self._tell(Progress(builder.level, self._scene.levels, len(bodies), now))
+        self._on_progress(Progress(builder.level, self._scene.levels, len(bodies), now))
         return True
 
     def _row(self, times: FrameTimes, steering: Steering | None) -> FrameRow:
@@ -200,5 +200,5 @@ class Playback:
             port_ms=times.port * 1e3,
             frozen=len(steering.frozen),
             woken=len(steering.woken),
-            woken_because=steering.told,
+            woken_because=steering.summary,
         )

@@ -1,4 +1,4 @@
-"""One trial, from opening the engine to the record that it leaves behind."""
+"""Run one trial, from opening the engine to its record."""
 
 from __future__ import annotations
 
@@ -32,27 +32,27 @@ from scenarios.placement_noise import NoRoomError
 from stability_core import warm_up
 
 _BROKEN: tuple[Status, ...] = ("error", "crashed")
-"""Ends of a trial after which its engine is not opened again to time the awake stack."""
+"""Statuses after which the engine is not opened again to time the awake stack."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a trial leaves behind."""
+    """The results of a trial."""
 
     record: TrialRecord
     frames: list[FrameRow]
     recording: Recording | None = None
-    """Where its bricks were; None if it was never opened."""
+    """Recorded poses; None if the engine was never opened."""
 
 
-def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Progress], None]) -> Outcome:
-    """Run one trial in this process. An engine's failure is an outcome, never an exception.
+def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Callable[[Progress], None]) -> Outcome:
+    """Run one trial in this process. A failure of the engine is an outcome, never an exception.
 
     Args:
-        trial: what to run.
-        limits: when to stop.
+        trial: the trial to run.
+        limits: its limits.
         environment: digest of the environment, for the record.
-        tell: is called with the progress after every frame.
+        on_progress: called with the progress after every frame.
     """
     try:
         scene = trial.build_scene()
@@ -72,19 +72,19 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
             trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
         )
         info = simulation.info
-        playback = Playback(scene, simulation, policy.core, limits.trial_wall_s, tell, audits_forces=limits.forces)
+        playback = Playback(scene, simulation, policy.core, limits.trial_wall_s, on_progress, audits_forces=limits.forces)
         before = calibrate()
         with _undisturbed():
             status, message = playback.run(), ""
         machine = {"host": platform.node(), "core": _only_core(), "calibration_ms": typical(before, calibrate())}
         simulation.close()
-    except NotImplementedError as error:  # what this engine's interface cannot do
+    except NotImplementedError as error:  # the engine's API does not offer it
         status, message = "unsupported", str(error)
     except MemoryError:
         status, message = "out_of_memory", "the process ran out of memory"
-    except PeerError as error:  # an engine in a process of its own failed, or its process did
+    except PeerError as error:  # an engine in a separate process failed, or its process did
         status, message = error.status, str(error)
-    except Exception as error:  # whatever an engine or the core raises is this trial's outcome
+    except Exception as error:  # any error of an engine or of the core is this trial's outcome
         status, message = "error", f"{type(error).__name__}: {error}"
     if playback is None:
         return Outcome(bare_record(trial, scene, environment, status, message), [])
@@ -109,7 +109,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, tell: Callable[[Pr
 def bare_record(
     trial: Trial, scene: Scene, environment: str, status: Status, message: str, **fields: Any
 ) -> TrialRecord:
-    """The record of a trial: who it was, how it ended, what ``fields`` were measured, and the verdict."""
+    """Return the record of a trial: its identity, how it ended, the measured ``fields``, and the verdict."""
     collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
     creep = fields.get("creep_m_s")
     creeps = creep is not None and is_creeping(creep, fields["creep_error_m_s"], fields["creep_limit_m_s"])
@@ -140,7 +140,7 @@ def bare_record(
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Without garbage collection, whose pauses would be counted as the engine's."""
+    """Disable garbage collection while entered, because its pauses would count as the engine's."""
     gc.collect()
     gc.disable()
     try:
@@ -150,7 +150,7 @@ def _undisturbed() -> Iterator[None]:
 
 
 def _only_core() -> int | None:
-    """The core that this process is kept to, if it is kept to one."""
+    """Return the core that this process is pinned to, if any."""
     allowed = allowed_cores()
     return min(allowed) if len(allowed) == 1 else None
 
@@ -195,7 +195,7 @@ def _seen(playback: Playback) -> dict[str, Any]:
 
 
 def _creep(playback: Playback, per_min: float) -> dict[str, float]:
-    """How fast its bricks creep, and from which creep on that counts."""
+    """Return the creep of its bricks, and the creep limit."""
     creep = playback.monitor.creep
     if creep is None:
         return {}
@@ -210,13 +210,13 @@ def _creep(playback: Playback, per_min: float) -> dict[str, float]:
 
 
 def _standing_rows(playback: Playback) -> list[FrameRow]:
-    """The frames up to the collapse: tumbling bricks cost much, and only what lets a stack fall would pay for them."""
+    """Return the frames up to the collapse, because tumbling bricks are expensive and only fallen stacks have them."""
     collapse = playback.monitor.collapse
     return playback.rows if collapse is None else [row for row in playback.rows if row.time_s <= collapse.time]
 
 
 def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
-    """Times of all frames but the first ones."""
+    """Return the times of all frames but the first ones."""
     timed = rows[UNTIMED_FRAMES:]
     if not timed:
         return {}
@@ -247,15 +247,15 @@ def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
     if falls_at is not None and level >= falls_at:
         return {"frame_ratio_level": level, "frame_ratio_message": "no engine can hold this stack awake"}
     if level not in playback.at_level:
-        return {"frame_ratio_level": level, "frame_ratio_message": "the level came together with higher ones"}
+        return {"frame_ratio_level": level, "frame_ratio_message": "the level was placed together with higher ones"}
     steered_ms = [row.frame_ms for row in playback.frames_of(level) if row.frame >= UNTIMED_FRAMES]
     if not steered_ms:
-        message = f"the level was laid within the first {UNTIMED_FRAMES} frames, which are not timed"
+        message = f"the level was placed within the first {UNTIMED_FRAMES} frames, which are not timed"
         return {"frame_ratio_level": level, "frame_ratio_message": message}
     try:
         with _undisturbed():
             awake = time_baseline(trial.engine, trial.profile, scene.world, playback.at_level[level])
-    except Exception as error:  # a stack that the engine refuses has no ratio; the trial itself is done
+    except Exception as error:  # a stack that the engine refuses has no ratio, but the trial is complete
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
         return {"frame_ratio_level": level, "frame_ratio_message": awake.message}

@@ -1,4 +1,4 @@
-"""Audit sleeping: for how long a brick that must move by theory keeps its pose, whatever holds it."""
+"""Audit sleeping: measure how long a brick that must move by theory keeps its pose."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class _Watched:
 
     due: MustMove
     start: FloatArray | None = None
-    """Its centre [m] when it had to begin, shape (3,)."""
+    """Its centre [m] when its motion had to start, shape (3,)."""
     moved_after_s: float | None = None
-    """Time [s] that it took to go its way; None if it has not."""
+    """Time [s] that it took to move as far as it must; None if it has not."""
 
 
 class SleepAudit:
-    """Takes in the poses after every frame."""
+    """Takes the poses after every frame."""
 
     def __init__(self, must_move: Sequence[MustMove]) -> None:
         """Watch the bricks that must move."""
@@ -39,16 +39,16 @@ class SleepAudit:
 
     @property
     def moved_after_s(self) -> float | None:
-        """Time [s] in which all bricks went as far as they must; None if one did not."""
+        """Time [s] in which all bricks moved as far as they must; None if one did not."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 
     def see(self, begin: float, end: float, poses: Mapping[int, FloatArray]) -> None:
-        """Take in one frame.
+        """Take one frame.
 
         Args:
-            begin: when it began [s].
-            end: when it ended [s].
+            begin: start of the frame [s].
+            end: end of the frame [s].
             poses: positions [m] and quaternions (7,) of the bricks in the world, by their order of placement.
         """
         sleeps = False

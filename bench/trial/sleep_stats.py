@@ -1,4 +1,4 @@
-"""Count which bodies the core froze and woke, how often, and for how long a body stayed live."""
+"""Count which bodies the core froze and unfroze, how often, and how long a body stayed live."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 class SleepStats:
-    """Takes in what the core did, frame by frame."""
+    """Takes the core's changes, frame by frame."""
 
     def __init__(self) -> None:
         self._live_since: dict[int, float] = {}
@@ -16,14 +16,14 @@ class SleepStats:
         self.refreezes = 0
 
     def see(self, begin: float, end: float, bodies: Iterable[int], frozen: Iterable[int], woken: Iterable[int]) -> None:
-        """Take in one frame.
+        """Take one frame.
 
         Args:
-            begin: when the frame began [s]; a body seen for the first time was let go then.
-            end: when it ended [s], and the core froze and woke.
+            begin: start of the frame [s]; a body seen for the first time was released then.
+            end: end of the frame [s], when the core froze and unfroze.
             bodies: all bodies in the world.
-            frozen: those that the core froze in this frame.
-            woken: those that it woke.
+            frozen: bodies that the core froze in this frame.
+            woken: bodies that the core unfroze in this frame.
         """
         for body in bodies:
             if body not in self._live_since and body not in self._ever_frozen:
@@ -37,5 +37,5 @@ class SleepStats:
             self.wakes += 1
 
     def longest_live_s(self, now: float) -> float:
-        """Longest time [s] that one body stayed live, those counted that still are."""
+        """Return the longest time [s] that one body stayed live, including bodies that still are."""
         return max([self._longest_live_s, *(now - since for since in self._live_since.values())])

@@ -1,4 +1,4 @@
-"""Monitor a stack through a trial: how high it stood, when and how it collapsed, how far it sank and crept."""
+"""Monitor a stack during a trial: its height, when and how it collapsed, its sink and creep."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from reports.records.trial import CollapseKind
 from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
-"""A level counts once its last brick was let go so long ago [s]: just before the next brick comes, a second
-after it, so that a level that falls when its last brick lands never counts as reached. Times the scene's pace."""
+"""Time [s] after the release of its last brick at which a level counts: just before the next brick, a second later, so
+that a level that falls when its last brick lands never counts as reached. Times the scene's pace."""
 AFTERMATH_S = 1.0
-"""How long [s] a trial of standard planks goes on after a collapse is first seen: time enough to tell a topple from a
-slide. Larger bricks fall as slowly as the root of their size."""
+"""Time [s] for which a trial of standard planks continues after a collapse is first seen: enough to distinguish a
+topple from a slide. Larger bricks fall more slowly, by the square root of their size."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A stack as it was last seen intact, before the next level was begun."""
+    """A stack as last seen intact, before the next level started."""
 
     level: int
     height_m: float
@@ -34,24 +34,24 @@ class Standing:
 
 @dataclass(slots=True)
 class Collapse:
-    """A collapse as it was first seen, and how it went on."""
+    """A collapse as first seen, and its course."""
 
     time: float
-    """When it was first seen [s]."""
+    """Time at which it was first seen [s]."""
     level: int
     """Levels placed at that time."""
     kind: CollapseKind
     aftermath_s: float
-    """How long it must be watched [s]."""
+    """Time for which it must be watched [s]."""
 
 
 class StackMonitor:
-    """Takes in the poses after every frame. Everything here is simulated time."""
+    """Takes the poses after every frame. All times are simulated."""
 
     def __init__(self, creep_from_s: float, pace: float = 1.0) -> None:
-        """Creep is measured from ``creep_from_s`` [s] on: the last half of the watch.
+        """Start to measure creep at ``creep_from_s`` [s]: the last half of the watch.
 
-        ``pace`` is that of the scene: levels land so much more slowly.
+        ``pace`` is the scene's factor on times, which applies to landing.
         """
         self._landing_s = LANDING_S * pace
         self._creep = CreepMeter(creep_from_s)
@@ -71,22 +71,22 @@ class StackMonitor:
 
     @property
     def creep(self) -> Creep | None:
-        """How fast its bricks creep; None if the stack fell, or if it was not watched so long."""
+        """Creep of its bricks; None if the stack fell, or was not watched long enough."""
         return None if self.collapse else self._creep.measure(self._thickness)
 
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
     ) -> None:
-        """Take in one frame.
+        """Take one frame.
 
-        A level is measured until the next one is begun: later it may already be on its way down.
+        A level is measured until the next one starts, because later it may already be falling.
 
         Args:
             time: simulated time at the end of the frame [s].
-            plan: of the bricks now in the world.
+            plan: plan of the bricks in the world.
             position: their centres [m], shape (n, 3).
             quaternion: their orientations, shape (n, 4).
-            placed: the levels that are complete, and when [s] the last brick of each was let go.
+            placed: the complete levels, each with the time [s] at which its last brick was released.
         """
         self._latest_s, self._thickness = time, plan.thickness
         self._creep.see(time, position - plan.position)
@@ -107,9 +107,9 @@ class StackMonitor:
             self._see_collapse(time, self._kind, len(placed), float(plan.thickness.min()))
 
     def _judge(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> None:
-        """Find what is out of place. While nothing moves all stays as it was judged, and the measured level too.
+        """Judge the poses. While nothing moves, the last judgement and the measured level stay valid.
 
-        A stack at rest is watched in next to no time: the engine, timed next, finds its memory still at hand.
+        A stack at rest costs almost nothing, so that the engine, which is timed next, finds its memory in the caches.
         """
         if self._judged is not None:
             judged_plan, judged_position, judged_quaternion = self._judged

@@ -1,4 +1,4 @@
-"""Plays frames, each timed: the engine's step, then the extension's update, split into read-back, core and port."""
+"""Play timed frames: the engine's step, then the extension's update, split into read-back, core and port."""
 
 from __future__ import annotations
 
@@ -32,41 +32,41 @@ class FrameTimes:
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """What the core read and did in one frame, and before its step if a prebuilt stack was set down."""
+    """The core's input and changes in one frame, and before its step if a prebuilt stack was set down."""
 
     contacts: int
-    """Contact points read."""
+    """Number of contact points read."""
     frozen: Sequence[int]
     woken: Sequence[int]
     reasons: Sequence[str]
-    """Why, for each of ``woken``."""
+    """Reason for each of ``woken``."""
 
     @property
-    def told(self) -> str:
-        """The reasons and how often each was given."""
+    def summary(self) -> str:
+        """The reasons, each with its count."""
         return "; ".join(f"{count} {reason}" for reason, count in Counter(self.reasons).items())
 
 
 class PlainFrames:
-    """Frames of the engine alone; its port is never asked for, so that it need not record what only the core reads."""
+    """Frames of the engine alone; its port is never requested, so that it need not record the core's input."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
 
     def play(self) -> tuple[FrameTimes, None]:
-        """One frame: how long it took."""
+        """Play one frame; return its times."""
         begin = perf_counter()
         self._simulation.step(self._simulation.info.frame_s)
         return _without_bridge(FrameTimes(perf_counter() - begin), self._simulation), None
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """There is no extension that must know what a user holds."""
+        """Do nothing: there is no extension."""
 
     def release(self, bodies: Sequence[int]) -> None:
-        """There is no extension that must know what a user lets go."""
+        """Do nothing: there is no extension."""
 
     def turn_gravity(self, gravity: Vector) -> None:
-        """There is no extension that must know which way bricks fall."""
+        """Do nothing: there is no extension."""
 
 
 class SteeredFrames:
@@ -76,10 +76,10 @@ class SteeredFrames:
         self._simulation = simulation
         self._port = TimedPort(simulation.port)
         self._extension = StabilityExtension(self._port, policy=policy, gravity=simulation.world.gravity)
-        self._before: list[tuple[FrameTimes, Steering]] = []  # what was adopted since the last step
+        self._before: list[tuple[FrameTimes, Steering]] = []  # adoptions since the last step
 
     def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
-        """Let the extension judge a prebuilt stack before the next step; returns the bodies that it froze.
+        """Let the extension judge a prebuilt stack before the next step; return the bodies that it froze.
 
         Time and changes count for the next frame.
         """
@@ -87,7 +87,7 @@ class SteeredFrames:
         return tuple(self._before[-1][1].frozen)
 
     def play(self) -> tuple[FrameTimes, Steering]:
-        """One frame: how long it took, and what the core did."""
+        """Play one frame; return its times, and the core's changes."""
         frame_s = self._simulation.info.frame_s
         times, steering = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
         played = _without_bridge(times, self._simulation), steering
@@ -97,7 +97,7 @@ class SteeredFrames:
         return _total([times for times, _ in parts]), _together([steering for _, steering in parts])
 
     def _timed(self, engine: Callable[[], None], core: Callable[[], Change]) -> tuple[FrameTimes, Steering]:
-        """Call the engine, then the core; return how long both took, and what the core did."""
+        """Call the engine, then the core; return the times of both, and the core's changes."""
         port = self._port
         port.reset()
         begin = perf_counter()
@@ -110,20 +110,20 @@ class SteeredFrames:
         return times, Steering(port.contact_points, change.frozen, change.woken, reasons)
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """Tell the extension that a user holds ``bodies``."""
+        """Name the bodies that a user holds to the extension."""
         self._extension.disturb(bodies)
 
     def release(self, bodies: Sequence[int]) -> None:
-        """Tell the extension that the user let ``bodies`` go."""
+        """Name the bodies that the user released to the extension."""
         self._extension.release(bodies)
 
     def turn_gravity(self, gravity: Vector) -> None:
-        """Tell the extension which way bricks fall, and how fast [m/s2]."""
+        """Set the extension's gravity [m/s2]."""
         self._extension.gravity = gravity
 
 
 def _without_bridge(times: FrameTimes, simulation: Simulation) -> FrameTimes:
-    """Split the time of a step into the engine's own, where it measures it itself, and that of the bridge to it."""
+    """Split the time of a step into the engine's own, if it measures that, and the bridge's."""
     own = simulation.own_step_s
     return times if own is None else replace(times, engine=own, bridge=times.engine - own)
 

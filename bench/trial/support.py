@@ -1,7 +1,7 @@
-"""Which bricks lost their support because a brick was taken away, and how far each of them can fall.
+"""Determine which bricks lost their support because a brick was removed, and how far each can fall.
 
-A brick that sinks moves into what lies below it; a brick whose support was taken moves down through free space. Plans
-decide which, not an engine's poses: the same bricks lose their support on every engine.
+A brick that sinks moves into the brick below; a brick whose support was removed moves down through free space. Plans
+decide, not an engine's poses, so the same bricks lose their support on every engine.
 """
 
 from __future__ import annotations
@@ -16,17 +16,19 @@ from scenarios.model import Brick
 
 
 def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[Brick] = ()) -> FloatArray:
-    """Return the heights [m] of their centres below which bricks that lost their support have dropped, shape (n,).
+    """Return the heights [m] of the centres below which bricks without their support have dropped, shape (n,).
 
     A brick has dropped when it has fallen by half its thickness, or by half of the room below it where that is less.
-    Minus infinity for a brick that kept its support: its plan has no more room below it than before, or only so
-    little (less than half the thickness of the brick that was taken) as placement noise leaves.
+    Minus
+    infinity for a brick that kept its support: its plan has no more room below it than before, or only so little (less
+    than
+    half the thickness of the removed brick) as placement noise leaves.
 
     Args:
-        plan: of the bricks that remain.
+        plan: plan of the remaining bricks.
         position: their actual centres [m], shape (n, 3).
-        taken: the brick that is taken away, where it was.
-        left: the same brick where it is now, while it is being pulled; empty once it is gone.
+        taken: the removed brick, at its last pose.
+        left: the same brick at its present pose, while it is pulled; empty once it is gone.
     """
     boxes = Boxes.at(plan.size, plan.position, plan.quaternion)
     before = _room(boxes, Boxes.of([taken]))
@@ -42,9 +44,9 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
 
 
 def _room(upper: Boxes, lower: Boxes) -> FloatArray:
-    """How far [m] each box can move straight down until it meets one that lies below it, shape (m,).
+    """Return how far [m] each box can move straight down until it meets a box below it, shape (m,).
 
-    Of two boxes the one that must be raised less to come free lies above. Infinite where none lies below.
+    The box that must be raised less to come free lies above. Infinite if none lies below.
     """
     down, up = vertical_clearance(upper, lower), vertical_clearance(lower, upper).T
     room: FloatArray = np.where(down > up, down, np.inf).min(axis=1, initial=np.inf)

@@ -1,4 +1,4 @@
-"""A port that tells the time spent in it, so that the core's own time is known without the core reading a clock."""
+"""A port that measures the time spent in it, so that the core's own time is known without the core reading a clock."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from stability_core.port import Contacts, Masses, StabilityPort
 
 
 class TimedPort:
-    """Passes every call on to ``port`` and adds up its time since the last ``reset``."""
+    """Passes every call to ``port`` and adds up its time since the last ``reset``."""
 
     __slots__ = ("_clock", "_port", "contact_points", "readback_s", "steering_s")
 
     def __init__(self, port: StabilityPort, clock: Callable[[], float] = perf_counter) -> None:
-        """Time ``port`` with ``clock``, which tells seconds."""
+        """Time ``port`` with ``clock``, which returns seconds."""
         self._port = port
         self._clock = clock
         self.reset()
 
     def reset(self) -> None:
-        """Begin a new frame."""
+        """Start a new frame."""
         self.readback_s = 0.0
         """Time [s] in ``contacts`` and ``masses``."""
         self.steering_s = 0.0
@@ -29,7 +29,7 @@ class TimedPort:
         """Number of contact points read."""
 
     def contacts(self) -> Contacts:
-        """Every contact that touches a live body after the latest step."""
+        """Return every contact that touches a live body after the latest step."""
         begin = self._clock()
         contacts = self._port.contacts()
         self.readback_s += self._clock() - begin
@@ -37,7 +37,7 @@ class TimedPort:
         return contacts
 
     def masses(self) -> Masses:
-        """The live bodies as they are after the latest step."""
+        """Return the live bodies as they are after the latest step."""
         begin = self._clock()
         masses = self._port.masses()
         self.readback_s += self._clock() - begin
@@ -50,7 +50,7 @@ class TimedPort:
         self.steering_s += self._clock() - begin
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Hand frozen bodies back to the engine."""
+        """Return frozen bodies to the engine."""
         begin = self._clock()
         self._port.wake(bodies)
         self.steering_s += self._clock() - begin

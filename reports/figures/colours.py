@@ -1,6 +1,6 @@
-"""One colour, dash and marker for each policy and engine, everywhere: told apart also by colour-blind readers.
+"""One colour, dash and marker for each policy and engine, distinguishable by colour-blind readers.
 
-Colours after Okabe and Ito (https://jfly.uni-koeln.de/color/); on a dark page, lighter ones of the same hue.
+Colours after Okabe and Ito (https://jfly.uni-koeln.de/color/); on a dark page, lighter colours of the same hue.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """How a policy is drawn."""
+    """Colours and dash of a policy."""
 
     light: str
-    """On white."""
+    """Colour on white."""
     dark: str
-    """On a dark page."""
+    """Colour on a dark page."""
     dash: tuple[float, ...]
     """Lengths of strokes and gaps in line widths; empty for a solid line."""
 
@@ -38,11 +38,11 @@ _MARKERS = "osD^vPX*hp"
 
 
 def inks(policies: Sequence[str]) -> dict[str, Ink]:
-    """The ink of each policy; unknown ones share what is left, in their order."""
+    """Return the ink of each policy; unknown policies share the remaining inks, in their order."""
     unknown = [name for name in policies if name not in _INKS]
     return {name: _INKS.get(name) or _OTHERS[unknown.index(name) % len(_OTHERS)] for name in policies}
 
 
 def markers(engines: Sequence[str]) -> dict[str, str]:
-    """The marker of each engine, in matplotlib's letters."""
+    """Return the marker of each engine, as matplotlib's letters."""
     return {name: _MARKERS[number % len(_MARKERS)] for number, name in enumerate(engines)}

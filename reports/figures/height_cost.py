@@ -1,4 +1,4 @@
-"""The picture of what height costs: a panel an engine, a mark a set-up, a line through those that none beats."""
+"""The figure of levels against frame time: a panel per engine, a mark per set-up, a line through the best set-ups."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from reports.statistics.height_cost import CostPoint, frontier
 _COLUMNS = 3
 _PANEL_INCHES = (3.1, 2.3)
 _COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Okabe and Ito's, which colour-blind readers tell apart."""
+"""Colours of Okabe and Ito, distinguishable by colour-blind readers."""
 _MARKS = "osD^v*"
 _FRAME_MS = 1e3 / 60
-"""Of a game at 60 frames a second."""
+"""Time [ms] of a frame at 60 frames a second."""
 
 
 def write_cost_figure(path: Path, points: Sequence[CostPoint]) -> None:
@@ -31,7 +31,7 @@ def write_cost_figure(path: Path, points: Sequence[CostPoint]) -> None:
 
 
 def cost_figure(points: Sequence[CostPoint]) -> Figure:
-    """Levels over milliseconds a frame, a panel for each engine on each scene, all on the same axes."""
+    """Return levels over milliseconds per frame, a panel for each engine and scene, all on the same axes."""
     panels = list(dict.fromkeys((point.scene, point.engine) for point in points))
     policies = list(dict.fromkeys(point.policy for point in points))
     columns = min(_COLUMNS, len(panels))
@@ -92,6 +92,6 @@ def _legend(policies: Sequence[str]) -> list[Line2D]:
         Line2D([], [], color=colour, marker=mark, linewidth=1.2, label=policy)
         for policy, colour, mark in zip(policies, _COLOURS, _MARKS, strict=False)
     ]
-    bound = Line2D([], [], color="0.3", marker="o", markerfacecolor="none", linestyle="", label="at least so many")
+    bound = Line2D([], [], color="0.3", marker="o", markerfacecolor="none", linestyle="", label="lower bound")
     budget = Line2D([], [], color="0.6", linestyle=":", label="a frame at 60 Hz")
     return [*marks, bound, budget]

@@ -1,4 +1,4 @@
-"""Pairs right and wrong: a panel an engine and profile, a line a policy."""
+"""The figure of pairs: a panel per engine and profile, a line per policy."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _SHARE_MARKS: Mapping[str, dict[str, Any]] = {
 
 
 def pairs_figure(rows: Sequence[PairRow]) -> Figure:
-    """Shares of pairs, a panel an engine and profile, a line a policy: right, and every way of being wrong."""
+    """Return shares of pairs, a panel per engine and profile, a line per policy: correct, and each kind of error."""
     whole = [row for row in rows if row.family == ALL]
     engines = list(dict.fromkeys(row.set_up[:2] for row in whole))
     policies = ordered_policies(row.set_up.policy for row in whole)
@@ -52,7 +52,7 @@ def pairs_figure(rows: Sequence[PairRow]) -> Figure:
             panel.set_title(f"{engine} {profile}" if several else engine)
         for spare in panels[len(engines) :]:
             spare.set_visible(False)
-        handles = [Line2D([], [], color=INK, label=told, **_SHARE_MARKS[name]) for name, told in _SHARE_NAMES.items()]
+        handles = [Line2D([], [], color=INK, label=label, **_SHARE_MARKS[name]) for name, label in _SHARE_NAMES.items()]
         figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), frameon=False)
         figure.supxlabel("share of pairs", fontsize=9)
     return figure
@@ -67,7 +67,7 @@ def _pairs_panel(axes: Axes, policies: Sequence[str], rows: Sequence[PairRow]) -
             one: Estimate = getattr(row.success_rates, name)
             if name == "right" and one.low is not None and one.high is not None:
                 axes.hlines(place, one.low, one.high, color=colour, alpha=0.4, linewidth=2.5)
-            if name == "right" or one.value:  # what never happened would only cover the axis
+            if name == "right" or one.value:  # a share of zero would only cover the axis
                 axes.plot(one.value, place, color=colour, clip_on=False, **_SHARE_MARKS[name])
     axes.set(xlim=(-0.02, 1.02), ylim=(len(policies) - 0.5, -0.5), yticks=range(len(policies)), yticklabels=policies)
     axes.tick_params(axis="y", length=0)

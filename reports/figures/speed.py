@@ -1,4 +1,4 @@
-"""Share right against frame time: a panel a profile."""
+"""The figure of success rate against frame time: a panel per profile."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScor
 
 
 def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
-    """Share right against frame time, a panel a profile; None if nothing was judged and timed."""
+    """Return success rate against frame time, a panel per profile; None if nothing was judged and timed."""
     points = [
         (scores, score)
         for scores in engines
@@ -39,7 +39,7 @@ def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
             panel.xaxis.set_major_formatter("{x:g}")
             panel.set(title=profile, ylim=(-0.03, 1.05), xlabel="p99 of frame time [ms]")
         in_pairs = any(score.pairs is not None for _, score in points)
-        panels[0].set_ylabel(f"share of {'pairs' if in_pairs else 'stacks'} right")
+        panels[0].set_ylabel(f"share of {'pairs' if in_pairs else 'stacks'} correct")
         _speed_legend(figure, ink, marker)
     return figure
 

@@ -1,4 +1,4 @@
-"""How all figures of a page look, and how they are written and embedded."""
+"""The style of all figures of a page, and how they are written and embedded."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from reports.figures.colours import inks
 
 INK, FAINT = "#1f2328", "#c9ced6"
-"""Of text and axes, and of grid lines; a page puts its own in their place."""
+"""Colours of text and axes, and of grid lines; a page replaces them by its own."""
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "stillstack",
@@ -36,26 +36,26 @@ STYLE: dict[Any, Any] = {
 
 
 def save(figure: Figure, stem: Path) -> str:
-    """Write a figure as SVG and as PDF, without dates: the same records give the same files. Returns the SVG."""
+    """Write a figure as SVG and PDF, without dates, so that the same records give the same files; return the SVG."""
     with mpl.rc_context(STYLE):
         figure.savefig(stem.with_suffix(".svg"), transparent=True, metadata={"Date": None})
-        figure.set_layout_engine("none")  # the layout is found
+        figure.set_layout_engine("none")  # the layout is final
         figure.savefig(stem.with_suffix(".pdf"), metadata={"CreationDate": None, "ModDate": None})
     return stem.with_suffix(".svg").read_text(encoding="utf-8")
 
 
 def for_page(svg: str, label: str, policies: Sequence[str]) -> str:
-    """A figure as part of a page, in the page's own colours and fonts.
+    """Return a figure for a page, in the page's own colours and fonts.
 
     Args:
-        svg: as ``save`` returns it.
-        label: what a reader who cannot see it is told.
-        policies: of which the page has the colours as variables ``--policy-NAME``.
+        svg: the figure, as returned by ``save``.
+        label: description for readers who cannot see it.
+        policies: policies whose colours the page defines as variables ``--policy-NAME``.
     """
     text = svg[svg.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r"<style type=.*?</style>", "", text, flags=re.DOTALL)  # a page's other drawings must not obey it
-    text = re.sub(r' id="[A-Za-z]+[\w.]*_\d+"', "", text)  # the same in every figure; what is referred to is hashed
+    text = re.sub(r"<style type=.*?</style>", "", text, flags=re.DOTALL)  # it would apply to the page's other drawings
+    text = re.sub(r' id="[A-Za-z]+[\w.]*_\d+"', "", text)  # the same in every figure; ids that are used are hashed
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text)
     text = re.sub(r" ?font-family: [^;\"]*;?", "", text)
     for name, ink in inks(policies).items():

@@ -1,4 +1,4 @@
-"""Survival by level: a panel an engine, a curve a policy."""
+"""The figure of survival by level: a panel per engine, a curve per policy."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _COLUMNS = 3
 
 
 def has_survival(groups: Sequence[Group]) -> bool:
-    """Whether there is a curve to draw: one stack of each kind makes none."""
+    """Return whether there is a curve to draw, which one stack of each kind does not make."""
     return any(len(group.lifetimes) > 1 for group in groups)
 
 
 def survival_figure(groups: Sequence[Group]) -> Figure:
-    """Survival by level of one scene and profile: a panel an engine, a curve a policy."""
+    """Return survival by level of one scene and profile: a panel per engine, a curve per policy."""
     engines = list(dict.fromkeys(group.key.engine for group in groups if group.survival is not None))
     rows, columns = -(-len(engines) // _COLUMNS), min(_COLUMNS, len(engines))
     with mpl.rc_context(STYLE):
@@ -44,7 +44,7 @@ def _survival_panel(axes: Axes, engine: str, groups: Sequence[Group]) -> None:
     axes.grid(True)
     for number, group in enumerate(groups):
         if group.survival is not None:
-            width = 1.4 + 1.1 * (len(groups) - 1 - number)  # those that coincide all stay to be seen
+            width = 1.4 + 1.1 * (len(groups) - 1 - number)  # coinciding curves all stay visible
             _draw_survival(axes, group.survival, ink[group.key.policy], group.key.policy, width)
     falls_at = groups[0].expectation.level
     if falls_at is not None:
@@ -65,5 +65,5 @@ def _draw_survival(axes: Axes, curve: Survival, ink: Ink, label: str, width: flo
 
 
 def _with_start(level: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The curve from level 0 on, where every stack stands."""
+    """Return the curve from level 0, where every stack stands."""
     return np.concatenate([[0.0], level]), np.concatenate([[1.0], share])

@@ -1,4 +1,4 @@
-"""How each stack ended, in pictures: what a page shows of its stills and replays, and a figure of some of them."""
+"""Final states of stacks: the stills and replays that a page shows, and a figure of some of them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from reports.tables.outcomes import outcome
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """How one trial ended."""
+    """The final state of one trial."""
 
     policy: str
     href: str | None
-    """Of its still, seen from the page; None if there is none."""
-    told: str
-    """Such as ``falls at 9 ✓``."""
+    """Link to its still, relative to the page; None if there is none."""
+    outcome: str
+    """Its outcome, such as ``falls at 9 ✓``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +31,12 @@ class Shelf:
     engine: str
     profile: str
     replay: str | None
-    """Its replay, seen from the page; None if there is none."""
+    """Link to its replay, relative to the page; None if there is none."""
     pictures: tuple[Picture, ...]
 
 
 def shelves(report: Path, groups: Sequence[Group]) -> dict[str, list[Shelf]]:
-    """By scene, the stacks of which a report has a replay or a still, in the order of the groups."""
+    """Return, by scene, the stacks with a replay or a still in the report, in the order of the groups."""
     stacks = grouped(groups, "key.scene", "key.engine", "key.profile")
     found: dict[str, list[Shelf]] = {}
     for (scene, engine, profile), those in stacks.items():
@@ -55,7 +55,7 @@ def _picture(report: Path, group: Group) -> Picture:
 
 
 def _first(report: Path, group: Group) -> TrialRecord:
-    """The trial that was drawn, else the first."""
+    """Return the trial that was drawn, or else the first."""
     drawn = (trial for trial in group.draws if still_of(report / "stills", trial).exists())
     return next(drawn, group.draws[0])
 

@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file that needs no network, made from raw records alone."""
+"""The page of a study: one HTML file that needs no network, made from raw records only."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ from reports.tables.wording import percent
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _REM = 16.0
-"""Of a page's usual font [px]."""
+"""Usual font size of a page [px]."""
 _MOST_MESSAGES = 3
-"""Different messages of trials told in one row."""
+"""Most distinct messages of trials in one row."""
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
 
 
@@ -47,31 +47,31 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     Args:
         folder: a results folder.
         records: its records, at least one.
-        missing: ids of trials that its study plans and that have no record.
+        missing: ids of planned trials without a record.
     """
     report = folder / "report"
     figures = report / "figures"
     figures.mkdir(parents=True, exist_ok=True)
     kept, groups = ResultsFolder(folder), groups_of(records)
     scores, engines = engine_scores(groups), kept.engines
-    told = verdicts(scores)
+    sentences = verdicts(scores)
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
-    rows, of_pairs, told_of_study = comparison_rows(groups), pair_rows(groups), caption(folder, records)
+    rows, of_pairs, study_caption = comparison_rows(groups), pair_rows(groups), caption(folder, records)
     policies = ordered_policies(group.key.policy for group in groups)
     page = (
         _environment(study is not None, folder)
         .get_template("page.html.j2")
         .render(
             study=study or folder.resolve().name,
-            caption=told_of_study,
+            caption=study_caption,
             css=_part("page.css"),
             js=_part("page.js"),
             inks=inks(policies),
             problems=_problems(records, missing, without_frames),
-            verdicts=told,
+            verdicts=sentences,
             share_note=_share_note(groups, bool(of_pairs)),
-            set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in told},
+            set_ups={(one.engine, one.profile): _set_up(engines, one.engine, one.profile) for one in sentences},
             pairs=_pairs(of_pairs, figures, policies),
             rows=rows,
             columns=COLUMNS,
@@ -88,14 +88,14 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
         )
     )
     write_atomic(report / "index.html", page.encode())
-    _write_tables(report, rows, of_pairs, told_of_study, study or folder.resolve().name)
+    _write_tables(report, rows, of_pairs, study_caption, study or folder.resolve().name)
     return report / "index.html"
 
 
 def _write_tables(
     report: Path, rows: Sequence[ComparisonRow], of_pairs: Sequence[PairRow], caption: str, label: str
 ) -> None:
-    """The comparison for papers: Markdown, CSV and LaTeX; and the pairs, where there are any."""
+    """Write the comparison for papers as Markdown, CSV and LaTeX, and the pairs, if any."""
     table = comparison_table(rows, caption)
     write_atomic(report / "comparison.md", to_markdown([table]).encode())
     write_table_csv(report / "comparison.csv", table)
@@ -106,7 +106,7 @@ def _write_tables(
 
 
 def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
-    """What a table or page must say of itself: n, seeds, versions and date."""
+    """Return the caption that a table or page needs: n, seeds, versions and date."""
     seeds = len({record.seed for record in records})
     versions = sorted({f"{record.engine} {record.engine_version}" for record in records})
     environment = ResultsFolder(folder).environment
@@ -127,17 +127,17 @@ def _environment(has_study: bool, folder: Path) -> jinja2.Environment:
 
 
 def _part(name: str) -> Markup:
-    """A file of ours that becomes part of the page as it is."""
+    """Return a template file that becomes part of the page unchanged."""
     return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
 
 
 def _study_file(folder: Path) -> str:
-    """How to name the folder's study on the command line."""
+    """Return the name of the folder's study for the command line."""
     return os.path.relpath(folder / "study.toml")
 
 
 def _command(row: ComparisonRow, study: str | None) -> str:
-    """What makes the numbers of a row again."""
+    """Return the command that reproduces the numbers of a row."""
     key, group = row.group.key, row.group
     words = ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])]
     words += ["--engine", key.engine, "--profile", key.profile, "--scenario", group.scenario, "--policy", key.policy]
@@ -145,7 +145,7 @@ def _command(row: ComparisonRow, study: str | None) -> str:
 
 
 def _messages(row: ComparisonRow) -> list[str]:
-    """Why the trials of a row ended as they did, each reason once."""
+    """Return why the trials of a row ended as they did, each reason once."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])
@@ -159,7 +159,7 @@ def _choices(groups: Sequence[Group]) -> dict[str, list[str]]:
 
 
 def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
-    """What the environment says of a profile; a varied one is told by what it varies. Empty if it says nothing."""
+    """Return the description of a profile from the environment, with its variation, if any; or an empty text."""
     name, _, varied = profile.partition("@")
     described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
     return f"{described}; {varied}" if described and varied else described
@@ -169,16 +169,16 @@ def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:
     seeds = max(len(group.draws) for group in groups)
     what = "pairs of stacks of which one must stand and one must fall" if in_pairs else "stacks"
     if seeds == 1:
-        return f"Shares are of {what}, with an answer known by theory. n = 1 build of each: no intervals."
+        return f"Shares are of {what} with a known answer. n = 1 build of each: no intervals."
     return (
-        f"Shares are of {what}, with an answer known by theory, and have 95 % intervals by bootstrap over "
+        f"Shares are of {what} with a known answer, and have 95 % intervals by bootstrap over "
         f"{'pairs' if in_pairs else 'scenes'} and their seeds (up to {seeds}). A share of 0 or 100 % has an interval "
-        "of no width: the bootstrap cannot see what never happened."
+        "of no width, because the bootstrap cannot estimate an event that never happened."
     )
 
 
 def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
-    """What a reader must know before believing the rest."""
+    """Return the caveats that a reader needs first."""
     words: dict[Status, str] = {
         "timeout": "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
         "diverged": "diverged",
@@ -193,12 +193,12 @@ def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_fr
     if earlier:
         found.append(f"{len(earlier)} trials are from before creep counted: their verdicts do not consider it.")
     if missing:
-        found.append(f"{len(missing)} planned trials have no record (not yet run, or cut off): {_some(missing)}.")
+        found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {_some(missing)}.")
     if without_frames:
         found.append(f"Frames of {len(without_frames)} trials are missing or torn: {_some(without_frames)}.")
     hosts = {record.host for record in records if record.host is not None}
     if len(hosts) > 1:
-        found.append(f"Trials ran on {len(hosts)} machines: a cell that mixes them tells no times.")
+        found.append(f"Trials ran on {len(hosts)} machines: a row that mixes them shows no times.")
     if len({record.environment for record in records}) > 1:
         found.append("Trials come from several environments (commits, versions or machines): compare with care.")
     return found
@@ -209,11 +209,11 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
-    """Figure and tables of the pairs; None if there are none."""
+    """Return figure and tables of the pairs; None if there are none."""
     if not rows:
         return None
     svg = save(pairs_figure(rows), folder / "pairs")
-    return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs right and wrong", policies)}
+    return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs correct and not", policies)}
 
 
 def _survival(groups: Sequence[Group], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
@@ -230,7 +230,7 @@ def _speed(scores: Sequence[EngineScores], folder: Path, policies: Sequence[str]
     figure = speed_figure(scores)
     if figure is None:
         return None
-    return _drawing(save(figure, folder / "speed"), "Share of stacks right against frame time", policies)
+    return _drawing(save(figure, folder / "speed"), "Share of stacks correct against frame time", policies)
 
 
 def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
@@ -240,7 +240,7 @@ def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
 
 
 def _machine(folder: Path) -> dict[str, str]:
-    """The environment without what stands elsewhere, as text."""
+    """Return the environment as text, without the parts that the page shows elsewhere."""
     kept = ResultsFolder(folder).environment
     plain = {key: value for key, value in kept.items() if key not in ("engines", "sessions", "settings")}
     plain |= {f"core setting {key}": value for key, value in kept.get("settings", {}).items()}

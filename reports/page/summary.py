@@ -1,4 +1,4 @@
-"""What a study says of each engine, in plain words."""
+"""The verdict of a study on each engine, in plain words."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _verdict(engine: EngineScores) -> EngineVerdict:
     sentences = []
     for one in judged:
         who = "Alone" if one.policy == ALONE else f"With {one.policy}"
-        sentences.append(f"{who}: {one.told}{_glue(one)}.")
+        sentences.append(f"{who}: {one.summary}{_holds_everything(one)}.")
     sentences += [_cost(one) for one in scores if one.frame_ratio is not None]
     sentences += _budget(scores)
     sentences += _trouble(engine.trials)
@@ -44,7 +44,7 @@ def _verdict(engine: EngineScores) -> EngineVerdict:
 def _headline(scores: Sequence[PolicyScore]) -> str:
     rated = {one.policy: one.headline.right for one in scores if one.headline is not None}
     if not rated:
-        return "Nothing here that theory can judge."
+        return "No scene here has a known answer."
     what = "pair" if any(one.pairs is not None for one in scores) else "stack"
     perfect = [one for one in scores if one.headline is not None and one.headline.right.value == 1]
     on_both_sides = [one for one in perfect if one.stand is not None and one.fall is not None]
@@ -64,18 +64,18 @@ def _how(perfect: Sequence[PolicyScore]) -> str:
     return "alone" if ALONE in names else f"with {' or '.join(names)}"
 
 
-def _glue(one: PolicyScore) -> str:
-    """A warning of what holds everything up."""
+def _holds_everything(one: PolicyScore) -> str:
+    """Return a warning if a policy holds every stack, also those that must fall."""
     holds_all = one.fall is not None and one.fall.value == 0 and one.stand is not None and one.stand.value == 1
     stood = one.trials is not None and one.trials.false_stand.value > 0
-    return ", so it holds up whatever comes to rest" if holds_all and stood else ""
+    return ", so it holds every stack that comes to rest" if holds_all and stood else ""
 
 
 def _cost(one: PolicyScore) -> str:
-    ratio, awake = one.frame_ratio or 0.0, "what the same stack costs all awake"
+    ratio, awake = one.frame_ratio or 0.0, "the frame time of the same stack all awake"
     if ratio <= 1:
-        return f"With {one.policy} a frame costs {ratio:.2f} of {awake}."
-    return f"With {one.policy} a frame costs {ratio:.2f} times {awake}: no gain of time here."
+        return f"With {one.policy} a frame takes {ratio:.2f} of {awake}."
+    return f"With {one.policy} a frame takes {ratio:.2f} times {awake}: no gain of time here."
 
 
 def _budget(scores: Sequence[PolicyScore]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Frame times over a trial, thinned so that a page can draw thousands of frames: per bin the median and the worst."""
+"""Frame times over a trial, thinned so that a page can draw thousands of frames: median and worst frame per bin."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group
 
 BINS = 240
-"""Of a trace: about one to three pixels each on a page."""
+"""Bins of a trace: about one to three pixels each on a page."""
 _FEWEST_BINS = 48
-"""Coarse, but the worst frame of each bin still shows."""
+"""Fewest bins: coarse, but the worst frame of each bin still shows."""
 _BINS_A_PAGE = 250_000
-"""Of all traces together, some 2 MB: a page of a thousand set-ups draws each as finely as it can."""
+"""Bins of all traces together, some 2 MB, so that a page of a thousand set-ups stays usable."""
 _STEPS_A_DECADE = 100
-"""Times are kept as whole hundredths of a decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
+"""Resolution of times, in steps per decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
 
 
 def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
-    """The traces of the first trial of each group that has one, and ids of trials whose frames are missing or torn.
+    """Return a trace per group, of its first trial with frames, and the ids of trials whose frames cannot be read.
 
     Args:
         folder: a results folder.
-        groups: of its records.
+        groups: groups of its records.
     """
     kept, missing = [], []
     most = bins_for(len(groups))
@@ -46,12 +46,12 @@ def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]],
 
 
 def bins_for(traces: int) -> int:
-    """The most bins of each of so many ``traces`` on one page."""
+    """Return the most bins of each trace if a page has ``traces`` of them."""
     return min(BINS, max(_FEWEST_BINS, _BINS_A_PAGE // max(1, traces)))
 
 
 def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
-    """Seconds of the last frame, times thinned to ``most`` bins, and when bricks were woken and the stack fell."""
+    """Return the duration [s], the times thinned to ``most`` bins, and when bricks were woken and the stack fell."""
     path = ResultsFolder(folder).frames_file(trial.trial)
     columns = read_columns(path, ("time_s", "frame_ms", "woken"))
     time, frame = columns["time_s"][UNTIMED_FRAMES:], columns["frame_ms"][UNTIMED_FRAMES:]

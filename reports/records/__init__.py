@@ -1,1 +1,1 @@
-"""The data model: what a trial leaves behind, and the folder it is kept in."""
+"""The data model: the results of a trial, and the folder that holds them."""

@@ -1,4 +1,4 @@
-"""The dictionary of columns: name, unit, type and meaning of all that ``reports.load`` returns.
+"""The dictionary of columns: name, unit, type and meaning of all columns of ``reports.load``.
 
 ``uv run python -m reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields.
 """
@@ -20,16 +20,16 @@ from scenarios.model import Expectation
 
 PAGE = Path(__file__).parents[2] / "docs" / "columns.md"
 _UNITS = {"_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
-"""Units by the end of a name, longer ends first; ``frame_ms_p50`` has its unit inside."""
+"""Units by the suffix of a name, longer suffixes first; ``frame_ms_p50`` has its unit inside."""
 _TYPES = {"str": "text", "int64": "whole number", "Int64": "whole number", "float64": "number"}
 _HEAD = """# Columns of the results
 
 `reports.load(DIR)` returns `.trials`, `.frames(trial)` and `.poses(trial)` as pandas data frames, of a results folder
-or of a folder in `docs/results`; `trials.csv` and `trials.parquet` have the columns of `.trials`. All units are SI, but
-for times of frames, which are in ms. What does not exist is missing (nan, NA or empty), never zero. This page is
-written by `uv run python -m reports.records.columns`.
+or of a folder in `docs/results`; `trials.csv` and `trials.parquet` have the columns of `.trials`. All units are SI,
+except for times of frames, which are in ms. A value that does not exist is missing (nan, NA or empty), never zero. This
+page is written by `uv run python -m reports.records.columns`.
 """
-_CHOICES_OF_OUTCOME = {"outcome": "What must happen: stand, fall, or study where theory does not say."}
+_CHOICES_OF_OUTCOME = {"outcome": "The outcome that theory demands: stand, fall, or study where theory is silent."}
 
 
 class Column(NamedTuple):
@@ -72,7 +72,7 @@ def pose_columns() -> list[Column]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that the name of a column ends with; empty if it has none."""
+    """Return the unit that a column's name ends with; empty if it has none."""
     if "_ms_" in name:
         return "ms"
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
@@ -93,9 +93,9 @@ def field_meanings(model: type) -> dict[str, str]:
 def page() -> str:
     """Return the text of ``docs/columns.md``."""
     tables: Mapping[str, list[Column]] = {
-        "`.trials`: one row a trial": trial_columns(),
-        "`.frames(trial)`: one row a frame": frame_columns(),
-        "`.poses(trial)`: a row where a body's pose or state changed": pose_columns(),
+        "`.trials`: one row per trial": trial_columns(),
+        "`.frames(trial)`: one row per frame": frame_columns(),
+        "`.poses(trial)`: one row per change of a body's pose or state": pose_columns(),
     }
     parts = [_HEAD]
     for title, columns in tables.items():

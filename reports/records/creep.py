@@ -1,4 +1,4 @@
-"""What counts as creep, and what the recording of a trial from before format 3 still tells of it."""
+"""The creep limit, and the creep that the recording of a trial from before format 3 still proves."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from scenarios.lookup import UnknownNameError
 from scenarios.registry import build
 
 CREEP_LIMIT_PER_MIN = 0.01
-"""Creep from which a stack no longer stands, in thicknesses of a brick a minute: a plank of 7.8 mm may creep by 1.3
+"""Greatest creep of a standing stack, in thicknesses of a brick per minute: a plank of 7.8 mm may creep by 1.3
 micrometres a second, so that it takes more than 100 minutes to move by its thickness."""
 _MINUTE_S = 60.0
 _RECORDED_M = math.sqrt(3) * (LENGTH_BAND + LENGTH_STEP / 2)
-"""How far [m] a recorded centre may lie from the actual one: dead band and rounding, in three directions."""
+"""Greatest distance [m] of a recorded centre from the actual one: dead band and rounding, in three directions."""
 
 
 def creep_limit_m_s(thickness_m: float, per_min: float = CREEP_LIMIT_PER_MIN) -> float:
@@ -26,7 +26,7 @@ def creep_limit_m_s(thickness_m: float, per_min: float = CREEP_LIMIT_PER_MIN) ->
 
 
 def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
-    """Tell whether the whole 95 % interval of a creep lies above the limit: a stack that trembles may not creep."""
+    """Return whether the whole 95 % interval of a creep lies above the limit, because trembling is no creep."""
     return creep_m_s - error_m_s > limit_m_s
 
 
@@ -34,7 +34,7 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
     """Return a record of an earlier format with the creep that its recording proves, and the verdict that follows.
 
     A recording keeps poses to 0.05 mm, so that it proves two things only: that frozen bricks did not move at all, and
-    that a brick crept by far more than the limit. What it does not prove stays missing, and the verdict as it was.
+    that a brick crept by far more than the limit. Creep without a proof stays missing, and the verdict as it was.
     """
     begin = _watch_half_s(record)
     if record.creep_m_s is not None or record.mean_motion_m_s is None or begin is None or recording.every != 1:
@@ -59,7 +59,7 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
 
 
 def _watch_half_s(record: TrialRecord) -> float | None:
-    """When [s] the last half of the watch begins; None if the scene cannot be built any more."""
+    """Return the start [s] of the last half of the watch; None if the scene cannot be built any more."""
     try:
         return record.simulated_s - build(record.scenario, **record.parameters).watch_s / 2
     except (ValueError, TypeError, UnknownNameError):
@@ -67,7 +67,7 @@ def _watch_half_s(record: TrialRecord) -> float | None:
 
 
 def _proven(recording: Recording, first: int) -> tuple[float, float, float] | None:
-    """Creep, its greatest error [m/s] and the thickness [m] of the fastest brick from frame ``first`` on, if proven."""
+    """Return proven creep, greatest error [m/s] and thickness [m] of the fastest brick from frame ``first`` on."""
     fastest: tuple[float, float, float] | None = None
     all_frozen = True
     thinnest = math.inf
@@ -95,7 +95,7 @@ def _proven(recording: Recording, first: int) -> tuple[float, float, float] | No
 def _slope(
     frame: npt.NDArray[np.int32], position: npt.NDArray[np.float64], first: int, recording: Recording
 ) -> tuple[float, float]:
-    """Speed [m/s] of a brick by regression over its recorded poses, and by how much it may err at most.
+    """Return the speed [m/s] of a brick by regression over its recorded poses, and its greatest error.
 
     A slope is a weighted sum of positions, so that it errs by no more than the sum of the weights' sizes times the
     greatest error of a position.

@@ -1,4 +1,4 @@
-"""Records as flat rows, one value a column: what CSV, Parquet and data frames hold."""
+"""Records as flat rows, one value per column, for CSV, Parquet and data frames."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MISSING = (None, "")
 
 
 def flat_columns(of_format: int = FORMAT) -> list[str]:
-    """Return the columns of a flat row: the fields of a record, with the expectation's own in its place."""
+    """Return the columns of a flat row: the fields of a record, with the fields of the expectation in its place."""
     columns: list[str] = []
     for name in TrialRecord.model_fields:
         if name in _SINCE_FORMAT_3 and of_format < 3:
@@ -50,7 +50,7 @@ def from_flat(row: Mapping[str, Any]) -> TrialRecord:
     Missing values may be null, empty or nan.
 
     Raises:
-        ValueError: if the row is no record.
+        ValueError: if the row is not a record.
     """
     fields = {name: value for name, value in row.items() if value not in _MISSING and value == value}
     if "expectation" in fields:  # earlier CSV files hold it as JSON

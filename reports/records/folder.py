@@ -1,4 +1,4 @@
-"""The results folder: the one owner of its file names and of what is parsed from them."""
+"""The results folder: the single place that knows its file names and parsers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from reports.records.trial import RecordError, TrialRecord, read_records
 TRIALS = "trials.jsonl"
 PARQUET = "trials.parquet"
 PUBLISHED_TRIALS = (PARQUET, "trials.csv")
-"""What a published folder keeps in place of ``TRIALS``: the present form, and that of earlier versions."""
+"""Files of trials in a published folder: the present form, and the form of earlier versions."""
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
 FRAMES = "frames"
@@ -30,10 +30,10 @@ REPORT = "report"
 
 
 class ResultsFolder:
-    """What a run leaves in a folder, or what is published of it."""
+    """The results of a run in a folder, or their published part."""
 
     def __init__(self, path: Path) -> None:
-        """Name the folder; its files are read when they are asked for."""
+        """Name the folder; its files are read on first use."""
         self.path = path
 
     @property
@@ -43,7 +43,7 @@ class ResultsFolder:
 
     @property
     def trials_file(self) -> Path:
-        """The file of trials that is there: of a run, or published; the former if there is none."""
+        """The existing file of trials: of a run, or published; the former if there is none."""
         names = (TRIALS, *PUBLISHED_TRIALS)
         return next((self.path / name for name in names if (self.path / name).exists()), self.path / TRIALS)
 
@@ -53,11 +53,11 @@ class ResultsFolder:
         return self.path / STUDY
 
     def frames_file(self, trial: str) -> Path:
-        """Table of the frames of the trial with this id."""
+        """Return the path of the table of frames of a trial."""
         return self.path / FRAMES / f"{trial}.parquet"
 
     def recording_file(self, trial: str) -> Path:
-        """Recorded poses of the trial with this id."""
+        """Return the path of the recorded poses of a trial."""
         return self.path / RECORDINGS / f"{trial}.parquet"
 
     @cached_property
@@ -65,10 +65,10 @@ class ResultsFolder:
         """All trials, in the order in which they were run.
 
         Raises:
-            RecordError: if there is no file of trials, or one of its lines is no record.
+            RecordError: if there is no file of trials, or one of its lines is not a record.
 
         Warns:
-            RecordWarning: if the last line was torn by a cut; it is left out.
+            RecordWarning: if the last line was torn by an interruption; it is left out.
         """
         file = self.trials_file
         if file.name == TRIALS:
@@ -88,7 +88,11 @@ class ResultsFolder:
             return record
 
     def recording(self, trial: str) -> Recording:
-        """Read the recorded poses of a trial; errors as of ``read_recording``."""
+        """Read the recorded poses of a trial.
+
+        Raises:
+        RecordingError: if the recording is missing, torn, or not a recording.
+        """
         return read_recording(self.recording_file(trial))
 
     @cached_property
@@ -108,7 +112,7 @@ class ResultsFolder:
 
     @cached_property
     def study(self) -> Mapping[str, Any]:
-        """The resolved study; empty if the folder keeps none that can be read."""
+        """The resolved study; empty if the folder has none that can be read."""
         try:
             return tomllib.loads(self.study_file.read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -116,7 +120,7 @@ class ResultsFolder:
 
 
 def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the rows of a published table of trials as they are kept, in Parquet or CSV."""
+    """Yield the rows of a published table of trials unconverted, from Parquet or CSV."""
     if file.suffix == ".parquet":
         with pq.ParquetFile(file) as table:
             yield from table.read().to_pylist()
@@ -126,10 +130,10 @@ def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
 
 
 def replay_name(trial: TrialRecord) -> str:
-    """Name of the replay that shows a trial beside the other policies, without its ending."""
+    """Return the file name, without suffix, of the replay of a trial with the other policies."""
     return f"{trial.scene}.{trial.engine}.{trial.profile}.s{trial.seed}"
 
 
 def still_of(folder: Path, trial: TrialRecord) -> Path:
-    """The still of a trial in a folder of stills, whether it is there or not."""
+    """Return the path of a trial's still in a folder of stills, whether it exists or not."""
     return folder / f"{trial.trial}.png"

@@ -1,4 +1,4 @@
-"""The table of a trial's frames: its columns, their units, and the Parquet file they are kept in."""
+"""The table of a trial's frames: its columns, their units, and its Parquet file."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ import pyarrow.parquet as pq
 from reports.records.atomic import atomic_file
 
 UNTIMED_FRAMES = 5
-"""Left out of every timing: in them the engine builds its caches, the first brick lands, and whatever is compiled for
-the first contacts is compiled."""
+"""Frames left out of every timing: in them the engine builds its caches, the first brick lands, and kernels for the
+first contacts are compiled."""
 
 
 class FrameRow(NamedTuple):
-    """One frame. Null columns belong to trials without an extension."""
+    """One frame. Columns are null in trials without an extension."""
 
     frame: int
     """Number of the frame, from 0. The first five are left out of a record's timings."""
     time_s: float
     """Simulated time at the end of the frame [s]."""
     level: int
-    """The highest level of which a brick has been let go."""
+    """The highest level of which a brick has been released."""
     bricks: int
     """Bodies in the world."""
     live: int
@@ -42,15 +42,16 @@ class FrameRow(NamedTuple):
     core_ms: float | None = None
     """Time of the core itself [ms]."""
     port_ms: float | None = None
-    """Time of freezing and waking bodies in the engine [ms]."""
+    """Time of freezing and unfreezing bodies in the engine [ms]."""
     frozen: int | None = None
     """Bodies that the core froze in this frame."""
     woken: int | None = None
-    """Bodies that the core woke in this frame."""
+    """Bodies that the core unfroze in this frame."""
     woken_because: str | None = None
-    """The core's reasons for those wakes, each with its count: "1 struck; 3 rested on what was struck"."""
+    """The core's reasons for unfreezing them, each with its count: "1 struck; 3 rested on what was struck"."""
     bridge_ms: float | None = None
-    """Time [ms] of reaching an engine in a process of its own, and back; null for engines in the trial's process."""
+    """Time [ms] of the transfer to an engine in a separate process, and back; null for engines in the trial's
+    process."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
@@ -76,7 +77,7 @@ SCHEMA = pa.schema(
 
 
 def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
-    """Write a trial's frames, all or none; the folder must exist."""
+    """Write a trial's frames atomically; the folder must exist."""
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(FrameRow._fields)
     arrays = [pa.array(values, field.type) for values, field in zip(columns, SCHEMA, strict=True)]
     with atomic_file(path) as draft:
@@ -84,18 +85,18 @@ def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
 
 
 def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.float64]]:
-    """Some numeric columns of a trial's frames, each of shape (frames,); null is nan.
+    """Return some numeric columns of a trial's frames, each of shape (frames,); null is nan.
 
     Raises:
         OSError: if the file is missing.
-        pyarrow.ArrowException: if it is no such table, or is torn.
+        pyarrow.ArrowException: if it is not such a table, or is torn.
     """
-    with pq.ParquetFile(path) as file:  # in a thirtieth of the time of pyarrow's readers of whole data sets
+    with pq.ParquetFile(path) as file:  # 30 times faster than pyarrow's readers of whole data sets
         table = file.read(list(names))
     return {name: table[name].to_numpy().astype(np.float64) for name in names}
 
 
 def read_frames(path: Path) -> list[FrameRow]:
-    """A trial's frames, in order."""
+    """Return a trial's frames, in order."""
     columns = pq.read_table(path, schema=SCHEMA).to_pydict()
     return [FrameRow(*values) for values in zip(*(columns[name] for name in FrameRow._fields), strict=True)]

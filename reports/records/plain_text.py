@@ -1,4 +1,4 @@
-"""Text of engines without what only a terminal understands: colours, cursor moves, titles, control characters."""
+"""Remove terminal control sequences from engines' text: colours, cursor moves, titles, control characters."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _ESCAPE = re.compile(
     """,
     re.VERBOSE | re.MULTILINE,
 )
-"""ECMA-48 control sequences, also those that a line's end or the end of the text cuts off."""
+"""ECMA-48 control sequences, also if cut off by a line's end or the end of the text."""
 
 
 def plain_text(text: str) -> str:
-    """Remove terminal escapes wholly; replace every other character that cannot be printed.
+    """Remove terminal escapes; replace every other character that cannot be printed.
 
-    Tabs stay, and line breaks do as line feeds.
+    Tabs stay, and line breaks become line feeds.
     """
     lines = _ESCAPE.sub("", text).replace("\r\n", "\n").replace("\r", "\n")
     return "".join(

@@ -1,8 +1,8 @@
-"""Where every brick was in every frame of a trial, kept compactly: a row only where something changed.
+"""Recorded poses of every brick in every frame, compact: a row only where something changed.
 
-A row says where a brick is from its frame on, until its next row. Poses are kept to 0.01 mm and 1e-4 of a quaternion;
-what moves less than a dead band (0.05 mm, some 0.05 degrees) is taken to rest. Rows are sorted by brick, then by frame,
-and their columns are stored as differences: a stack of 100 planks that stands takes about 0.1 MB.
+A row gives a brick's pose from its frame until the brick's next row. Poses are kept to 0.01 mm and 1e-4 of a
+quaternion; a motion within the dead band (0.05 mm, some 0.05 degrees) counts as rest. Rows are sorted by brick, then by
+frame, and columns are stored as differences: a standing stack of 100 planks takes about 0.1 MB.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 LENGTH_STEP = 1e-5
-"""Of kept positions [m]: a thousandth of a plank's thickness is not seen."""
+"""Resolution of positions [m]: a thousandth of a plank's thickness cannot be seen."""
 QUATERNION_STEP = 1e-4
-"""Of the components of kept quaternions: turns a plank's end by 0.01 mm."""
+"""Resolution of the components of quaternions: it turns a plank's end by 0.01 mm."""
 MOST_BYTES = 1_000_000
-"""A recording that is larger keeps only every third frame, but every change of state."""
+"""Size above which a recording keeps only every third frame, and every change of state [bytes]."""
 THINNED = 3
 LENGTH_BAND = 5e-5
 _QUATERNION_BAND = 4e-4
-"""Dead bands [m] and [1]: a solver's trembling is not kept. The second moves a plank's end by 0.05 mm."""
+"""Dead bands [m] and [1], which drop the trembling of a solver. The second moves a plank's end by 0.05 mm."""
 FIXED_FIELDS = ("size", "position", "quaternion")
 """Fields of a fixed box that a recording keeps."""
 _COLUMNS = ("body", "frame", "x", "y", "z", "qw", "qx", "qy", "qz", "state")
@@ -47,32 +47,32 @@ class RecordingError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A trial's poses. Row i of every column belongs together; rows are sorted by body, then by frame."""
+    """A trial's poses. Row i is the same in every column; rows are sorted by body, then by frame."""
 
     frame_s: float
     """Simulated time [s] of a frame."""
     frames: int
-    """How many frames the trial had."""
+    """Number of frames of the trial."""
     sizes: Mapping[int, Vector]
     """Edge lengths [m] of each body."""
     body: IntArray
     """Bodies, shape (n,)."""
     frame: IntArray
-    """From which frame on the row holds, shape (n,)."""
+    """First frame of each row, shape (n,)."""
     position: IntArray
     """Centres in steps of ``LENGTH_STEP``, shape (n, 3)."""
     quaternion: IntArray
-    """Orientations (w, x, y, z) in steps of ``QUATERNION_STEP``, shape (n, 4); of two that are the same turn, the one
-    nearer to the row before."""
+    """Orientations (w, x, y, z) in steps of ``QUATERNION_STEP``, shape (n, 4); of the two signs, the one nearer to the
+    previous row."""
     state: IntArray
     """Indices into ``STATES``, shape (n,)."""
     every: int = 1
-    """1, or ``THINNED`` if it was too large and only every third frame is kept."""
+    """1, or ``THINNED`` if the recording was too large and only every third frame is kept."""
     fixed: tuple[Brick, ...] = ()
     """Boxes that never move."""
 
     def thinned(self) -> Recording:
-        """Every third frame only, but every change of state and every body's first row."""
+        """Return the recording with every third frame only, and every change of state and every body's first row."""
         new_state = np.ones(len(self.body), bool)
         new_state[1:] = (np.diff(self.body) != 0) | (np.diff(self.state) != 0)
         keep = new_state | (self.frame % THINNED == 0)
@@ -81,7 +81,7 @@ class Recording:
 
 
 class Recorder:
-    """Takes in the poses of every frame and keeps what changed."""
+    """Takes the poses of every frame and keeps the changes."""
 
     def __init__(self, frame_s: float, fixed: tuple[Brick, ...] = ()) -> None:
         """Record frames of ``frame_s`` [s] in a world with ``fixed`` boxes."""
@@ -104,19 +104,19 @@ class Recorder:
         frozen: Collection[int],
         bricks: Mapping[int, Brick],
     ) -> None:
-        """Take in one frame. Its cost grows with the number of bodies, and is least while all of them lie still.
+        """Take one frame. The cost grows with the number of bodies, and is least while all of them are still.
 
         Args:
-            bodies: ids of those in the world, shape (n,); never reused.
+            bodies: ids of the bodies in the world, shape (n,); never reused.
             position: their centres [m], shape (n, 3).
             quaternion: their orientations (w, x, y, z), shape (n, 4).
-            frozen: those that the core or the engine holds still.
-            bricks: what each body is.
+            frozen: bodies that the core or the engine holds still.
+            bricks: the brick of each body.
         """
         self._frames += 1
         latest = bodies, position, quaternion
         if self._latest and all(map(np.array_equal, latest, self._latest)) and self._frozen == set(frozen):
-            return  # a stack at rest is recorded in no time: the engine, timed next, finds its memory still at hand
+            return  # a stack at rest costs almost nothing, so that the engine finds its memory in the caches
         self._latest, self._frozen = tuple(array.copy() for array in latest), set(frozen)
         self._make_room(int(bodies.max(initial=-1)) + 1)
         self._sizes |= {body: bricks[body].size for body in bricks if body not in self._sizes}
@@ -136,7 +136,7 @@ class Recorder:
         self._state = state
 
     def finish(self) -> Recording:
-        """All that was seen."""
+        """Return the recording."""
         body = np.concatenate([rows[0] for rows in self._rows] or [np.empty(0, np.int64)])
         frame = np.concatenate([np.full(len(rows[0]), rows[1]) for rows in self._rows] or [np.empty(0, np.int64)])
         position = np.concatenate([rows[2] for rows in self._rows] or [np.empty((0, 3))])
@@ -164,7 +164,7 @@ class Recorder:
 
 
 def write_recording(path: Path, recording: Recording) -> None:
-    """Write a recording, all or none; one that is too large is thinned. The folder must exist."""
+    """Write a recording atomically; thin it if it is too large. The folder must exist."""
     content = _packed(recording)
     if len(content) > MOST_BYTES and recording.every == 1:
         content = _packed(recording.thinned())
@@ -172,49 +172,49 @@ def write_recording(path: Path, recording: Recording) -> None:
 
 
 def read_recording(path: Path) -> Recording:
-    """The recording of a file.
+    """Return the recording of a file.
 
     Raises:
-        RecordingError: if it is missing, torn, or no recording.
+        RecordingError: if it is missing, torn, or not a recording.
     """
     try:
         with pq.ParquetFile(path) as file:
             table = file.read()
-        told: dict[str, Any] = json.loads((table.schema.metadata or {})[b"stillstack"])
+        header: dict[str, Any] = json.loads((table.schema.metadata or {})[b"stillstack"])
         columns = {name: table[name].to_numpy().astype(np.int32) for name in _COLUMNS}
     except FileNotFoundError as error:
         raise RecordingError(f"{path}: no such recording; run the trial again to record it") from error
     except (OSError, KeyError, ValueError, pa.ArrowException) as error:
-        raise RecordingError(f"{path}: not a recording, or a torn one ({error})") from error
+        raise RecordingError(f"{path}: not a recording, or a torn one ({error}); run the trial again") from error
     return Recording(
-        told["frame_s"],
-        told["frames"],
-        {int(body): (size[0], size[1], size[2]) for body, size in told["sizes"].items()},
+        header["frame_s"],
+        header["frames"],
+        {int(body): (size[0], size[1], size[2]) for body, size in header["sizes"].items()},
         columns["body"],
         columns["frame"],
         np.stack([columns[name] for name in "xyz"], axis=1),
         np.stack([columns[name] for name in ("qw", "qx", "qy", "qz")], axis=1),
         columns["state"],
-        told["every"],
-        tuple(_fixed_box(box) for box in told.get("fixed", ())),
+        header["every"],
+        tuple(_fixed_box(box) for box in header.get("fixed", ())),
     )
 
 
-def _fixed_box(told: Mapping[str, Any]) -> Brick:
-    (length, width, height), (x, y, z), (w, i, j, k) = (told[name] for name in FIXED_FIELDS)
+def _fixed_box(box: Mapping[str, Any]) -> Brick:
+    (length, width, height), (x, y, z), (w, i, j, k) = (box[name] for name in FIXED_FIELDS)
     return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k))
 
 
 def _packed(recording: Recording) -> bytes:
     values = [recording.body, recording.frame, *recording.position.T, *recording.quaternion.T, recording.state]
-    told = {
+    header = {
         "frame_s": recording.frame_s,
         "frames": recording.frames,
         "sizes": recording.sizes,
         "every": recording.every,
         "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
     }
-    schema = pa.schema([pa.field(name, pa.int32()) for name in _COLUMNS], {"stillstack": json.dumps(told)})
+    schema = pa.schema([pa.field(name, pa.int32()) for name in _COLUMNS], {"stillstack": json.dumps(header)})
     table = pa.Table.from_arrays([pa.array(value, pa.int32()) for value in values], schema=schema)
     sink = pa.BufferOutputStream()
     pq.write_table(

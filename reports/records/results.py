@@ -19,7 +19,7 @@ from reports.records.trial import TrialRecord
 
 POSE_COLUMNS: Mapping[str, tuple[str, str]] = {
     "body": ("whole number", "Id of the body, unique within the trial."),
-    "frame": ("whole number", "Number of the frame from which on the row holds, until the body's next row."),
+    "frame": ("whole number", "First frame of the row, which holds until the body's next row."),
     "time_s": ("number", "Simulated time at the end of that frame."),
     "x_m": ("number", "Centre of the body in the world, to 0.01 mm."),
     "y_m": ("number", "Centre of the body in the world, to 0.01 mm."),
@@ -41,7 +41,7 @@ _EXPECTATION_TYPES = {
 
 
 class Results:
-    """The results of a study. Nothing is read before it is asked for."""
+    """The results of a study. Files are read on first use."""
 
     def __init__(self, folder: Path) -> None:
         """Name a results folder, or a folder that is published in ``docs/results``."""
@@ -49,7 +49,7 @@ class Results:
 
     @cached_property
     def trials(self) -> pd.DataFrame:
-        """One row a trial; ``docs/columns.md`` lists the columns. ``parameters`` holds a mapping.
+        """One row per trial; ``docs/columns.md`` lists the columns. ``parameters`` holds a mapping.
 
         Raises:
             RecordError: if the folder holds no trials that can be read.
@@ -59,7 +59,7 @@ class Results:
         return trials
 
     def frames(self, trial: str) -> pd.DataFrame:
-        """Return the frames of a trial: counts and times [ms], one row a frame.
+        """Return the frames of a trial: counts and times [ms], one row per frame.
 
         Raises:
             OSError: if the folder keeps no frames of it.
@@ -67,7 +67,7 @@ class Results:
         return pd.read_parquet(self._folder.frames_file(trial))
 
     def poses(self, trial: str) -> pd.DataFrame:
-        """Return the recorded poses of a trial: a row where a body's pose or state changed, which holds until the next.
+        """Return the recorded poses of a trial: a row per change of a body's pose or state, valid until its next row.
 
         ``docs/columns.md`` lists the columns.
 
@@ -93,7 +93,7 @@ class Results:
 
 
 def trials_frame(records: Sequence[TrialRecord]) -> pd.DataFrame:
-    """Return one row a trial, in their order; missing numbers are nan or NA, ``parameters`` is JSON."""
+    """Return one row per trial, in their order; missing numbers are nan or NA, ``parameters`` is JSON."""
     types = column_types()
     rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
     return rows.astype(types)
@@ -116,13 +116,13 @@ def _type(annotation: Any) -> str:
 
 
 def write_trials_csv(path: Path, records: Sequence[TrialRecord]) -> None:
-    """Write one line a trial, all columns of the flat records; what is missing is empty."""
+    """Write one line per trial, with all columns of the flat records; missing values are empty."""
     rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
     rows.to_csv(path, index=False, lineterminator="\n")
 
 
 def write_trials_parquet(path: Path, records: Sequence[TrialRecord]) -> None:
-    """Write the flat records as compressed Parquet, all or none; ``reports.load`` restores the types of columns."""
+    """Write the flat records atomically as compressed Parquet; ``reports.load`` restores the types of columns."""
     with atomic_file(path) as draft:
         trials_frame(records).to_parquet(
             draft, index=False, compression="zstd", compression_level=19, write_statistics=False, store_schema=False

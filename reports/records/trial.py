@@ -1,7 +1,7 @@
-"""The schema of what a trial leaves behind, its writer and its reader.
+"""The record of a trial: its schema, its writer and its reader.
 
-One line of JSON a trial, appended and flushed, so that a run that is cut off keeps every finished trial.
-What does not exist is null; NaN and infinity are refused. Derive from these records, never edit them.
+A file has one line of JSON per trial, appended and flushed, so that an interrupted run keeps every finished trial. A
+value that does not exist is null; NaN and infinity are refused. Derive from these records, never edit them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "creeps",
 CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
 
 CENSORED: frozenset[Status] = frozenset({"timeout"})
-"""Ends that say only "at least this far": their levels are lower bounds, never heights."""
+"""Statuses of censored trials: their levels are lower bounds, never heights."""
 
 NOT_JUDGED: frozenset[Verdict] = frozenset({"none", "undecided"})
 """Verdicts that count as neither right nor wrong."""
@@ -35,7 +35,7 @@ FORMAT: Literal[3] = 3
 
 - format 1: the verdict of a trial that its time limit stopped was ``failed``, and becomes ``undecided``;
 - formats 1 and 2: ``creep_m_s`` was the mean motion over the whole watch, and becomes ``mean_motion_m_s``. Creep did
-  not count, and cannot be told from such a record: it is missing, and the verdict stays as it was.
+  not count, and such a record does not contain it: it is missing, and the verdict stays as it was.
 """
 
 
@@ -44,11 +44,11 @@ class RecordError(ValueError):
 
 
 class RecordWarning(UserWarning):
-    """A file of records that was cut off while its last line was written."""
+    """A file of records whose last line is incomplete."""
 
 
 class TrialRecord(BaseModel):
-    """What one trial leaves behind. Null means that there is no such value, never zero.
+    """The results of one trial. Null means that there is no such value, never zero.
 
     The docstrings of the fields are the meanings in ``docs/columns.md``.
     """
@@ -64,17 +64,17 @@ class TrialRecord(BaseModel):
     engine_version: str
     """Version of the engine's package."""
     profile: str
-    """How the engine is set up; ``NAME@knob=value`` varies a knob of a profile."""
+    """Set-up of the engine; ``NAME@knob=value`` varies a knob of a profile."""
     unit_scale: float | None = None
-    """The engine's length units a metre; null if the engine was never opened."""
+    """The engine's length units per metre; null if the engine was never opened."""
     scenario: str
     """Name of the scenario."""
     scene: str
     """Id of the scene: the scenario with its parameters."""
     parameters: Mapping[str, int | float | str]
-    """Parameters with which the scenario was built; JSON in files."""
+    """Parameters of the scenario; JSON in files."""
     policy: str
-    """What decides which bodies freeze; ``none`` is the engine alone."""
+    """Sleeping method: which bodies freeze; ``none`` is the engine alone."""
     seed: int
     """Seed of the placement noise; 0 is the exact build."""
     repeat: int
@@ -82,20 +82,20 @@ class TrialRecord(BaseModel):
     status: Status
     """How the trial ended."""
     message: str = ""
-    """Why the trial ended as it did, if it did not simply complete."""
+    """Why the trial ended so, unless it completed."""
     levels_placed: int = 0
-    """Levels of which every brick had been let go."""
+    """Number of levels of which every brick had been released."""
     height_levels: int = 0
-    """Highest level that ever stood intact, with all below it, once its bricks had had time to land."""
+    """Highest level that ever stood intact, with all below it, after its bricks had had time to land."""
     height_m: float | None = None
-    """Top [m] of the highest intact level when it was last seen intact before the next one was begun."""
+    """Top [m] of the highest intact level when last seen intact before the next level started."""
     collapse_level: int | None = None
-    """Levels placed when the collapse was first seen; null if it never was (censored)."""
+    """Levels placed when the collapse was first seen; null without a collapse (censored)."""
     sink_m: float | None = None
-    """How far [m] the bricks of the highest intact level then lay, on average, below their ideal height."""
+    """Mean depth [m] of the bricks of the highest intact level below their ideal height at that time."""
     drift_m: float | None = None
-    """Farthest distance [m] of a brick, when the highest level was last seen intact, sideways from where it was let
-    go."""
+    """Greatest horizontal distance [m] of a brick from its release position when the highest level was last seen
+    intact."""
     creep_m_s: float | None = None
     """Creep [m/s]: slope of the centre's position over the last half of the watch, of the brick that is fastest for its
     thickness; null if the stack did not stand through it, and for trials from before format 3."""
@@ -109,19 +109,19 @@ class TrialRecord(BaseModel):
     frame_ms_max: float | None = None
     """Longest time [ms] of a frame."""
     engine_ms: float | None = None
-    """Mean time [ms] a frame of the engine's step; of an engine in a process of its own by that process's clock."""
+    """Mean time [ms] per frame of the engine's step; for an engine in a separate process by that process's clock."""
     readback_ms: float | None = None
-    """Mean time [ms] a frame in which the port reads contacts and masses; null without an extension."""
+    """Mean time [ms] per frame in which the port reads contacts and masses; null without an extension."""
     core_ms: float | None = None
-    """Mean time [ms] a frame of the stability core itself; null without an extension."""
+    """Mean time [ms] per frame of the stability core itself; null without an extension."""
     port_ms: float | None = None
-    """Mean time [ms] a frame in which the port freezes and wakes bodies; null without an extension."""
+    """Mean time [ms] per frame in which the port freezes and unfreezes bodies; null without an extension."""
     frame_ratio: float | None = None
     """Frame time with the extension over the frame time without it, on the same standing stack."""
     wakes: int | None = None
-    """How often the core woke a frozen body; null without an extension."""
+    """Number of times that the core unfroze a body; null without an extension."""
     refreezes: int | None = None
-    """How often the core froze a body that it had frozen before; null without an extension."""
+    """Number of times that the core froze a body that it had frozen before; null without an extension."""
     longest_live_s: float | None = None
     """Longest simulated time [s] that one body stayed live; null without an extension."""
     realtime_factor: float | None = None
@@ -129,55 +129,55 @@ class TrialRecord(BaseModel):
     pose_hash: str | None = None
     """BLAKE2b over every frame's float64 poses, in hexadecimal."""
     expectation: Expectation
-    """What must happen by theory."""
+    """The outcome that theory demands."""
     verdict: Verdict
-    """Whether the outcome is what theory demands: ``creeps`` if it had to stand and did, but a brick certainly crept
-    faster than the limit, ``undecided`` if the time limit stopped the trial, ``none`` where theory does not say or the
+    """Comparison of the outcome with theory: ``creeps`` if it had to stand and did, but a brick certainly crept
+    faster than the limit, ``undecided`` if the time limit stopped the trial, ``none`` where theory is silent or the
     engine cannot play the scene, ``failed`` if it sank, diverged or crashed."""
     environment: str
     """Digest of the environment.json of the run."""
     collapse_kind: CollapseKind | None = None
-    """What the collapse was: sink only if nothing toppled, slid or dropped within a second of it."""
+    """Kind of the collapse: sink only if nothing toppled, slid or dropped within a second of it."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
-    """Level of the stack on which ``frame_ratio`` was taken."""
+    """Level of the stack at which ``frame_ratio`` was measured."""
     frame_ratio_message: str = ""
-    """Why there is no ``frame_ratio``, where one was asked for."""
+    """Why there is no ``frame_ratio``, where it was requested."""
     levels_planned: int
     """Levels of the whole scene."""
     simulated_s: float = 0.0
     """Simulated time [s] when the trial ended."""
     wall_s: float | None = None
-    """Wall time [s] of the trial, with everything that is not timed."""
+    """Wall time [s] of the trial, including untimed work."""
     timed_frames: int | None = None
-    """How many frames the timings were taken from: those after the first five, up to a collapse."""
+    """Number of timed frames: those after the first five, up to a collapse."""
     calibration_ms: float | None = None
     """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
-    run tells how steady the machine was."""
+    run shows how steady the machine was."""
     core: int | None = None
-    """The processor core that the trial was kept to; null if it was not."""
+    """The processor core that the trial was pinned to; null if it was not pinned."""
     pair: str = ""
-    """Id that a scene which must stand shares with its partner that must fall; empty if it has none."""
+    """Id shared by a scene that must stand and its partner that must fall; empty without a partner."""
     rest_s: float | None = None
-    """How long [s] after the last action a brick of a poured pile was last seen moving; null if one still moved at the
-    end, and for scenes without a pile."""
+    """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if one still moved at
+    the end, and for scenes without a pile."""
     repose_deg: float | None = None
-    """Angle of repose [deg] of a poured pile: that of the cone of the same median height and radius."""
+    """Angle of repose [deg] of a poured pile: of the cone with the same median height and radius."""
     live_mean: float | None = None
-    """Mean number of live bricks in a frame; null without an extension, where nobody can tell."""
+    """Mean number of live bricks per frame; null without an extension, where it is unknown."""
     live_last: int | None = None
     """Number of live bricks in the last frame; null without an extension."""
     adopted: int | None = None
     """Number of bodies of prebuilt stacks that the core froze before the first step after they were set down; null
     without an extension, and for a scene without a prebuilt stack."""
     watch_s: float | None = None
-    """How long [s] the trial watches after its last action."""
+    """Time [s] for which the trial watches after its last action."""
     creep_error_m_s: float | None = None
-    """Half width [m/s] of the 95 % interval of ``creep_m_s``; frames are not taken to be independent. A stack creeps if
-    the whole interval lies above ``creep_limit_m_s``."""
+    """Half width [m/s] of the 95 % interval of ``creep_m_s``; frames are not assumed to be independent. A stack creeps
+    if the whole interval lies above ``creep_limit_m_s``."""
     creep_limit_m_s: float | None = None
-    """Creep [m/s] from which the brick of ``creep_m_s`` counts: by default 1 % of its thickness a minute."""
+    """Creep limit [m/s] of the brick of ``creep_m_s``: by default 1 % of its thickness per minute."""
     creep_thickness_m: float | None = None
     """Thickness [m] of the brick of ``creep_m_s``."""
     sliding_m_s: float | None = None
@@ -188,10 +188,10 @@ class TrialRecord(BaseModel):
     """Of trials from before format 3, which called it creep: fastest mean motion [m/s] of a brick over the whole watch,
     in which a stack still settles; null since."""
     host: str | None = None
-    """Name of the machine: timings of different machines are not to be compared."""
+    """Name of the machine; timings of different machines are not comparable."""
     bridge_ms: float | None = None
-    """Mean time [ms] a frame of reaching an engine in a process of its own, and back; it is in no other time. Null for
-    engines in the trial's process."""
+    """Mean time [ms] per frame of the transfer to an engine in a separate process, and back; it is in no other time.
+    Null for engines in the trial's process."""
     onset_deg: float | None = None
     """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
     if none did, and where no ground tilts."""
@@ -229,23 +229,23 @@ class TrialRecord(BaseModel):
 
     @property
     def is_judged(self) -> bool:
-        """Whether the outcome counts as right or wrong."""
+        """True if the outcome counts as right or wrong."""
         return self.verdict not in NOT_JUDGED
 
     @field_validator("message", "frame_ratio_message", mode="before")
     @classmethod
     def _without_escapes(cls, text: object) -> object:
-        """Remove the terminal escapes that engines put into what they print and raise."""
+        """Remove the terminal escapes in the text that engines print and raise."""
         return plain_text(text) if isinstance(text, str) else text
 
 
 class RecordWriter:
-    """Appends records to a file, each on disk before the next trial begins."""
+    """Appends records to a file, each flushed to disk before the next trial starts."""
 
     def __init__(self, path: Path) -> None:
-        """Open ``path`` for appending; a line that was torn by a cut is taken away first."""
+        """Open ``path`` for appending, after removing a last line that was torn by an interruption."""
         self.torn = _mend(path)
-        """Whether there was a torn line."""
+        """True if there was a torn line."""
         self._file = path.open("a", encoding="utf-8")
 
     def append(self, record: TrialRecord) -> None:
@@ -255,24 +255,24 @@ class RecordWriter:
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """No more records."""
+        """Close the file."""
         self._file.close()
 
 
 def read_records(path: Path) -> list[TrialRecord]:
-    """All records of a file, in its order.
+    """Return all records of a file, in its order.
 
     Raises:
-        RecordError: if the file is missing or holds a line that is no record of this format.
+        RecordError: if the file is missing or holds a line that is not a record of this format.
 
     Warns:
-        RecordWarning: if the last line was torn by a cut; it is left out.
+        RecordWarning: if the last line was torn by an interruption; it is left out.
     """
     try:
         return list(_records(path))
     except FileNotFoundError as error:
         raise RecordError(
-            f"{path}: cannot be read (no such file): name a results folder, such as 'bench run' leaves"
+            f"{path}: cannot be read (no such file): name a results folder, as written by 'bench run'"
         ) from error
     except OSError as error:
         raise RecordError(f"{path}: cannot be read ({error.strerror})") from error
@@ -293,7 +293,7 @@ def _records(path: Path) -> Iterator[TrialRecord]:
 
 
 def _is_torn(raw: bytes) -> bool:
-    """A cut leaves a line without its end; one that lost no more than the line break is whole."""
+    """Return whether a line without a line break is incomplete; a line that lost only its line break is complete."""
     if raw.endswith(b"\n"):
         return False
     try:
@@ -316,7 +316,7 @@ def _reason(error: ValidationError) -> str:
 
 
 def _mend(path: Path) -> bool:
-    """Make the file end with a whole line, so that what is appended starts on one of its own; True if one was torn."""
+    """Remove a torn last line, so that appended records start on a new line; return True if there was one."""
     if not path.exists():
         return False
     content = path.read_bytes()

@@ -1,4 +1,4 @@
-"""A figure of stills: how some stacks ended, side by side."""
+"""A figure of stills: the final states of some stacks, side by side."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _INCHES, _TITLE_INCHES = 2.1, 0.3
 
 
 def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: str, scenes: Sequence[str]) -> Figure:
-    """Stills of one engine: a row a scene, a column a policy.
+    """Return stills of one engine: a row per scene, a column per policy.
 
     Args:
-        stills: folder that holds the stills.
-        groups: of the study.
-        engine: shown.
-        profile: shown.
-        scenes: shown, in this order.
+        stills: folder with the stills.
+        groups: groups of the study.
+        engine: the engine to show.
+        profile: the profile to show.
+        scenes: the scenes to show, in this order.
 
     Raises:
         FileNotFoundError: if one of the stills is missing.
@@ -49,6 +49,6 @@ def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: 
 
 
 def _without_margins(pictures: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Pictures of one height without the rows that are empty in all of them, shape (height, width, 4) each."""
+    """Return pictures of one height without the rows that are empty in all of them, shape (height, width, 4) each."""
     drawn = np.flatnonzero(np.any([picture[..., 3].any(axis=1) for picture in pictures], axis=0))
     return [picture[drawn[0] : drawn[-1] + 1] if len(drawn) else picture for picture in pictures]

@@ -1,8 +1,9 @@
 """A recording as an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
-Each brick is a node whose pose is animated; beneath it hangs a box for each state that the brick is ever in, of which
-the animation shows one at a time (scale 1 or 0, in steps). Fixed boxes are nodes that stay. glTF's y axis points up:
-the root turns ours to it.
+Each brick is a node with an animated pose. Below it is a box for each state of the brick, of which the animation shows
+one at a time (scale 1 or 0, in steps). Fixed boxes are static nodes. glTF's y axis points up, so the root node turns
+our
+z axis to it.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Reco
 from scenarios.model import Brick
 
 COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
-"""Linear red, green and blue of what is shown; removed bricks are not."""
+"""Linear red, green and blue by state; removed bricks are not shown."""
 _FIXED = "fixed"
 _MATERIALS = {**COLOURS, _FIXED: (0.30, 0.32, 0.34)}
-"""The colours, and the grey of boxes that never move."""
+"""The colours by state, and the grey of boxes that never move."""
 _FLOAT, _SHORT = 5126, 5123
 _VERTICES, _INDICES = 34962, 34963
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
@@ -38,7 +39,7 @@ class _Buffer:
         self.accessors: list[dict[str, Any]] = []
 
     def add(self, values: npt.NDArray[Any], kind: str, target: int | None = None) -> int:
-        """Append an array, shape (n,) or (n, k), as accessors of ``kind`` (SCALAR, VEC3, VEC4); returns its index."""
+        """Append an array, shape (n,) or (n, k), as accessors of ``kind`` (SCALAR, VEC3, VEC4); return its index."""
         self.content += bytes(-len(self.content) % _ALIGNMENT)
         view = {"buffer": 0, "byteOffset": len(self.content), "byteLength": values.nbytes}
         self.content += values.tobytes()
@@ -56,7 +57,7 @@ class _Buffer:
 
 
 def to_glb(recording: Recording) -> bytes:
-    """The whole recording as one file."""
+    """Return the whole recording as one file."""
     buffer = _Buffer()
     meshes = _boxes(buffer)
     turn = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # about x, so that z points up
@@ -87,7 +88,7 @@ def to_glb(recording: Recording) -> bytes:
         animate(index, "translation", times, buffer.add(position, "VEC3"), "LINEAR")
         animate(index, "rotation", times, buffer.add(quaternion, "VEC4"), "LINEAR")
         changes = rows[np.flatnonzero(np.diff(recording.state[rows], prepend=-1))]
-        begun = np.concatenate([[0], recording.frame[changes] + 1]) * recording.frame_s  # at first it is not there
+        begun = np.concatenate([[0], recording.frame[changes] + 1]) * recording.frame_s  # at first there is no brick
         steps = buffer.add(begun.astype(np.float32), "SCALAR")
         for child, state in zip(children, states, strict=True):
             nodes.append({"name": state, "mesh": list(COLOURS).index(state), "scale": [0.0, 0.0, 0.0]})
@@ -120,7 +121,7 @@ def _fixed_node(box: Brick) -> dict[str, Any]:
 def _keyframes(
     recording: Recording, rows: npt.NDArray[np.int64]
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Frames and rows of a brick's keys: a row that holds for long is told again just before the next one."""
+    """Return frames and rows of a brick's keys; a row that holds for long is repeated just before the next one."""
     frames = recording.frame[rows].astype(np.int64)
     held = np.flatnonzero(np.diff(frames) > recording.every)
     every_frame = np.concatenate([frames, frames[held + 1] - recording.every])
@@ -129,7 +130,7 @@ def _keyframes(
 
 
 def _boxes(buffer: _Buffer) -> list[dict[str, Any]]:
-    """A unit cube for each colour, of the same 24 corners: four a face, so that edges are sharp."""
+    """Return a unit cube for each colour, with the same 24 corners: four per face, so that edges are sharp."""
     corners: list[npt.NDArray[np.float64]] = []
     normals: list[npt.NDArray[np.float64]] = []
     triangles: list[int] = []
@@ -163,7 +164,7 @@ def _materials() -> list[dict[str, Any]]:
 
 
 def _packed(content: dict[str, Any], binary: bytes) -> bytes:
-    """The GLB container: a header, a chunk of JSON and a chunk of bytes, each filled up to four."""
+    """Return the GLB container: a header, a chunk of JSON and a chunk of bytes, each padded to four bytes."""
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % _ALIGNMENT)
     binary += bytes(-len(binary) % _ALIGNMENT)

@@ -1,6 +1,6 @@
-"""Pictures of bricks, by PyVista off screen: ``python -m reports.replays.rendering JOBS`` draws a file of jobs.
+"""Draw bricks by PyVista off screen: ``python -m reports.replays.rendering JOBS`` draws a file of jobs.
 
-A program of its own, started by ``reports.replays.stills``: without a renderer VTK ends the whole process.
+It runs as a separate program, started by ``reports.replays.stills``, because VTK without a renderer ends the process.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ _CORNERS = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x i
 _FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
 """Corners of a box, and its faces, each counterclockwise from outside."""
 _TURN, _LIFT, _VIEW_ANGLE = -1.2, 0.3, 30.0
-"""From where it is seen, as in a replay [rad, rad, degrees]."""
+"""Direction of view, as in a replay [rad, rad], and view angle [deg]."""
 _OVERSAMPLING = 2
-"""Drawn so much larger and reduced: the smoothing that every software renderer has."""
+"""Factor by which pictures are drawn larger and then reduced, which smooths edges with any software renderer."""
 _TO_SUN = np.array([-0.5, -0.9, 1.6])
 _SUNS, _SUN_RADIUS = 8, 0.12
-"""Places on the sun's disc whose shadows are averaged, for soft edges; PyVista's own shadows are hard and grey."""
+"""Points on the sun's disc whose shadows are averaged for soft edges; PyVista's own shadows are hard and grey."""
 _DARKEST, _SHADOW_PIXELS, _BLUR_PIXELS = 110, 320, 1.5
-"""Of the shadow on the ground; 255 would be black."""
+"""Darkest value (of 255), size and blur [pixels] of the shadow on the ground."""
 _EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "line_width": 1.5}
 
 
 def render(jobs: Sequence[Mapping[str, Any]], pixels: int) -> None:
-    """Draw each job's ``bricks`` into its ``path``, on nothing, so that a page's own ground shows.
+    """Draw each job's ``bricks`` into its ``path``, on a transparent ground.
 
     Args:
         jobs: each with ``bricks`` (size, position [m], quaternion, colour) and with the corners ``low`` and ``high``
-            [m] of what is shown.
+            [m] of the visible space.
         pixels: edge length of the square pictures.
     """
     for job in jobs:
         plotter = pv.Plotter(off_screen=True, window_size=[_OVERSAMPLING * pixels] * 2, lighting="none")
-        plotter.set_background("black")  # shows where a picture is half transparent: in the shadow
+        plotter.set_background("black")  # visible where a picture is half transparent: in the shadow
         low, high = np.array(job["low"]), np.array(job["high"])
         corners = np.array([_corners(brick) for brick in job["bricks"]]).reshape(-1, 8, 3)
         if len(corners):
@@ -57,7 +57,7 @@ def render(jobs: Sequence[Mapping[str, Any]], pixels: int) -> None:
 
 
 def _corners(brick: Mapping[str, Any]) -> FloatArray:
-    """A brick's corners [m], shape (8, 3)."""
+    """Return a brick's corners [m], shape (8, 3)."""
     w, x, y, z = np.array(brick["quaternion"]) / np.linalg.norm(brick["quaternion"])
     turn = np.array(
         [
@@ -71,11 +71,11 @@ def _corners(brick: Mapping[str, Any]) -> FloatArray:
 
 
 def _mesh(corners: FloatArray, bricks: Sequence[Mapping[str, Any]]) -> pv.PolyData:
-    """All bricks as one mesh: a draw call each would take seconds.
+    """Return all bricks as one mesh, because one draw call per brick would take seconds.
 
     Args:
-        corners: of the bricks [m], shape (n, 8, 3).
-        bricks: with their colours.
+        corners: corners of the bricks [m], shape (n, 8, 3).
+        bricks: the bricks with their colours.
     """
     first = 8 * np.arange(len(corners))[:, None, None]
     faces = np.concatenate([np.full((len(corners), 6, 1), 4), first + _FACES], axis=2)
@@ -85,7 +85,7 @@ def _mesh(corners: FloatArray, bricks: Sequence[Mapping[str, Any]]) -> pv.PolyDa
 
 
 def _ground(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[pv.PolyData, pv.Texture]:
-    """A plane that shows nothing but the bricks' shadow."""
+    """Return a plane that shows only the bricks' shadow."""
     centre, half = (low + high)[:2] / 2, 2.0 * float(np.linalg.norm(high - low))
     plane = pv.Plane(center=(*centre, 0.0), i_size=2 * half, j_size=2 * half)
     alpha = _shadow((corners - [*(centre - half), 0]) / (2 * half) * _SHADOW_PIXELS)
@@ -95,10 +95,10 @@ def _ground(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[pv.
 
 
 def _shadow(corners: FloatArray) -> npt.NDArray[np.uint8]:
-    """How dark the ground is, seen from above.
+    """Return the darkness of the ground, seen from above.
 
     Args:
-        corners: of the bricks, in pixels of it, shape (n, 8, 3).
+        corners: corners of the bricks, in pixels, shape (n, 8, 3).
     """
     sun, rng = _TO_SUN / np.linalg.norm(_TO_SUN), np.random.default_rng(0)
     right = np.cross(sun, [0.0, 0.0, 1.0])

@@ -1,7 +1,8 @@
 """A replay that opens in any browser, offline: play, scrub, turn, several trials side by side.
 
-The page draws with three.js, which the wheel `jupyter-threejs-sage` ships; it lies beside the replays once, because a
-page opened from a disk may load a classic script from its own folder, but neither modules nor data.
+The page draws with three.js, which the wheel `jupyter-threejs-sage` ships. The script is written once beside the
+replays,
+because a page opened from a disk may load a classic script from its own folder, but neither modules nor data.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Replayed:
 
     @property
     def end(self) -> str:
-        """How it ended, in a word or two."""
+        """The outcome, in a word or two."""
         record = self.record
         if record.collapse_level is not None:
             return f"{'sank' if record.collapse_kind == 'sink' else 'fell'} at level {record.collapse_level}"
@@ -47,8 +48,8 @@ def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
     """Write ``NAME.html``, and the script that it needs, into a folder.
 
     Args:
-        folder: is made if need be.
-        name: of the page, without its ending.
+        folder: created if necessary.
+        name: file name of the page, without its suffix.
         trials: shown side by side, at least one; at the same simulated time.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -59,19 +60,19 @@ def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
     page = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
     ).get_template("replay.html.j2")
-    told = page.render(
+    html = page.render(
         title=f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
         theory=str(first.expectation),
         why=first.expectation.theory,
         script=_SCRIPT,
-        trials=[_told(trial) for trial in trials],
+        trials=[_described(trial) for trial in trials],
         player=Markup((_TEMPLATES / "replay.js").read_text(encoding="utf-8")),
     )
-    write_atomic(folder / f"{name}.html", told.encode())
+    write_atomic(folder / f"{name}.html", html.encode())
     return folder / f"{name}.html"
 
 
-def _told(trial: Replayed) -> dict[str, Any]:
+def _described(trial: Replayed) -> dict[str, Any]:
     recording = trial.recording
     rows = [recording.body, recording.frame, *recording.position.T, *recording.quaternion.T, recording.state]
     return {
@@ -90,7 +91,7 @@ def _told(trial: Replayed) -> dict[str, Any]:
 
 
 def _packed(columns: np.ndarray) -> str:
-    """Differences along each column, shape (columns, n), byte by byte (first all lowest bytes), deflated, in base64."""
+    """Return differences along each column, shape (columns, n), as bytes by significance, deflated, in base64."""
     differences = np.diff(columns, axis=1, prepend=0).astype("<i4")
     by_byte = np.ascontiguousarray(differences).view(np.uint8).reshape(-1, 4).T
     return base64.b64encode(zlib.compress(by_byte.tobytes(), 9)).decode()

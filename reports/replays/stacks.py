@@ -1,4 +1,4 @@
-"""Stacks of a results folder with their recordings: replays and stills of all that a report shows.
+"""Stacks of a results folder with their recordings: the replays and stills of a report.
 
 A stack here is the trials of one scene, engine, profile, seed and repeat under all policies.
 """
@@ -16,11 +16,11 @@ from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import ordered_policies
 
 MOST_STILLS = 120
-"""More than these are drawn only if asked for: a run of the paper's stacks has fewer and waits some 30 s for them."""
+"""Most stills drawn without being requested: a run of the paper's stacks has fewer, which take some 30 s."""
 
 
 def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:
-    """The first recorded seed of each scene, engine and profile, under all policies."""
+    """Return the first recorded seed of each scene, engine and profile, under all policies."""
     stacks: dict[tuple[object, ...], list[TrialRecord]] = {}
     for record in sorted(records, key=lambda record: (record.seed, record.repeat)):
         if ResultsFolder(folder).recording_file(record.trial).exists():
@@ -29,7 +29,7 @@ def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[Tria
 
 
 def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
-    """The trials whose recording is there and whole."""
+    """Return the trials whose recording exists and is complete."""
     found = []
     for record in records:
         try:
@@ -48,21 +48,21 @@ def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None
 
 
 def write_stack_replay(folder: Path, trials: Sequence[Replayed]) -> Path:
-    """Write the replay of one stack beside the report, policies in their usual order; returns the page."""
+    """Write the replay of one stack beside the report, policies in their usual order; return the page."""
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
     return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials)
 
 
 def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:
-    """Draw how each trial ended, beside the report; returns why some were not drawn, empty if all are there.
+    """Draw how each trial ended, beside the report; return why some were not drawn, or an empty text.
 
-    Stills that are newer than the records are left as they are.
+    Stills that are newer than the records are kept.
 
     Args:
         folder: a results folder.
-        stacks: whose trials are drawn.
-        however_many: False to draw none if they are more than ``MOST_STILLS``.
+        stacks: the stacks whose trials are drawn.
+        however_many: False to draw none if there are more than ``MOST_STILLS``.
     """
     stills, changed = folder / "report" / "stills", ResultsFolder(folder).trials_file.stat().st_mtime
     waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]
@@ -81,5 +81,5 @@ def _is_older(path: Path, time: float) -> bool:
 
 
 def stack_of(record: TrialRecord) -> tuple[object, ...]:
-    """What trials share that differ by policy alone."""
+    """Return the properties shared by trials that differ in their policy only."""
     return record.scene, record.engine, record.profile, record.seed, record.repeat

@@ -1,4 +1,4 @@
-"""Stills: how each trial ended, in a picture. Frozen, live and fallen bricks are told apart as in a replay."""
+"""Stills: the final state of each trial as a picture, with frozen, live and fallen bricks coloured as in a replay."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from reports.replays.replay import Replayed
 _ROOT = Path(__file__).parents[2]
 """The checkout."""
 PIXELS = 240
-"""Edge length of a still: fine at the 120 to 160 pixels of a page, and drawn in about a third of a second."""
+"""Edge length of a still: sharp at the 120 to 160 pixels of a page, and drawn in about a third of a second."""
 COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
-"""As in a replay: amber, blue and dark red differ in lightness, too, for colour-blind readers."""
+"""Colours as in a replay: amber, blue and dark red also differ in lightness, for colour-blind readers."""
 FIXED_COLOUR = (150, 154, 158)
 """Grey of boxes that never move."""
 _TINT = 0.08
-"""By so much bricks differ from each other, so that neighbours can be told apart."""
+"""Variation of lightness between bricks, so that neighbours can be distinguished."""
 _LONGEST_S = 900
-"""After so long [s] the renderer is given up."""
+"""Time [s] after which the renderer is stopped."""
 
 
 class StillsError(RuntimeError):
-    """No picture could be drawn; the message names the fix."""
+    """A picture that could not be drawn; the message names the fix."""
 
 
 def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int = PIXELS) -> None:
     """Draw the still of every trial.
 
     Args:
-        folder: is made if need be.
-        stacks: trials of one stack each, which are shown from the same place.
+        folder: created if necessary.
+        stacks: trials of one stack each, which are shown from the same direction.
         pixels: edge length of the square pictures.
 
     Raises:
@@ -56,12 +56,12 @@ def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int
 
 
 def _render(order: Path) -> None:
-    """Draw in a process of its own: without a renderer VTK ends it by a fault that no program can catch."""
+    """Draw in a separate process, because VTK without a renderer ends the process by a fault that cannot be caught."""
     command = [sys.executable, "-m", "reports.replays.rendering", str(order)]
     try:
         subprocess.run(command, cwd=_ROOT, capture_output=True, text=True, check=True, timeout=_LONGEST_S)
     except subprocess.TimeoutExpired as error:
-        raise StillsError(f"the stills took more than {_LONGEST_S} s and were given up") from error
+        raise StillsError(f"the stills took more than {_LONGEST_S} s and were stopped") from error
     except subprocess.CalledProcessError as error:
         raise StillsError(_reason(error)) from error
 
@@ -74,7 +74,7 @@ def _reason(error: subprocess.CalledProcessError) -> str:
 
 
 def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
-    """What the renderer is told of the trials of one stack."""
+    """Return the renderer's jobs for the trials of one stack."""
     drawn = [_drawn(trial) for trial in stack]
     corners = [corner for bricks, spans in drawn for corner in spans]
     if not corners:
@@ -87,7 +87,7 @@ def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
 
 
 def _drawn(trial: Replayed) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
-    """The bricks that are there at the end, the fixed boxes, and the corners [m] of the space of them all."""
+    """Return the bricks present at the end, the fixed boxes, and the corners [m] of the space around them."""
     recording, rng = trial.recording, np.random.default_rng(0)
     bricks, corners = [], []
     first = np.flatnonzero(np.diff(recording.body, prepend=-1))

@@ -1,1 +1,1 @@
-"""What is computed from trials: groups, success rates, intervals, survival."""
+"""Statistics of trials: groups, success rates, intervals, survival."""

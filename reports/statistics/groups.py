@@ -16,13 +16,13 @@ from scenarios.model import Expectation
 
 Item = TypeVar("Item")
 ALONE = "none"
-"""The policy without any extension, to which all others are compared."""
+"""The policy without an extension, with which all others are compared."""
 LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
-"""The order in which policies are listed; others follow as they come."""
+"""Policies in the order in which they are listed; others follow in order of appearance."""
 
 
 class GroupKey(NamedTuple):
-    """What all trials of a group share."""
+    """The properties shared by all trials of a group."""
 
     scene: str
     engine: str
@@ -32,7 +32,7 @@ class GroupKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Group:
-    """Trials that differ by seed and repeat only."""
+    """Trials that differ in seed and repeat only."""
 
     key: GroupKey
     trials: tuple[TrialRecord, ...]
@@ -49,7 +49,7 @@ class Group:
 
     @property
     def expectation(self) -> Expectation:
-        """What must happen by theory to the exact build, or to the first that was built."""
+        """Expectation of the exact build, or of the first build."""
         return self.trials[0].expectation
 
     @property
@@ -65,21 +65,21 @@ class Group:
 
     @cached_property
     def draws(self) -> list[TrialRecord]:
-        """The first repeat of each seed: repeats are no further evidence of what stands."""
+        """The first repeat of each seed, because repeats are no further evidence of outcomes."""
         return [repeats[0] for repeats in self.by_seed.values()]
 
     @cached_property
     def judged(self) -> list[TrialRecord]:
-        """Draws that theory can judge: one that was stopped by the time limit is slow, which is not wrong."""
+        """Draws with a known answer that were decided; a trial stopped by the time limit is slow, not wrong."""
         return judged_trials(self.draws)
 
     def count(self, verdict: Verdict) -> int:
-        """How many of the judged draws were judged so."""
+        """Return the number of judged draws with this verdict."""
         return sum(trial.verdict == verdict for trial in self.judged)
 
     @cached_property
     def lifetimes(self) -> dict[int, Lifetime]:
-        """How far the stack of each seed came; without those whose process failed."""
+        """Lifetime of the stack of each seed, without stacks whose process failed."""
         return {trial.seed: life for trial in self.draws if (life := lifetime(trial)) is not None}
 
     @cached_property
@@ -88,13 +88,13 @@ class Group:
         return kaplan_meier(list(self.lifetimes.values())) if self.lifetimes else None
 
     def values(self, field: str) -> list[float]:
-        """A measured field, one value a seed: the median of its repeats. Seeds that lack it are left out."""
+        """Return a measured field, one value per seed: the median of its repeats. Seeds without it are left out."""
         seeds = ([getattr(trial, field) for trial in repeats] for repeats in self.by_seed.values())
         measured = ([value for value in repeats if value is not None] for repeats in seeds)
         return [statistics.median(repeats) for repeats in measured if repeats]
 
     def estimate(self, field: str) -> Estimate | None:
-        """Median of a field over seeds. Times of several machines have no common median."""
+        """Return the median of a field over seeds. Times of several machines have no common median."""
         several = len({trial.host for trial in self.trials if trial.timed_frames is not None}) > 1
         if several and "_ms" in field:
             return None
@@ -102,7 +102,7 @@ class Group:
 
 
 def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
-    """The groups of a study: scenes, engines and profiles as they first appear, policies in their usual order."""
+    """Return the groups of a study: scenes and set-ups in order of appearance, policies in their usual order."""
     groups = {GroupKey(*key): trials for key, trials in grouped(records, *GroupKey._fields).items()}
     first = [_ranks(keys) for keys in zip(*groups, strict=True)][:3]
     policies = _ranks(ordered_policies(key.policy for key in groups))
@@ -112,7 +112,7 @@ def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
 
 
 def grouped(items: Iterable[Item], *fields: str) -> dict[tuple[Any, ...], list[Item]]:
-    """Return items by the values of some fields, in the order in which these first appear.
+    """Return items by the values of some fields, in order of appearance.
 
     Args:
         items: trials, groups of them, or rows of a table.
@@ -126,13 +126,13 @@ def grouped(items: Iterable[Item], *fields: str) -> dict[tuple[Any, ...], list[I
 
 
 def ordered_policies(names: Iterable[str]) -> list[str]:
-    """Policies in the order in which they are listed, each once."""
+    """Return policies in their usual order, each once."""
     present = dict.fromkeys(names)
     return [name for name in LEADING_POLICIES if name in present] + [n for n in present if n not in LEADING_POLICIES]
 
 
 def compare_groups(group: Group, other: Group) -> PairedTest | None:
-    """Two policies on the same stacks, paired by seed; None if they share none."""
+    """Return the test of two policies on the same stacks, paired by seed; None if they share none."""
     shared = [seed for seed in group.lifetimes if seed in other.lifetimes]
     return compare_pairs([(group.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
 
@@ -142,5 +142,5 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 
 
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Trials that theory can judge: one stopped by its time limit has not been shown to be wrong, only slow."""
+    """Return trials with a known answer that were decided: a trial stopped by its time limit is slow, not wrong."""
     return [trial for trial in trials if trial.is_judged]

@@ -1,7 +1,8 @@
-"""What height costs: levels reached against milliseconds a frame, where an engine was set up in several ways.
+"""The cost of height: levels reached against milliseconds per frame, for engines with several set-ups.
 
-A frame's time is the median over the frames in which the highest level that stood was the top one: what a stack costs
-when it is at its tallest. A stack that fell early is therefore shown with the time of what stood, not of its rubble.
+A frame's time is the median over the frames in which the highest level that stood was the top level: the cost of a
+stack
+at its tallest. A stack that fell early therefore has the time of the standing stack, not of its rubble.
 """
 
 from __future__ import annotations
@@ -17,27 +18,27 @@ from reports.records.trial import CENSORED, TrialRecord
 from reports.statistics.groups import GroupKey, grouped
 
 LEAST_SET_UPS = 3
-"""So many profiles of one engine on one scene make a comparison of costs; two are told by the other tables."""
+"""Fewest profiles of an engine on a scene that make a comparison of costs; other tables compare two."""
 
 
 @dataclass(frozen=True, slots=True)
 class CostPoint:
-    """One engine, set up in one way, on one scene under one policy; medians over its trials."""
+    """One engine, with one set-up, on one scene under one policy; medians over its trials."""
 
     scene: str
     engine: str
     profile: str
     policy: str
     levels: float
-    """That stood."""
+    """Number of levels that stood."""
     planned: int
     is_bound: bool
-    """True if a trial was stopped by its time limit: at least so many levels stand."""
+    """True if a trial was stopped by its time limit, so that ``levels`` is a lower bound."""
     frame_ms: float
 
 
 def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]:
-    """The points of a results folder; none of engines that were set up in one way or two."""
+    """Return the points of a results folder; none for engines with one or two set-ups."""
     set_ups = {key: {one.profile for one in trials} for key, trials in grouped(records, "scene", "engine").items()}
     points = []
     for values, trials in grouped(records, *GroupKey._fields).items():
@@ -50,7 +51,7 @@ def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]
 
 
 def _point(key: GroupKey, timed: Sequence[tuple[TrialRecord, float]]) -> CostPoint:
-    """Return the point of a group, of its trials with their times of a frame [ms]."""
+    """Return the point of a group, from its trials with their frame times [ms]."""
     return CostPoint(
         *key,
         levels=statistics.median(trial.height_levels for trial, _ in timed),
@@ -61,7 +62,7 @@ def _point(key: GroupKey, timed: Sequence[tuple[TrialRecord, float]]) -> CostPoi
 
 
 def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
-    """Median time of a frame [ms] while the highest level stood as the top one; None if there is no such frame."""
+    """Return the median frame time [ms] while the highest standing level was on top; None without such a frame."""
     frames = ResultsFolder(folder).frames_file(record.trial)
     if not record.height_levels or record.timed_frames is None or not frames.exists():
         return None
@@ -71,7 +72,7 @@ def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
 
 
 def frontier(points: Sequence[CostPoint]) -> list[CostPoint]:
-    """The points that no other one beats: each reaches higher than all that cost as much or less, by rising cost."""
+    """Return the points that no other point beats: each reaches higher than all that cost as much or less, by cost."""
     best: list[CostPoint] = []
     for point in sorted(points, key=lambda point: (point.frame_ms, -point.levels)):
         if not best or point.levels > best[-1].levels:

@@ -1,4 +1,4 @@
-"""Medians, spreads and rates with the intervals that the seeds allow; of a single seed there is none."""
+"""Medians, spreads and rates, with the intervals that the number of seeds allows; none for a single seed."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # scipy.stats is loaded on first use: it takes seconds
+import scipy  # scipy.stats takes seconds to load, so it is loaded on first use
 
 from reports.statistics.survival import CONFIDENCE
 
 RESAMPLES = 2000
-"""Bootstrap samples: an end of a 95 % interval is then known to within about a fiftieth of the interval's width."""
+"""Bootstrap samples: the end of a 95 % interval is then known to about a fiftieth of the interval's width."""
 _SEED = 20150608
-"""Of the bootstrap, so that a report can be made again."""
+"""Seed of the bootstrap, so that a report can be reproduced."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class Estimate:
     """A number with its interval."""
 
     n: int
-    """Values that it was made of."""
+    """Number of values behind it."""
     value: float
     low: float | None = None
     high: float | None = None
@@ -29,10 +29,10 @@ class Estimate:
 
 
 def median(values: Sequence[float]) -> Estimate | None:
-    """The median, with a percentile interval of the bootstrap over values; None if there are none.
+    """Return the median, with a percentile interval of the bootstrap over values; None without values.
 
     Args:
-        values: one a seed, none of them censored.
+        values: one per seed, none of them censored.
     """
     if not values:
         return None
@@ -51,19 +51,22 @@ def median(values: Sequence[float]) -> Estimate | None:
 
 
 def deviation(values: Sequence[float]) -> float | None:
-    """Median absolute deviation from the median, unscaled; None for fewer than two values."""
+    """Return the median absolute deviation from the median, unscaled; None for fewer than two values."""
     return float(scipy.stats.median_abs_deviation(values)) if len(values) > 1 else None
 
 
 def success_rate(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
-    """Share of trials for which something holds; None if there are none.
+    """Return the share of successes; None without trials.
 
-    The interval is of a bootstrap of two stages: scenes are drawn, then seeds within each (Davison and Hinkley,
-    Bootstrap Methods and their Application, 1997, section 3.8), since trials of a scene are alike. With one seed a
-    scene there is none. A share of 0 or 1 gets an interval of no width: the bootstrap cannot see what never happened.
+    The interval is of a two-stage bootstrap: scenes are drawn, then seeds within each (Davison and Hinkley, Bootstrap
+    Methods and their Application, 1997, section 3.8), because trials of a scene are alike. With one seed per scene
+    there is
+    no interval. A share of 0 or 1 gets an interval of no width, because the bootstrap cannot estimate an event that
+    never
+    happened.
 
     Args:
-        by_scene: for each scene, whether it holds for each of its seeds.
+        by_scene: for each scene, the success of each of its seeds.
     """
     scenes = [held for held in by_scene if held]
     if not scenes:
@@ -75,7 +78,7 @@ def success_rate(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
         return Estimate(int(trials.sum()), value)
     rng = np.random.default_rng(_SEED)
     drawn = rng.integers(len(scenes), size=(RESAMPLES, len(scenes)))
-    held = rng.binomial(trials[drawn], rate[drawn]).sum(axis=1)  # n seeds drawn of n, each of which held or did not
+    held = rng.binomial(trials[drawn], rate[drawn]).sum(axis=1)  # successes among n seeds drawn from n
     tail = (1 - CONFIDENCE) / 2
     low, high = np.quantile(held / trials[drawn].sum(axis=1), [tail, 1 - tail]).tolist()
     return Estimate(int(trials.sum()), value, low, high)

@@ -1,7 +1,8 @@
-"""Pairs of scenes: one must stand, the other must fall, and little but what decides differs.
+"""Pairs of scenes: one must stand, the other must fall, and little but the deciding quantity differs.
 
-Only a pair with both sides right counts: glue holds up the one that must fall, jelly lets down the one that must stand,
-and each alone gets half of all trials right.
+Only a pair with both outcomes correct counts: a rule that freezes everything holds the scene that must fall, a rule
+that
+freezes nothing may drop the scene that must stand, and each alone gets half of all trials right.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from reports.statistics.success_rates import SuccessRates, success_rates
 from scenarios.model import Expectation
 
 ALL = "all"
-"""Stands for all families together."""
+"""Name of all families together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +28,14 @@ class Pair:
     family: str
     """Name of the scenario of which its scenes are variants."""
     judged: tuple[frozenset[Verdict], ...]
-    """Verdicts of both sides, once for each seed at which theory can judge both."""
+    """Verdicts of both sides, for each seed with both sides decided."""
     undecided: int
-    """Seeds at which it cannot: a side was stopped by the time limit, is impossible on the engine, or was built so
-    near its limit that theory does not say."""
+    """Number of seeds without that: a side was stopped by the time limit, is impossible on the engine, or was built too
+    near its limit for a known answer."""
 
 
 class SetUp(NamedTuple):
-    """Who built the pairs."""
+    """The builder of the pairs: engine, profile and policy."""
 
     engine: str
     profile: str
@@ -47,20 +48,20 @@ class PairRow(NamedTuple):
     set_up: SetUp
     family: str
     success_rates: SuccessRates | None
-    """None if there was nothing to judge."""
+    """Success rates; None if nothing was judged."""
     undecided: int
 
 
 def pairs_of(groups: Sequence[Group]) -> list[Pair]:
-    """The pairs among the groups of one engine, profile and policy; what lacks its partner is none."""
+    """Return the pairs among the groups of one engine, profile and policy; a scene without its partner is left out."""
     sides = grouped([group for group in groups if group.pair], "pair")
     return [_pair(name, those) for (name,), those in sides.items() if are_opposed([one.expectation for one in those])]
 
 
 def are_opposed(expectations: Sequence[Expectation]) -> bool:
-    """Tell whether scenes ask for opposite things: one to stand and one to fall, or one to stand for a time first.
+    """Return whether scenes demand opposite outcomes: stand and fall, or stand for a time and fall at once.
 
-    A prebuilt stack must stand until a brick is taken, and then fall; its partner must fall at once.
+    A prebuilt stack must stand until a brick is removed, and then fall; its partner must fall at once.
     """
     outcomes = {one.outcome for one in expectations}
     stands_first = {one.not_before_s > 0.0 for one in expectations if one.outcome == "fall"}
@@ -68,12 +69,12 @@ def are_opposed(expectations: Sequence[Expectation]) -> bool:
 
 
 def pair_success_rates(pairs: Sequence[Pair]) -> SuccessRates | None:
-    """Shares of the pairs' builds, a pair being what the bootstrap draws; None if none could be judged."""
+    """Return the success rates of the pairs' builds, with a bootstrap over pairs; None if none was judged."""
     return success_rates([pair.judged for pair in pairs])
 
 
 def pair_rows(groups: Sequence[Group]) -> list[PairRow]:
-    """All pairs of each set-up, then those of each family; empty if the study has no pairs."""
+    """Return all pairs of each set-up, then the pairs of each family; empty if the study has no pairs."""
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
     set_ups = {SetUp(*key): members for key, members in by_set_up.items()}
     rows = []
@@ -94,13 +95,13 @@ def _pair(name: str, sides: Sequence[Group]) -> Pair:
 
 
 def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
-    """Whether theory judges all sides of a build, and asks for opposite things."""
+    """Return whether all sides of a build were decided, and demand opposite outcomes."""
     decided = all(trial.is_judged for trial in build)
     return decided and are_opposed([trial.expectation for trial in build])
 
 
 def _in_order(set_ups: Collection[SetUp]) -> list[SetUp]:
-    """Engines and profiles as they come, policies in their usual order."""
+    """Return engines and profiles in order of appearance, policies in their usual order."""
     engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in set_ups))
     policies = ordered_policies(set_up.policy for set_up in set_ups)
     return sorted(set_ups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))

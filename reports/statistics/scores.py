@@ -1,4 +1,4 @@
-"""How right each engine and profile is under each policy, and what a frame costs."""
+"""Scores of each engine and profile under each policy: success rates and frame times."""
 
 from __future__ import annotations
 
@@ -13,38 +13,42 @@ from reports.statistics.pairs import pair_success_rates, pairs_of
 from reports.statistics.success_rates import SuccessRates, count, success_rates
 
 FRAME_BUDGETS_MS = {60: 1e3 / 60, 90: 1e3 / 90}
-"""Time [ms] that a frame may take, by frames a second: a monitor's and a headset's."""
+"""Time budgets [ms] of a frame, by frames per second: a monitor and a headset."""
 
 
 @dataclass(frozen=True, slots=True)
 class PolicyScore:
-    """How right one engine and profile is under one policy, over all scenes of known truth."""
+    """Success rates of one engine and profile under one policy, over all scenes with a known answer."""
 
     policy: str
     stand: Estimate | None
-    """Share right of trials that must stand; None if there are none."""
+    """Success rate of trials that must stand; None if there are none."""
     fall: Estimate | None
-    """Share right of trials that must fall."""
+    """Success rate of trials that must fall; None if there are none."""
     trials: SuccessRates | None
-    """Of all trials; None if theory can judge none."""
+    """Success rates of all trials; None if none was judged."""
     pairs: SuccessRates | None
-    """Of pairs of scenes; None if there are none."""
+    """Success rates of pairs of scenes; None if there are none."""
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms]."""
     frame_ratio: float | None
-    """Median over scenes of the frame time over that of the same stack all awake."""
+    """Median over scenes of the frame time over the frame time of the same stack all awake."""
 
     @property
     def headline(self) -> SuccessRates | None:
-        """What counts: pairs where there are any, for half of all trials is right by glue alone."""
+        """The rates that count: of pairs if there are any, because freezing everything gets half the trials right."""
         return self.pairs or self.trials
 
     @property
-    def told(self) -> str:
-        """``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
+    def summary(self) -> str:
+        """The counts in words: ``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
         sides = [(self.stand, "stand"), (self.fall, "fall")]
-        told = ", ".join(f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None)
-        return f"{self.pairs.right_count} of {self.pairs.n} pairs; {told}" if self.pairs is not None else told
+        sides_text = ", ".join(
+            f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None
+        )
+        return (
+            f"{self.pairs.right_count} of {self.pairs.n} pairs; {sides_text}" if self.pairs is not None else sides_text
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +59,7 @@ class EngineScores:
     profile: str
     version: str
     scores: tuple[PolicyScore, ...]
-    """One a policy, in the usual order."""
+    """One score per policy, in the usual order."""
     trials: tuple[TrialRecord, ...]
     """All its trials."""
 
@@ -74,7 +78,7 @@ def _engine_scores(engine: str, profile: str, groups: Sequence[Group]) -> Engine
 
 
 def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
-    """The score of the groups of one engine, profile and policy."""
+    """Return the score of the groups of one engine, profile and policy."""
 
     def right(side: str) -> Estimate | None:
         those = [group for group in groups if group.expectation.outcome == side]

@@ -1,4 +1,4 @@
-"""How often theory was met, and how it was missed: each way of missing it apart, with its interval."""
+"""Success rates, and the rate of each kind of error, with intervals."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from reports.statistics.intervals import Estimate, success_rate
 
 Miss: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "failed"]
 MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "creeps", "failed")
-"""Stood where it must fall; fell where, or before, it must not; crept where it must stand; sank, diverged or
-crashed."""
+"""Kinds of error: stood though it must fall; fell though it must not, or too early; crept though it must stand; sank,
+diverged or crashed."""
 
 
 @dataclass(frozen=True, slots=True)
 class SuccessRates:
-    """Shares of what theory can judge. Something judged as a whole may have missed in more than one way."""
+    """Shares of the decided trials or pairs. A pair may have several kinds of error."""
 
     right: Estimate
     false_stand: Estimate
@@ -27,21 +27,21 @@ class SuccessRates:
 
     @property
     def n(self) -> int:
-        """How many were judged."""
+        """Number judged."""
         return self.right.n
 
     @property
     def right_count(self) -> int:
-        """How many of them were right."""
+        """Number of correct outcomes."""
         return count(self.right)
 
 
 def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessRates | None:
-    """Shares with intervals of a bootstrap over scenes and, within them, over seeds; None if nothing was judged.
+    """Return shares with bootstrap intervals over scenes and, within them, over seeds; None if nothing was judged.
 
     Args:
-        by_scene: for each scene (or pair of scenes) and each of its seeds, the verdicts of all that must be right
-            together: of one trial, or of both sides of a pair.
+        by_scene: for each scene (or pair of scenes) and each of its seeds, the verdicts that must all be right: of
+            one trial, or of both sides of a pair.
     """
     right = success_rate([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
     missed = [success_rate([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
@@ -50,7 +50,7 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
 
 
 def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
-    """Return the ways of missing that a table shows: creep only where something crept.
+    """Return the kinds of error that a table shows: creep only if there was any.
 
     Trials from before creep counted have none, and their tables stay as they were.
     """
@@ -59,5 +59,5 @@ def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
 
 
 def count(estimate: Estimate) -> int:
-    """The number of trials or pairs that a share stands for."""
+    """Return the number of trials or pairs behind a share."""
     return round(estimate.value * estimate.n)

@@ -1,7 +1,7 @@
-"""At which level stacks fall: statistics of levels of which some are only lower bounds.
+"""Survival statistics: levels at which stacks fall, of which some are only lower bounds.
 
-A stack that was completed, or was stopped by its time limit, might have carried more: its level is censored. Such
-levels have no mean; they have a survival curve, its median, and tests that respect them.
+A stack that was completed, or stopped by its time limit, might have carried more: its level is censored. Such levels
+have no mean; they have a survival curve, its median, and tests that allow for censoring.
 """
 
 from __future__ import annotations
@@ -13,41 +13,41 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy  # scipy.stats is loaded on first use: it takes seconds
+import scipy  # scipy.stats takes seconds to load, so it is loaded on first use
 
 from reports.records.trial import TrialRecord
 
 FloatArray = npt.NDArray[np.float64]
 
 CONFIDENCE = 0.95
-"""Of every interval: the custom of the field."""
+"""Confidence of every interval, by convention."""
 PERMUTATIONS = 9999
-"""Most changes of sign that a paired test looks at: all of them up to 13 pairs, beyond that a sample, with which a
-p-value of 0.05 is known to within 0.004."""
+"""Most sign changes of a paired test: all of them up to 13 pairs, beyond that a sample, which gives a p-value of 0.05
+to within 0.004."""
 _ROUNDING = 1e-9
-"""A share is a product of fractions: one half may come out a little above it."""
+"""Rounding error of a share, which is a product of fractions."""
 _SEED = 20150608
-"""Of the sample, so that a report can be made again."""
+"""Seed of the sample, so that a report can be reproduced."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lifetime:
-    """How far one stack came."""
+    """The level that one stack reached."""
 
     level: int
     """Levels placed when it fell; else the highest level that was seen intact."""
     fell: bool
-    """False: censored, it would have carried more."""
+    """False: censored, the stack would have carried more."""
 
     def outlives(self, other: Lifetime) -> bool:
-        """Whether it certainly came farther than ``other``."""
+        """Return whether it certainly reached a higher level than ``other``."""
         return other.fell and (self.level > other.level or (not self.fell and self.level == other.level))
 
 
 def lifetime(trial: TrialRecord) -> Lifetime | None:
-    """How far a trial's stack came; None if the engine's process failed, which tells nothing of the stack.
+    """Return a trial's lifetime; None if the engine's process failed, which says nothing about the stack.
 
-    Poses that are not finite are the stack's end: it no longer stands.
+    Poses that are not finite end the stack's lifetime.
     """
     if trial.collapse_level is not None:
         return Lifetime(trial.collapse_level, True)
@@ -68,18 +68,18 @@ class Survival:
     """Share that outlives each level."""
     low: FloatArray | None
     high: FloatArray | None
-    """Pointwise interval of the share, without width where all stand or none does; None of a single stack."""
+    """Pointwise interval of the share, without width where all stand or none does; None for a single stack."""
 
     @property
     def median(self) -> float:
-        """The first level that at most half outlive; inf if more than half outlive all that was built."""
+        """The first level that at most half outlive; inf if more than half outlive all built levels."""
         return _first_half(self.level, self.standing)
 
     @property
     def median_interval(self) -> tuple[float, float] | None:
         """The levels that the data do not exclude as the median (Brookmeyer and Crowley, Biometrics 38, 1982).
 
-        Ends may be inf: no such level was built. None of a single stack.
+        Ends may be inf: no such level was built. None for a single stack.
         """
         if self.low is None or self.high is None:
             return None
@@ -92,7 +92,7 @@ def _first_half(level: FloatArray, share: FloatArray) -> float:
 
 
 def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
-    """The Kaplan-Meier estimate, with log-log intervals by Greenwood's variance (Kalbfleisch and Prentice 1980).
+    """Return the Kaplan-Meier estimate, with log-log intervals by Greenwood's variance (Kalbfleisch and Prentice 1980).
 
     Raises:
         ValueError: if there are no lifetimes.
@@ -106,7 +106,7 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "The confidence interval is undefined", RuntimeWarning)
         interval = curve.confidence_interval(CONFIDENCE, method="log-log")
-    certain = (standing == 0) | (standing == 1)  # there the logarithms of the formula do not exist
+    certain = (standing == 0) | (standing == 1)  # the logarithms of the formula do not exist there
     low = np.where(certain, standing, interval.low.probabilities)
     high = np.where(certain, standing, interval.high.probabilities)
     return Survival(level, standing, low, high)
@@ -114,27 +114,27 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
 
 @dataclass(frozen=True, slots=True)
 class PairedTest:
-    """Two ways of building the same stacks, compared pair by pair."""
+    """Two methods on the same stacks, compared pair by pair."""
 
     pairs: int
     first_farther: int
-    """Pairs in which the first certainly came farther."""
+    """Pairs in which the first method certainly reached a higher level."""
     second_farther: int
     p_value: float | None
-    """Of no difference, two-sided; None with fewer than two pairs."""
+    """Two-sided p-value of no difference; None with fewer than two pairs."""
 
     @property
     def undecided(self) -> int:
-        """Pairs that came equally far, or of which a lower bound does not tell."""
+        """Pairs with equal levels, or with a lower bound that does not decide."""
         return self.pairs - self.first_farther - self.second_farther
 
 
 def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
-    """The paired Prentice-Wilcoxon test (O'Brien and Fleming, Biometrics 43, 1987), by permutation within pairs.
+    """Return the paired Prentice-Wilcoxon test (O'Brien and Fleming, Biometrics 43, 1987), by permutation within pairs.
 
     All lifetimes are pooled and scored by the generalised Wilcoxon scores of Peto and Peto (J. R. Statist. Soc. A 135,
     1972), which take ties: S(t) + S(t-) - 1 where a stack fell at t, S(t) - 1 where it was censored, with S the pooled
-    Kaplan-Meier estimate. The statistic is the sum of the differences of scores within pairs; if the two ways are
+    Kaplan-Meier estimate. The statistic is the sum of the differences of scores within pairs; if the two methods are
     alike, each difference could as well have had the other sign.
 
     Args:
@@ -150,9 +150,9 @@ def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """P-values of several tests, such that any at all is below 0.05 by chance in one study of twenty (Holm 1979).
+    """Return p-values of several tests, corrected by Holm's method (1979) for all of them.
 
-    The smallest of m is multiplied by m, the next by m - 1, and so on; none becomes smaller than one before it.
+    The smallest of m is multiplied by m, the next by m - 1, and so on; none becomes smaller than the one before.
     """
     order = np.argsort(p_values, kind="stable")
     factors = np.arange(len(p_values), 0, -1)
@@ -163,7 +163,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
-    """Peto and Peto's scores, shape (n,); the farther a stack came, the lower its score.
+    """Return Peto and Peto's scores, shape (n,); a stack that reached a higher level has a lower score.
 
     The sum over all lifetimes is zero; without censoring the scores are the centred midranks, scaled.
     """
@@ -177,7 +177,7 @@ def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
 
 
 def _sign_flip_p_value(difference: FloatArray) -> float:
-    """Two-sided p-value of the sum of ``difference``, shape (n,), when each sign is as likely as the other."""
+    """Return the two-sided p-value of the sum of ``difference``, shape (n,), when both signs are equally likely."""
     if not difference.any():
         return 1.0
     test = scipy.stats.permutation_test(

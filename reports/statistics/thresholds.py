@@ -20,7 +20,7 @@ EXACT_SHARE = 0.02
 
 
 def stood(status: Status) -> bool | None:
-    """Return what the end of a trial says of its stack: it stood, it fell, or (None) the trial does not tell."""
+    """Return whether the stack of a trial with this status stood; None if the status does not decide."""
     return {"completed": True, "collapsed": False}.get(status)
 
 
@@ -31,12 +31,12 @@ class Threshold:
     scene: str
     """The scenario and the parameters that the study sets."""
     parameter: str
-    """What was bisected."""
+    """Name of the bisected parameter."""
     engine: str
     profile: str
     policy: str
     brackets: tuple[Bracket, ...]
-    """One a seed and repeat."""
+    """Brackets, one per seed and repeat."""
     exact: tuple[float | None, float | None]
     """The limit by exact statics, with the bisector and with a face as the normal of a ridge; None without one."""
 
@@ -132,7 +132,7 @@ def exact_limits(
 
         try:
             bracket = Bisection(search.low, search.high, EXACT_SHARE * search.tolerance).search(stands)
-        except ValueError:  # statics does not judge what is pushed
+        except ValueError:  # statics does not judge pushed bricks
             return None
         return bracket.middle if bracket.is_found else None
 

@@ -1,4 +1,4 @@
-"""What each engine's interface shows, from the descriptors that a run keeps in its environment."""
+"""The table of engine capabilities, from the descriptors that a run writes into its environment."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PROPERTIES = (
     ("normal at a ridge", "ridge_normal"),
     ("repeats bit for bit", "deterministic"),
 )
-"""Rows of the table, and the descriptor's field of each."""
+"""Rows of the table, with the descriptor's field of each."""
 _WORDS = {
     "near_contacts": {True: "listed", False: "added by geometry"},
     "planar": {True: "planar scenes", False: "all scenes"},
@@ -30,29 +30,35 @@ _WORDS = {
 
 
 def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
-    """Engines side by side.
+    """Return the engines side by side.
 
     Args:
-        engines: by name, the ``version`` and the ``capabilities`` of each, as an environment.json keeps them.
+        engines: the ``version`` and the ``capabilities`` of each engine by name, as in an environment.json.
     """
     rows = [
-        (name, *(_told(field, {**engine["capabilities"], "version": engine["version"]}) for engine in engines.values()))
+        (
+            name,
+            *(
+                _described(field, {**engine["capabilities"], "version": engine["version"]})
+                for engine in engines.values()
+            ),
+        )
         for name, field in _PROPERTIES
     ]
     note = (
-        "What the extension has to work with, as each adapter describes it. The conformance checks (`bench check`) "
-        "measure what can be measured: points that nearly touch, separation, contact forces, the normal at a ridge, "
-        "planar or not, and repetition in one process."
+        "The interface that each adapter provides to the extension. The conformance checks (`bench check`) measure "
+        "points that nearly touch, separation, contact forces, the normal at a ridge, planar or not, and repetition in "
+        "one process; the adapter describes the other rows."
     )
-    return Table("What the engines show", ("", *engines), tuple(rows), (note,), folds=True, id="capabilities")
+    return Table("Engine capabilities", ("", *engines), tuple(rows), (note,), folds=True, id="capabilities")
 
 
 def capability_tables(engines: Mapping[str, Mapping[str, Any]]) -> list[Table]:
-    """The same as a list: empty if no engine is described."""
+    """Return the table in a list, which is empty if no engine is described."""
     return [capability_table(engines)] if engines else []
 
 
-def _told(field: str, descriptor: dict[str, Any]) -> str:
+def _described(field: str, descriptor: dict[str, Any]) -> str:
     value = descriptor.get(field, NOTHING)
     if isinstance(value, bool):
         return _WORDS.get(field, {True: "yes", False: "no"})[value]

@@ -1,4 +1,4 @@
-"""At which level stacks fell over many seeds: the distribution, not only its middle."""
+"""The table of collapse levels over many seeds: the distribution, not only its median."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 LEAST_TRIALS = 5
-"""Fewer trials of a group are no distribution."""
+"""Fewest trials of a group that make a distribution."""
 
 
 def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """The table of collapse levels, if any scene was built often enough under some policy."""
+    """Return the table of collapse levels, if any scene was built often enough under some policy."""
     rows = [
         (*key, _levels(trials), *(str(count) if count else NOTHING for count in _stood_and_stopped(trials)))
         for key, trials in grouped(records, *GroupKey._fields).items()
@@ -24,23 +24,23 @@ def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
         return []
     header = ("scene", "engine", "profile", "policy", "fell at level: how many, and how", "stood", "stopped")
     note = (
-        "The level that was complete when the collapse was first seen. Stopped: by the time limit, an error or a limit "
-        "of the engine; nothing is known of how they would have ended."
+        "Collapse level: the level that was complete when the collapse was first seen. Stopped: by the time limit, an "
+        "error or a limit of the engine, so that the outcome is unknown."
     )
-    return [Table("At which level they fell", header, tuple(rows), (note,), folds=True, id="collapse_levels")]
+    return [Table("Collapse levels", header, tuple(rows), (note,), folds=True, id="collapse_levels")]
 
 
 def _levels(trials: Sequence[TrialRecord]) -> str:
-    """Such as "4: 30 (19 slide, 9 sink, 2 topple)"."""
+    """Return the distribution in words, such as "4: 30 (19 slide, 9 sink, 2 topple)"."""
     fallen: dict[int, Counter[str]] = {}
     for trial in trials:
         if trial.collapse_level is not None:
             fallen.setdefault(trial.collapse_level, Counter())[trial.collapse_kind or "fall"] += 1
-    told = []
+    entries = []
     for level, kinds in sorted(fallen.items()):
         how = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
-        told.append(f"{level}: {kinds.total()} ({how})")
-    return "; ".join(told) or NOTHING
+        entries.append(f"{level}: {kinds.total()} ({how})")
+    return "; ".join(entries) or NOTHING
 
 
 def _stood_and_stopped(trials: Sequence[TrialRecord]) -> tuple[int, int]:

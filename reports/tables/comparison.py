@@ -1,4 +1,4 @@
-"""The comparison matrix: a row for each scene, engine, profile and policy, as text and as what it is sorted by."""
+"""The comparison matrix: a row for each scene, engine, profile and policy, with text and sort keys."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from reports.tables.wording import median_level, number, troubles
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """What a column shows."""
+    """A column and its meaning."""
 
     title: str
     explanation: str
@@ -24,10 +24,10 @@ class Column:
 
 
 COLUMNS = (
-    Column("seeds", "number of different builds; seed 0 is exact, the others are a hand's"),
-    Column("levels", "its end; of several seeds the median level of collapse [95 % interval], and how many fell"),
-    Column("right", "trials that went as theory demands, of those that theory can judge"),
-    Column("sink", "how far the highest intact level lay below its ideal height", "mm"),
+    Column("seeds", "number of different builds; seed 0 is exact, the others have placement noise"),
+    Column("levels", "final level; of several seeds the median collapse level [95 % interval], and how many fell"),
+    Column("right", "trials whose outcome theory demands, of those judged"),
+    Column("sink", "depth of the highest intact level below its ideal height", "mm"),
     Column(
         "creep",
         "slope of the position of the brick that is fastest for its thickness, over the last half of the watch",
@@ -35,10 +35,10 @@ COLUMNS = (
     ),
     Column("p50", "median frame time ± median absolute deviation over seeds", "ms"),
     Column("p99", "99th percentile of the frame time ± median absolute deviation over seeds", "ms"),
-    Column("ratio", "frame time over that of the same standing stack all awake [95 % interval]"),
+    Column("ratio", "frame time over the frame time of the same standing stack all awake [95 % interval]"),
     Column(
         "against none",
-        "pairs of a seed with the engine alone: how many came farther / less far; p of no difference, by Holm's method "
+        "pairs of a seed with the engine alone: higher levels / lower levels; p of no difference, by Holm's method "
         "for all comparisons of this column",
     ),
 )
@@ -50,7 +50,7 @@ class Entry:
 
     text: str
     sort: float
-    """What the column is sorted by; nan comes last."""
+    """Sort key of the entry; nan comes last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,22 +59,22 @@ class ComparisonRow:
 
     group: Group
     judgement: str
-    """right, wrong, mixed, or open where theory says nothing or the trials did not come so far."""
+    """right, wrong, mixed, or open if theory is silent or the trials did not end."""
     entries: tuple[Entry, ...]
     trouble: str
     note: str
-    """What else the reader of its entries must know; empty if nothing."""
+    """Further note for the reader; may be empty."""
 
 
 def comparison_rows(groups: Sequence[Group]) -> list[ComparisonRow]:
-    """The rows of all groups, in their order."""
+    """Return the rows of all groups, in their order."""
     by_key = {group.key: group for group in groups}
     tests = _tests([(group, by_key[alone]) for group in groups if (alone := GroupKey(*group.key[:3], ALONE)) in by_key])
     return [_row(group, tests.get(group.key)) for group in groups]
 
 
 def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
-    """The comparison as a table of text, under its caption."""
+    """Return the comparison as a table of text, under its caption."""
     titles = (f"{column.title} [{column.unit}]" if column.unit else column.title for column in COLUMNS)
     notes = (
         caption,
@@ -91,7 +91,7 @@ def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
 
 
 def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[PairedTest, float]]:
-    """The paired test of each group with its engine alone, and its p-value corrected for all of them."""
+    """Return the paired test of each group against its engine alone, with its p-value corrected for all of them."""
     tests = {group.key: compare_groups(group, alone) for group, alone in compared if group is not alone}
     decided = {
         key: (test, test.p_value) for key, test in tests.items() if test is not None and test.p_value is not None
@@ -154,5 +154,5 @@ def _paired(tested: tuple[PairedTest, float] | None) -> Entry:
     if tested is None:
         return Entry(NOTHING, math.nan)
     test, p_value = tested
-    told = "p < 0.001" if p_value < 0.001 else f"p = {p_value:.3f}"
-    return Entry(f"{test.first_farther} / {test.second_farther}; {told}", p_value)
+    p_text = "p < 0.001" if p_value < 0.001 else f"p = {p_value:.3f}"
+    return Entry(f"{test.first_farther} / {test.second_farther}; {p_text}", p_value)

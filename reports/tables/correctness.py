@@ -1,4 +1,4 @@
-"""The table of correctness: right outcomes of scenes that must stand and of those that must fall."""
+"""The table of correctness: correct outcomes of scenes that must stand, and of scenes that must fall."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from reports.statistics.groups import ordered_policies
 from reports.tables.grouping import engine_names
 from reports.tables.table import NOTHING, Table
 
-TITLE = "Right by theory"
+TITLE = "Correctness"
 
 
 def correctness_table(trials: pd.DataFrame) -> Table:
-    """Count the right outcomes of each engine and policy, apart for scenes that must stand and that must fall."""
+    """Return the correct outcomes of each engine and policy, apart for scenes that must stand and that must fall."""
     trials = trials.assign(engine_name=engine_names(trials), right=trials["verdict"] == "right")
     judged = trials[~trials["verdict"].isin(NOT_JUDGED)]
     counted = judged.groupby(["engine_name", "policy", "expectation_outcome"])["right"].agg(["sum", "size"]).astype(str)
@@ -26,5 +26,5 @@ def correctness_table(trials: pd.DataFrame) -> Table:
         .fillna(NOTHING)
     )
     rows.columns = [f"{policy}: {side}" for policy, side in sides]
-    note = "Right outcomes of those scenes that must stand, and of those that must fall: only both together count."
+    note = "Correct outcomes of scenes that must stand, and of scenes that must fall: only both together count."
     return Table.of(TITLE, rows.rename_axis("engine").reset_index(), (note,), id="correctness")

@@ -1,4 +1,4 @@
-"""The table of frame times: what engine, core and port cost."""
+"""The table of frame times: of engine, core and port."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from reports.tables.grouping import Measure, engine_names, median_rows, played_i
 from reports.tables.table import NOTHING, Table
 
 _BRIDGE = Measure("bridge", "bridge_ms", "{:.3f}")
-"""Shown where an engine runs in a process of its own."""
+"""Shown if an engine runs in a separate process."""
 MEASURES = (
     Measure("p50", "frame_ms_p50", "{:.3f}"),
     Measure("p99", "frame_ms_p99", "{:.3f}"),
@@ -23,7 +23,7 @@ _KEYS = ("scene", "engine_name", "policy", "machine")
 
 
 def frame_time_table(trials: pd.DataFrame) -> Table:
-    """List the medians of the frame times of each group of trials; those of several machines apart."""
+    """Return the medians of the frame times of each group of trials, with a note if there are several machines."""
     several = len(trials["host"].dropna().unique()) > 1
     trials = trials.assign(engine_name=engine_names(trials), machine=trials["host"].fillna(NOTHING))
     has_bridge = bool(trials["bridge_ms"].notna().any())
@@ -33,20 +33,20 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
     if not several:
         rows = rows.drop(columns="machine")
     notes = (
-        *(["Taken on several machines: compare times of the same machine only."] if several else []),
-        "Times in ms a frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
-        "step, of reading contacts, of the core and of freezing and waking. Trials differ in height: compare heights "
-        "first.",
-        *(["Bridge: reaching an engine in a process of its own, and back, which is in no other time."] * has_bridge),
-        "Ratio: mean frame time while the level was laid, live bricks included, over that of up to a second of the "
-        "same stack all awake without the extension, put up anew where it falls. Above 1 the extension costs more than "
-        "it saves.",
+        *(["Measured on several machines: compare times of the same machine only."] if several else []),
+        "Times in ms per frame, up to a collapse: median and 99th percentile of whole frames; means of the engine's "
+        "step, of reading contacts, of the core and of freezing and unfreezing. Trials differ in height: compare "
+        "heights first.",
+        *(["Bridge: the transfer to an engine in a separate process, and back; in no other time."] * has_bridge),
+        "Ratio: mean frame time while the level was placed, live bricks included, over the mean frame time of up to a "
+        "second of the same stack all awake without the extension, reloaded where it falls. Above 1 the extension "
+        "costs more than it saves.",
     )
-    return Table.of("What it cost", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
+    return Table.of("Frame time", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
 
 
 def _levels(trials: pd.DataFrame) -> list[str]:
-    """Return, for each row, the levels at which ratios were taken, such as `` at 20-25``; empty if none were."""
+    """Return, for each row, the levels at which ratios were measured, such as `` at 20-25``; empty if none were."""
     played = played_in_order(trials)
     level = played["frame_ratio_level"].where(played["frame_ratio"].notna())
     ends = level.groupby([played[key] for key in _KEYS], sort=False).agg(["min", "max"])

@@ -1,4 +1,4 @@
-"""How the trials of a data frame are ordered and grouped into the rows of a study's tables."""
+"""Order and group the trials of a data frame into the rows of a study's tables."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ class Measure(NamedTuple):
     title: str
     field: str
     form: str
-    """How its numbers are written."""
+    """Format of its numbers."""
     scale: float = 1.0
-    """In how many of the column's units the field's unit is."""
+    """Factor from the field's unit to the column's unit."""
 
 
 def engine_names(trials: pd.DataFrame) -> pd.Series:
-    """Return the name of each trial's engine: with its profile where several are compared."""
+    """Return the name of each trial's engine, with its profile where several are compared."""
     several = len(trials["profile"].unique()) > 1
     names: pd.Series = trials["engine"] + " " + trials["profile"] if several else trials["engine"]
     return names
 
 
 def played_in_order(trials: pd.DataFrame) -> pd.DataFrame:
-    """Return the trials that played at least a few frames, by scene and set-up as these first appear in the study.
+    """Return the trials that played at least a few frames, by scene and set-up in order of appearance.
 
     Policies are in their usual order; ties stay as they are.
     """
@@ -46,8 +46,8 @@ def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Me
     """Return the medians of each group of trials as text, in the order of ``played_in_order``; a dash for none.
 
     Args:
-        trials: all of a study.
-        keys: columns of ``trials`` that a group shares, and that its row begins with.
+        trials: all trials of a study.
+        keys: columns of ``trials`` that a group shares, and that its row starts with.
         measures: the columns that follow.
     """
     played = played_in_order(trials)
@@ -61,5 +61,5 @@ def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Me
 
 
 def median_text(value: float, form: str) -> str:
-    """Format a number; a dash for nan."""
+    """Return a formatted number; a dash for nan."""
     return NOTHING if np.isnan(value) else form.format(value)

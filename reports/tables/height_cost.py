@@ -1,4 +1,4 @@
-"""The table of what height costs."""
+"""The table of levels reached and frame time by set-up."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from reports.tables.table import Table
 
 
 def height_cost_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
-    """The table of a results folder; none unless an engine was set up in several ways."""
+    """Return the table of a results folder; none unless an engine has several set-ups."""
     points = cost_points(folder, records)
     return [cost_table(points)] if points else []
 
 
 def cost_table(points: Sequence[CostPoint]) -> Table:
-    """Every set-up with its levels and frame time under each policy."""
+    """Return every set-up with its levels and frame time under each policy."""
     policies = list(dict.fromkeys(point.policy for point in points))
     cells = {(point.scene, point.engine, point.profile, point.policy): point for point in points}
     rows = []
     for scene, engine, profile in dict.fromkeys((point.scene, point.engine, point.profile) for point in points):
         found = [cells.get((scene, engine, profile, policy)) for policy in policies]
-        rows.append((scene, engine, profile, *(text for point in found for text in _told(point))))
+        rows.append((scene, engine, profile, *(text for point in found for text in _described(point))))
     header = ("scene", "engine", "profile", *(f"{policy}: {what}" for policy in policies for what in ("levels", "ms")))
     notes = (
-        "Levels that stood, and the median time of a frame in ms while the highest of them was the top one: what the "
-        "stack costs at its tallest. ≥: stopped by the time limit. “-”: no level stood, or no frames were kept.",
+        "Levels that stood, and the median frame time in ms while the highest of them was on top: the cost of the "
+        "stack at its tallest. ≥: stopped by the time limit. “-”: no level stood, or no frames were kept.",
     )
-    return Table("What height costs", header, tuple(rows), notes, id="height_cost")
+    return Table("Cost of height", header, tuple(rows), notes, id="height_cost")
 
 
-def _told(point: CostPoint | None) -> tuple[str, str]:
+def _described(point: CostPoint | None) -> tuple[str, str]:
     if point is None:
         return "-", "-"
     return f"{'≥' if point.is_bound else ''}{point.levels:g}/{point.planned}", f"{point.frame_ms:.3f}"

@@ -38,18 +38,18 @@ _DECIMALS = 3
 
 
 def to_latex(rows: Sequence[ComparisonRow], caption: str, label: str) -> str:
-    """The table, to be read in by a paper.
+    """Return the comparison as a table for a paper.
 
     Args:
-        rows: of the comparison.
-        caption: what it is of; further words explain the columns.
-        label: it is referred to as ``tab:LABEL``.
+        rows: rows of the comparison.
+        caption: caption of the table; an explanation of the columns is added.
+        label: label of the table, ``tab:LABEL``.
     """
     return _template("tables.tex.j2").render(caption=caption, label=_label(label), scenes=_by_scene(rows))
 
 
 def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
-    """The pairs, all together as ``tab:LABEL-pairs`` and by family as ``tab:LABEL-families``."""
+    """Return the pairs, all together as ``tab:LABEL-pairs`` and by family as ``tab:LABEL-families``."""
     whole = [
         (f"{row.set_up.engine}, {row.set_up.profile}", row.set_up.policy, row) for row in rows if row.family == ALL
     ]
@@ -57,13 +57,13 @@ def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
     tables = [
         {
             "label": "pairs",
-            "title": "Pairs with both sides right.",
+            "title": "Pairs with both outcomes correct.",
             "name": "Engine, profile, policy",
             "groups": _groups(whole),
         },
         {
             "label": "families",
-            "title": "Pairs with both sides right, by family of scenes.",
+            "title": "Pairs with both outcomes correct, by family of scenes.",
             "name": "Engine, profile, policy, family",
             "groups": _groups(families),
         },
@@ -72,7 +72,7 @@ def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
 
 
 def table_to_latex(table: Table) -> str:
-    """Any table as a ``longtable`` of the packages booktabs, longtable and amssymb, labelled ``tab:ID``."""
+    """Return any table as a ``longtable`` of the packages booktabs, longtable and amssymb, labelled ``tab:ID``."""
     frame = table.frame.map(escape).set_axis(map(escape, table.header), axis="columns")
     text: str = frame.to_latex(
         index=False, longtable=True, escape=False, caption=escape(table.title), label=f"tab:{_label(table.id)}"
@@ -87,7 +87,7 @@ def _by_scene(rows: Sequence[ComparisonRow]) -> list[list[list[str]]]:
 def _template(name: str) -> jinja2.Template:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES),
-        autoescape=False,  # LaTeX is no HTML: it has an escape of its own
+        autoescape=False,  # LaTeX has an escape of its own
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         variable_start_string="<<",
@@ -106,7 +106,7 @@ def _label(name: str) -> str:
 
 
 def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str]]]:
-    """Rows of a heading, each with its name and its entries, under that heading."""
+    """Return rows by heading, each with its name and its entries."""
     groups: dict[str, list[list[str]]] = {}
     for heading, name, row in rows:
         groups.setdefault(heading, []).append([escape(name), *_pair_entries(row)])
@@ -116,31 +116,31 @@ def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str
 def _pair_entries(row: PairRow) -> list[str]:
     if row.success_rates is None:
         return ["0", *["--"] * (1 + len(MISSES)), str(row.undecided)]
-    told = [percent(getattr(row.success_rates, name)).replace(" %", "") for name in ("right", *MISSES)]
-    return [str(row.success_rates.n), *told, str(row.undecided)]
+    rates = [percent(getattr(row.success_rates, name)).replace(" %", "") for name in ("right", *MISSES)]
+    return [str(row.success_rates.n), *rates, str(row.undecided)]
 
 
 def escape(text: str) -> str:
-    """Text as LaTeX prints it."""
+    """Return text escaped for LaTeX."""
     return "".join(_SPECIAL.get(letter, letter) for letter in text)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """A number with its uncertainty in units of its last digit, as siunitx reads it: ``1.234(12)``."""
+    """Return a number with its uncertainty in units of its last digit, in siunitx's notation: ``1.234(12)``."""
     text = f"{value:.{_DECIMALS}f}"
     return text if uncertainty is None else f"{text}({math.ceil(uncertainty * 10**_DECIMALS)})"
 
 
 def _entries(row: ComparisonRow) -> list[str]:
     key = row.group.key
-    told = {column.title: entry.text for column, entry in zip(COLUMNS, row.entries, strict=True)}
+    entries = {column.title: entry.text for column, entry in zip(COLUMNS, row.entries, strict=True)}
     times = [_time(row.group, field) for field in ("frame_ms_p50", "frame_ms_p99")]
     return [
         *map(escape, key),
-        told["seeds"],
-        *(escape(_dash(told[name])) for name in ("levels", "right")),
+        entries["seeds"],
+        *(escape(_dash(entries[name])) for name in ("levels", "right")),
         *times,
-        escape(_dash(told["ratio"])),
+        escape(_dash(entries["ratio"])),
     ]
 
 

@@ -1,4 +1,4 @@
-"""The table of outcomes: what stood and what fell, and whether theory agrees."""
+"""The table of outcomes: how each trial ended, and whether theory agrees."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _WENT_WRONG = {
     "out_of_memory": "no memory",
     "unsupported": "n/a",
 }
-TITLE = "What stood and what fell"
+TITLE = "Outcomes"
 ADOPTED = "†"
-"""Marks trials in which the core froze bodies of a prebuilt stack before the first step."""
+"""Mark of trials in which the core froze bodies of a prebuilt stack before the first step."""
 CREEPS_NOTE = (
     "“creeps”: it stood, but in the last half of the watch the 95 % interval of a brick's creep lay above the limit "
     "(by default 1 % of its thickness a minute)."
@@ -27,7 +27,7 @@ ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and f
 
 
 def outcomes_table(records: Sequence[TrialRecord]) -> Table:
-    """List how the trials of each scene and engine ended, a column a policy."""
+    """Return the outcomes of each scene and engine, a column per policy."""
     groups = groups_of(records)
     several = len({group.key.profile for group in groups}) > 1
     entries = {group.key: outcome(group.trials) for group in groups}
@@ -37,7 +37,7 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
         name = f"{engine} {profile}" if several else engine
         ends = (entries.get(GroupKey(scene, engine, profile, policy), NOTHING) for policy in policies)
         rows.append((scene, str(trials[0].expectation), name, *ends))
-    notes = ["✓ as theory demands, ✗ not, no mark: not to be judged. n/m: n of m levels stood."]
+    notes = ["✓ as theory demands, ✗ not, no mark: not judged. n/m: n of m levels stood."]
     notes += [
         "“falls at k”: it toppled, slid or dropped when k levels were complete, 0: before the first was; “sinks at k”: "
         "it sank upright by half a plank."
@@ -45,22 +45,20 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
     if any(record.verdict == "creeps" for record in records):
         notes.append(CREEPS_NOTE)
     if any(record.status in CENSORED for record in records):
-        notes.append("≥: stopped by the time limit; at least so many levels stand. Counted as neither right nor wrong.")
+        notes.append("≥: stopped by the time limit, so a lower bound. Counted as neither right nor wrong.")
     if any(record.adopted for record in records):
         notes.append(ADOPTED_NOTE)
     if any(record.status == "unsupported" for record in records):
         notes.append("n/a: the engine cannot play the scene.")
     if alone := _stands_alone(records):
-        notes.append(
-            f"Stands without any help, so that time and stillness are all there is to gain: {', '.join(alone)}."
-        )
+        notes.append(f"Stands on the engine alone, so that only time and stillness can improve: {', '.join(alone)}.")
     notes.append(f"{_seeds(groups)} Profile: {', '.join(dict.fromkeys(record.profile for record in records))}.")
     header = ("scene", "theory", "engine", *policies)
     return Table(TITLE, header, tuple(rows), tuple(notes), id="outcomes")
 
 
 def outcome(trials: Sequence[TrialRecord]) -> str:
-    """One entry: how the trials of one scene, engine and policy ended, and whether that was right."""
+    """Return one entry: how the trials of one scene, engine and policy ended, and whether that was right."""
     if not trials:
         return NOTHING
     judged, mark_of_adopted = judged_trials(trials), adopted_mark(trials)
@@ -80,7 +78,7 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
 
 
 def adopted_mark(trials: Sequence[TrialRecord]) -> str:
-    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in one of the trials, else nothing."""
+    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in one of the trials, or else an empty text."""
     return ADOPTED if any(trial.adopted for trial in trials) else ""
 
 
@@ -95,7 +93,7 @@ def _end(trial: TrialRecord) -> str:
 
 
 def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:
-    """Scenes that must stand and do so on the engine alone."""
+    """Return the scenes that must stand and do so on the engine alone."""
     several = len({record.profile for record in records}) > 1
     return [
         f"{scene} on {engine}{f' {profile}' if several else ''}"
@@ -109,10 +107,10 @@ def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:
 def _seeds(groups: Sequence[Group]) -> str:
     counts = sorted({len(group.trials) for group in groups})
     n = "-".join(map(str, [counts[0], counts[-1]][: len(counts)])) if counts else "0"
-    told = ""
+    legend = ""
     if counts[-1:] > [1]:
-        told = " (median and range of the levels that stood, then how many trials were right: ✓ all, ~ some, ✗ none)"
-    return f"n = {n} trial{'' if n == '1' else 's'} a cell: seeds and repeats{told}."
+        legend = " (median and range of the levels that stood, then how many trials were right: ✓ all, ~ some, ✗ none)"
+    return f"n = {n} trial{'' if n == '1' else 's'} per entry: seeds and repeats{legend}."
 
 
 def _plain(value: float) -> str:

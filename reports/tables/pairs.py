@@ -1,4 +1,4 @@
-"""Tables of pairs of scenes: the headline, and the same by family."""
+"""The tables of pairs of scenes: all pairs, and by family."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _LETTERS = {"false_stand": "s", "false_collapse": "c", "creeps": "r", "failed": 
 
 
 def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
-    """The headline and the same by family; none if there are no pairs."""
+    """Return the tables of all pairs and by family; none if there are no pairs."""
     return [_headline(rows), _by_family(rows)] if rows else []
 
 
 def pairs_csv(rows: Sequence[PairRow]) -> str:
-    """Every share with the ends of its interval, a line a row."""
+    """Return every share with the ends of its interval as CSV, a line per row."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     names = ("right", *MISSES)
@@ -42,7 +42,7 @@ def pairs_csv(rows: Sequence[PairRow]) -> str:
 
 def _headline(rows: Sequence[PairRow]) -> Table:
     misses = misses_shown(row.success_rates for row in rows)
-    told = [
+    lines = [
         (
             *row.set_up,
             right_of_judged(row.success_rates),
@@ -54,13 +54,13 @@ def _headline(rows: Sequence[PairRow]) -> Table:
     ]
     header = (*SetUp._fields, "pairs", "right", *(miss.replace("_", " ") for miss in misses), "undecided")
     notes = (
-        "Of pairs of scenes, one of which must stand and one fall: those with both sides right; those in which what "
-        "must fall stood, in which something fell that must not (or not yet), in which what must stand crept, and in "
-        "which something sank, diverged or crashed. A pair may go wrong in more than one way.",
+        "Pairs of scenes, one of which must stand and one fall: both outcomes correct; false stands (the scene that "
+        "must fall stood), false collapses (a scene fell that must not, or too early), creeps (the scene that must "
+        "stand crept), and failures (a scene sank, diverged or crashed). A pair may have several kinds of error.",
         "Undecided: a side was stopped by the time limit, is impossible on the engine, or was built too near its "
         f"limit; counted nowhere. {_intervals(rows)}",
     )
-    return Table("Pairs with both sides right", header, tuple(told), notes, id="pairs")
+    return Table("Pairs with both outcomes correct", header, tuple(lines), notes, id="pairs")
 
 
 def _by_family(rows: Sequence[PairRow]) -> Table:
@@ -68,27 +68,27 @@ def _by_family(rows: Sequence[PairRow]) -> Table:
     found = {(row.family, row.set_up): row for row in rows}
     families = dict.fromkeys(row.family for row in rows if row.family != ALL)
     engines = dict.fromkeys(row.set_up[:2] for row in rows)
-    told = []
+    lines = []
     for family in families:
         for engine, profile in engines:
             those = [found.get((family, SetUp(engine, profile, policy))) for policy in policies]
             if any(those):
-                told.append((family, engine, profile, *(_family_cell(row) for row in those)))
+                lines.append((family, engine, profile, *(_family_cell(row) for row in those)))
     note = (
-        "Pairs with both sides right, of those judged. s: false stands, c: false collapses, r: creeps, f: failed; "
-        f"pairs in which they happened. “{NOTHING}”: none could be judged."
+        "Pairs with both outcomes correct, of those judged. s: false stands, c: false collapses, r: creeps, f: failed; "
+        f"pairs with them. “{NOTHING}”: none could be judged."
     )
     return Table(
         "Pairs by family of scenes",
         ("family", *SetUp._fields[:2], *policies),
-        tuple(told),
+        tuple(lines),
         (note,),
         id="pairs_by_family",
     )
 
 
 def _family_cell(row: PairRow | None) -> str:
-    """Such as ``3/5 1s 1c``, or with an interval ``62/100 [50, 71] % 30s 8c``."""
+    """Return an entry such as ``3/5 1s 1c``, or with an interval ``62/100 [50, 71] % 30s 8c``."""
     if row is None or row.success_rates is None:
         return NOTHING
     interval = percent(row.success_rates.right).partition(" [")[2]
@@ -96,13 +96,13 @@ def _family_cell(row: PairRow | None) -> str:
     return " ".join([right_of_judged(row.success_rates), *([f"[{interval} %"] if interval else []), *missed])
 
 
-def right_of_judged(told: SuccessRates | None) -> str:
-    """Such as ``38/46``; a dash if nothing was judged."""
-    return f"{told.right_count}/{told.n}" if told is not None else NOTHING
+def right_of_judged(rates: SuccessRates | None) -> str:
+    """Return the count such as ``38/46``; a dash if nothing was judged."""
+    return f"{rates.right_count}/{rates.n}" if rates is not None else NOTHING
 
 
-def _percent(told: SuccessRates | None, name: str) -> str:
-    estimate: Estimate | None = getattr(told, name) if told is not None else None
+def _percent(rates: SuccessRates | None, name: str) -> str:
+    estimate: Estimate | None = getattr(rates, name) if rates is not None else None
     return percent(estimate)
 
 

@@ -1,4 +1,4 @@
-"""Poured piles, policy by policy: how soon they rest, how still they lie, how high they are, what they cost."""
+"""The table of poured piles by policy: time to rest, sink and creep, height and slope, frame time."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FIGURES = (
     ("p50", "frame_ms_p50", "{:.2f}", 1.0),
     ("p99", "frame_ms_p99", "{:.2f}", 1.0),
 )
-"""Columns: their names, the records' fields, how they are written, and in how many of the field's unit."""
+"""Columns: name, field of the record, format, and factor to the column's unit."""
 
 
 def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """One table of all poured piles; none if there are none."""
+    """Return a table of all poured piles; none if there are none."""
     poured = [record for record in records if record.repose_deg is not None]
     if not poured:
         return []
@@ -39,16 +39,16 @@ def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
             entries[0] = "moves"
         rows.append((key.scene, engine, key.policy, f"{'≥' if cut_off else ''}{bricks:g}", *entries))
     notes = (
-        "Bricks poured (≥: stopped by the time limit); seconds from the last one until none moves faster than 10 mm/s "
+        "Bricks poured (≥: stopped by the time limit); seconds from the last brick until none is faster than 10 mm/s "
         "(“moves”: some did to the end); height of the top [mm]; angle of repose [deg], of the cone with the same "
         "median height and radius.",
         "While it is watched: sink of the bricks' mean height [mm], and creep over its last half [µm/s], of the brick "
         "that is fastest for its thickness.",
-        "Bricks awake, in the mean of all frames and in the last one; without an extension nobody can tell. Times in "
-        "ms a frame.",
+        "Bricks awake, as the mean of all frames and in the last frame; unknown without an extension. Times in "
+        "ms per frame.",
     )
     header = ("scene", "engine", "policy", "bricks", *(name for name, *_ in FIGURES))
-    return [Table("How piles came to rest", header, tuple(rows), notes, id="piles")]
+    return [Table("Piles at rest", header, tuple(rows), notes, id="piles")]
 
 
 def _median(values: Sequence[float], form: str, scale: float) -> str:

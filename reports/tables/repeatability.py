@@ -1,4 +1,4 @@
-"""What repeating tells: whether repeats did the same, their best times, and how steady the machine was."""
+"""The tables of repeatability: whether repeats agree, their best times, and how steady the machine was."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 NOISY = 0.1
-"""A machine on which a fixed calculation varies by more than this share is too noisy to tell small differences."""
+"""Spread of the fixed calculation above which a machine is too noisy for small differences."""
 _PERCENTILES = (50, 95, 99)
 
 
 def repeat_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
-    """Tables of what was repeated, and of the machine; none of what is not there."""
+    """Return the tables of repeats and of the machine, as far as there are any."""
     tables = []
     timed = grouped([record for record in records if record.timed_frames is not None], *GroupKey._fields)
     groups = {GroupKey(*key): list(grouped(trials, "seed").values()) for key, trials in timed.items()}
@@ -34,15 +34,15 @@ def repeat_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
 
 
 def same_poses(repeats: Sequence[TrialRecord]) -> bool:
-    """Whether the repeats of a trial went exactly the same way."""
+    """Return whether the repeats of a trial have the same poses to the last bit."""
     return len({record.pose_hash for record in repeats}) == 1
 
 
 def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
-    """Percentiles 50, 95 and 99 of the least time [ms] that each frame took in any repeat.
+    """Return percentiles 50, 95 and 99 of the least time [ms] of each frame in any repeat.
 
-    Only repeats that did the same on the same machine have such frames: None for others, and for those that were cut
-    off at different frames, or whose frames were not kept.
+    Only repeats with the same poses on the same machine have such frames: None for others, and for repeats that were
+    interrupted at different frames, or whose frames were not kept.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None
@@ -56,7 +56,7 @@ def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | No
 
 
 def _repeats(folder: Path, groups: Mapping[GroupKey, Sequence[Sequence[TrialRecord]]]) -> Table:
-    """The table of groups, each with the repeats of its seeds."""
+    """Return the table of groups, each with the repeats of its seeds."""
     rows = []
     for (scene, engine, profile, policy), seeds in groups.items():
         several = [repeats for repeats in seeds if len(repeats) > 1]
@@ -68,17 +68,17 @@ def _repeats(folder: Path, groups: Mapping[GroupKey, Sequence[Sequence[TrialReco
         rows.append((scene, f"{engine} {profile}", policy, same, spread, *figures))
     header = ("scene", "engine", "policy", "same poses", "p50 ± MAD", "best p50", "best p95", "best p99")
     notes = (
-        "Same poses: of how many trials all repeats went the same way to the last bit. DIFFER: the engine does not "
-        "repeat itself, and a single run of it is a draw.",
-        "p50 ± MAD: median and median absolute deviation of the repeats' median frame times, in ms. Best: of each "
-        "frame the least time of all repeats, where they went the same way; a p99 of least times is no p99 of a run. "
+        "Same poses: number of trials whose repeats agree to the last bit. DIFFER: the engine does not "
+        "repeat itself, and a single run of it is a random draw.",
+        "p50 ± MAD: median and median absolute deviation of the repeats' median frame times, in ms. Best: the least "
+        "time of each frame over all repeats, where they agree; a p99 of least times is no p99 of a run. "
         "None where the repeats ran on several machines.",
     )
-    return Table("The same again", header, tuple(rows), notes, id="repeatability")
+    return Table("Repeatability", header, tuple(rows), notes, id="repeatability")
 
 
 def _median_and_deviation(repeats: Sequence[TrialRecord]) -> str:
-    """Of the median frame times [ms]; nothing for several machines, whose times have no common middle."""
+    """Return median and deviation of the median frame times [ms]; empty for several machines, which have none."""
     if len({record.host for record in repeats}) > 1:
         return NOTHING
     p50 = [record.frame_ms_p50 for record in repeats if record.frame_ms_p50 is not None]
@@ -101,9 +101,9 @@ def _steadiness(records: Sequence[TrialRecord]) -> Table:
             notes.append(f"NOISY: {machine} varied by {spread:.0%}; smaller differences of times mean nothing.")
     if len(times) > 1:
         notes.append("Several machines: compare times of the same machine only.")
-    notes.append("A fixed calculation beside every trial, in ms: 5th, 50th and 95th percentile, and how far they lie.")
+    notes.append("A fixed calculation beside every trial, in ms: 5th, 50th and 95th percentile, and their spread.")
     return Table(
-        "How steady the machine was",
+        "Steadiness of the machine",
         ("machine", "trials", "p5", "p50", "p95", "spread"),
         tuple(rows),
         tuple(notes),

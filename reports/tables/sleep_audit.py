@@ -1,4 +1,4 @@
-"""The table of the sleep audit: for how long bricks slept that had to move, and when they had gone their way."""
+"""The table of the sleep audit: how long bricks slept that had to move, and when they had moved far enough."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from reports.statistics.groups import grouped, ordered_policies
 from reports.tables.table import NOTHING, Table
 from scenarios.registry import build
 
-TITLE = "Asleep while it must move"
+TITLE = "Sleep audit"
 NEVER = "never"
 
 
 def sleep_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """The table of all trials in which a brick must move; none if there are none."""
+    """Return the table of all trials in which a brick must move; none if there are none."""
     audited = [record for record in records if _must_move(record)]
     if not any(record.asleep_s is not None for record in audited):
         return []
@@ -25,8 +25,8 @@ def sleep_tables(records: Sequence[TrialRecord]) -> list[Table]:
         cells = (_cell(by_policy.get(policy, [])) for policy in policies)
         rows.append((scene, engine, profile, _exact(trials[0]), *cells))
     notes = (
-        "Seconds in which a brick that must move kept its pose to the last bit, then those after which it had gone the "
-        f"way that it must go (“{NEVER}”: not within the trial); the worst of several trials. Exact: the latter by "
+        "Seconds in which a brick that must move kept its pose to the last bit, then seconds until it had moved as far "
+        f"as it must (“{NEVER}”: not within the trial); the worst of several trials. Exact: the latter by "
         "closed form. A frame is 1/60 s.",
     )
     return [Table(TITLE, ("scene", "engine", "profile", "exact", *policies), tuple(rows), notes, id="sleep")]

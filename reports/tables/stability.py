@@ -35,7 +35,7 @@ LEGACY_NOTE = (
 
 
 def stability_table(trials: pd.DataFrame) -> Table:
-    """List the medians of the stability metrics of each group of trials."""
+    """Return the medians of the stability metrics of each group of trials."""
     has_present = trials["creep_m_s"].notna().any()
     has_legacy = trials[LEGACY_CREEP].notna().any()
     left_out = set() if has_legacy else {LEGACY_CREEP}
@@ -47,7 +47,7 @@ def stability_table(trials: pd.DataFrame) -> Table:
         "sideways drift of any brick, in mm.",
         *([CREEP_NOTE] if has_present else []),
         *([LEGACY_NOTE] if has_legacy else []),
-        "Wakes and refreezes by the core; the longest simulated time that one brick stayed live.",
+        "Wakes and refreezes by the core; the longest simulated time that a brick stayed live.",
     )
     titles = {"engine_name": "engine"} | ({} if has_present else {LEGACY_TITLE: "creep"})
-    return Table.of("How still it stood", rows.rename(columns=titles), notes, id="stability")
+    return Table.of("Stability metrics", rows.rename(columns=titles), notes, id="stability")

@@ -1,7 +1,7 @@
-"""The four tables of every study.
+"""The tables of every study: outcomes, correctness, frame time and stability metrics.
 
-With several seeds a table's entry tells the median and the range. A trial that was stopped by its time limit is
-censored: its figures are marked "≥" and stand in no mean.
+With several seeds an entry gives the median and the range. A trial that was stopped by its time limit is censored: its
+figures are marked "≥" and enter no mean.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from reports.tables.table import Table
 
 
 def study_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """All tables of a study: what stood and fell, whether that was right, what it cost, and how still it stood.
+    """Return all tables of a study.
 
-    Where theory knows no answer nothing is right or wrong, and that table is left out.
+    Correctness is left out if no scene of the study has a known answer.
     """
     trials = trials_frame(records)
     is_judged = (trials["verdict"] != "none").any()

@@ -18,33 +18,33 @@ NOTHING = "-"
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of ready text."""
+    """A table of formatted text."""
 
     title: str
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...] = ()
     folds: bool = False
-    """True for cells of several words, which may take several lines; all but the first column's."""
+    """True for entries of several words, which may take several lines, except in the first column."""
     id: str = ""
-    """Name of its files, unique within a report; empty for tables that have none."""
+    """Name of its files, unique within a report; empty for tables without files."""
 
     @classmethod
     def of(cls, title: str, frame: pd.DataFrame, notes: Sequence[str] = (), *, id: str = "") -> Table:  # noqa: A002
-        """Make the table of a data frame of text, without its index."""
+        """Return a table from a data frame of text, without its index."""
         rows = tuple(tuple(row) for row in frame.to_numpy().tolist())
         return cls(title, tuple(frame.columns), rows, tuple(notes), id=id)
 
     @property
     def frame(self) -> pd.DataFrame:
         """The text as a data frame, without the notes."""
-        import pandas as pd  # half a second that the rest of the command line need not wait
+        import pandas as pd  # half a second that the rest of the command line does not need
 
         return pd.DataFrame(list(self.rows), columns=list(self.header), dtype=str)
 
 
 def render(table: Table, console: Console) -> None:
-    """Print a table; the notes follow it."""
+    """Print a table, followed by its notes."""
     text = RichTable(title=table.title, title_justify="left", pad_edge=False, box=None, header_style="bold")
     figures = sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows and not table.folds else 0
     first_figure = len(table.header) - figures
@@ -66,7 +66,7 @@ def render(table: Table, console: Console) -> None:
 
 
 def to_markdown(tables: Iterable[Table]) -> str:
-    """The tables as GitHub's Markdown."""
+    """Return the tables in GitHub's Markdown."""
     parts = []
     for table in tables:
         lines = [f"## {table.title}", "", _line(table.header), _line(["---"] * len(table.header))]
@@ -77,7 +77,7 @@ def to_markdown(tables: Iterable[Table]) -> str:
 
 
 def write_table_csv(path: Path, table: Table) -> None:
-    """A table as it is read, without its notes."""
+    """Write a table as CSV, without its notes."""
     table.frame.to_csv(path, index=False, lineterminator="\n")
 
 
@@ -90,7 +90,7 @@ def _is_figures(column: Sequence[str]) -> bool:
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
-    """Leading cells that repeat the row above are left blank."""
+    """Return a row whose leading entries are blank where they repeat the row above."""
     cells, same = [], True
     for index, cell in enumerate(row):
         same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)

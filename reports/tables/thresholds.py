@@ -14,7 +14,7 @@ TITLE = "Thresholds by bisection"
 
 
 def threshold_tables(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Table]:
-    """The table of thresholds; none if the study bisects nothing."""
+    """Return the table of thresholds; none if the study bisects nothing."""
     found = thresholds_of(records, study)
     if not found:
         return []

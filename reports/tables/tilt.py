@@ -72,7 +72,7 @@ def slope_at(scene: Scene, time: float) -> float:
 
 
 def tilt_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """The table of the tilt test; none if it was not run."""
+    """Return the table of the tilt test; none if it was not run."""
     found = onsets_of(records)
     if not found:
         return []

@@ -1,4 +1,4 @@
-"""How numbers are written: with their interval, as a lower bound, or as nothing at all."""
+"""Formats of numbers: with their interval, as a lower bound, or as a dash."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _WENT_WRONG = {
 
 
 def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
-    """A number with as many decimals, and its interval where that has a width: ``0.07 [0.06, 0.09]``."""
+    """Return a number with ``digits`` decimals, and its interval if that has a width: ``0.07 [0.06, 0.09]``."""
     if estimate is None:
         return NOTHING
     return _with_interval(estimate, digits, scale, "")
 
 
 def percent(estimate: Estimate | None) -> str:
-    """A share, and its interval where that has a width: ``88 % [71, 97]``."""
+    """Return a share in percent, and its interval if that has a width: ``88 % [71, 97]``."""
     if estimate is None:
         return NOTHING
     return _with_interval(estimate, 0, 100.0, " %")
@@ -42,7 +42,7 @@ def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> 
 
 
 def median_level(survival: Survival | None) -> str:
-    """The median level of collapse: ``9 [8, 11]``, or ``>30`` where most outlived all that was built."""
+    """Return the median collapse level: ``9 [8, 11]``, or ``>30`` where most stacks outlived all built levels."""
     if survival is None:
         return NOTHING
     highest = float(survival.level[-1])
@@ -58,7 +58,7 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """What kept trials of a group from their end: ``2 of 20 timed out``; empty if nothing did."""
+    """Return why trials of a group did not end: ``2 of 20 timed out``; empty if all ended."""
     counts = {status: sum(trial.status == status for trial in group.draws) for status in _WENT_WRONG}
     return ", ".join(
         f"{count} of {len(group.draws)} {_WENT_WRONG[status][count > 1]}" for status, count in counts.items() if count

@@ -1,1 +1,1 @@
-"""The scenes: one file each. What several of them need lies in ``shared``."""
+"""The scenes, one file each; ``shared`` holds the code that several scenes use."""

@@ -1,4 +1,4 @@
-"""What bodies at rest must not sleep through: a support that goes, a fall in company, a load that comes.
+"""Events that bodies at rest must not sleep through: a removed support, a common fall, an arriving load.
 
 Theory, by case:
 
@@ -9,7 +9,7 @@ Theory, by case:
 - ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``; then a block drops on its end. The plank's mass m has
   a lever arm of 0.05 m about the pillar's edge, the block's mass 3 m one of 0.10 m: the plank tips.
 
-What to look for: what hangs in the air, and a plank that carries on one side what it cannot.
+Look for: a body that hangs in the air, and a plank that carries a load beyond its balance.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from scenarios.planks import GRAVITY, MU, box
 from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 8.0
-"""How long [s] a stack rests before anything happens: every engine has let it sleep by then."""
+"""Time [s] for which a stack rests first: every engine puts it to sleep by then."""
 EDGE = 0.1
 """Edge of a block [m]."""
 PILLAR = 0.4
 """Height of the pillar [m]."""
 FALL = 0.2
-"""How far [m] what falls must have come."""
+"""Distance [m] that a falling body must have moved."""
 FALL_S = math.sqrt(2 * FALL / GRAVITY)
-"""In which time [s], from rest."""
+"""Time [s] of that fall, from rest."""
 DROP = 1.0
-"""From where [m] the pair falls."""
+"""Drop height [m] of the pair."""
 PLANK = (0.3, EDGE, 0.02)
 """Edges of the balanced plank [m]."""
 STRIKER = 0.05
-"""Edge of what drops on it [m], and from where [m]."""
+"""Edge of the striker [m], and its drop height [m]."""
 TIPPED = 0.01
-"""How far [m] its centre has moved when it has tipped."""
+"""Motion [m] of its centre once it has tipped."""
 
 
 @dynamic_scenario
@@ -92,7 +92,7 @@ def _striker() -> Plan:
         expectation=Expectation(
             "fall", "three times its mass at its end, 0.10 m beyond the edge, tip the plank", 3, not_before_s=PAUSE_S
         ),
-        look_for="a plank that carries at its end what it cannot",
+        look_for="a plank that carries a load at its end beyond its balance",
         planar=True,
         must_move=(MustMove(1, strikes_s, TIPPED, None),),
     )

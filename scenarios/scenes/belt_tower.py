@@ -5,8 +5,7 @@ Theory: while the belt accelerates at a, a column of n cubes of edge b on it is 
 half of g / n it is carried along and stands; at one and a half times it tips, if the start lasts long enough to carry
 the centre of mass beyond the edge.
 
-What to look for: a frozen column must come along with the belt, not stay behind in the air, and must tip where a live
-one does.
+Look for: a frozen column must travel with the belt, and must tip where a live column tips.
 """
 
 from __future__ import annotations
@@ -23,14 +22,14 @@ EDGE = 0.04
 BELT = (2.4, 0.2, 0.02)
 """Edges of the belt [m]: longer than the way of the column."""
 BOTTOM = 0.01
-"""Height of the belt's lower face [m]: clear of the ground."""
+"""Height of the belt's lower face [m], clear of the ground."""
 PAUSE_S = 2.0
-"""From the last cube to the start [s]."""
+"""Time from the last cube to the start of the belt [s]."""
 START_S = 0.5
-"""How long the belt accelerates, and then slows down as fast [s]: three times as long as four cubes take to tip at one
+"""Time for which the belt accelerates, and then decelerates [s]: three times as long as four cubes take to tip at one
 and a half times the limit."""
-SURE = 1.4
-"""Factor on either side of the limit from which the answer is known."""
+MIN_FACTOR = 1.4
+"""Factor on either side of the limit beyond which the answer is known."""
 
 
 @dynamic_scenario
@@ -58,17 +57,17 @@ def belt_tower(*, start: Annotated[float, Real(0.1, 3.0)] = 1.5, levels: Annotat
         world=World(friction=MU),
         actions=tuple(actions),
         expectation=_expected(start, levels, time),
-        look_for="the column comes along with the belt; started too fast, it tips backwards as a live one does",
+        look_for="the column travels with the belt; started too fast, it tips backwards as a live column does",
         partner={"start": 1.5},
         planar=True,
     )
 
 
 def _expected(start: float, levels: int, time: float) -> Expectation:
-    """What must happen to a column whose belt starts at ``time`` [s]."""
+    """Return the expectation for a column whose belt starts at ``time`` [s]."""
     theory = f"the belt starts at {start:g} g / n = {start / levels:.3g} g"
-    if start * SURE <= 1.0:
+    if start * MIN_FACTOR <= 1.0:
         return Expectation("stand", f"{theory}, too slowly to tip {levels} cubes")
-    if start >= SURE and start / levels < MU / 1.1:
+    if start >= MIN_FACTOR and start / levels < MU / 1.1:
         return Expectation("fall", f"{theory}: the column tips", levels + 1, not_before_s=time)
     return Expectation("study", f"{theory}: near the limit, or so fast that it slides")

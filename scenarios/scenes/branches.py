@@ -3,8 +3,8 @@
 Theory: plate and columns together (mass M) have their centre of mass above the trunk's middle, whose half width is a.
 A load p on the column that stands on the x axis, at r, tips all of it about the trunk's edge once p (r - a) > M a.
 
-What to look for: each branch alone stands on its plate, whatever its load; only all branches together, seen from the
-trunk, tell that it tips. The columns come together, so that nothing tips before.
+Look for: each branch alone stands on its plate, whatever its load; only all branches together, seen from the trunk,
+show that the stack tips. The columns are placed together, so that nothing tips before.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scenarios.scenario import Plan, scenario
 TRUNK = 6.0
 """Height of the trunk in thicknesses of a plank: room to tip."""
 HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
-"""Half the trunk's edge, where the columns stand, their edge, and half the plate's edge, in lengths of a plank."""
+"""Half the trunk's edge, radius of the columns' centres, their edge, and half the plate's edge, in plank lengths."""
 
 
 @scenario

@@ -41,7 +41,7 @@ def brick_wall(
 
 
 def _course(level: int, width: int, gap: float) -> list[Brick]:
-    """One course, from left to right, with gaps of ``gap`` [m]: two half planks and their gap make a whole one."""
+    """Return one course, left to right, with gaps of ``gap`` [m]: two half planks and their gap make a whole plank."""
     pitch, half = LENGTH + gap, (LENGTH - gap) / 2
     wholes = width - (level + 1) % 2
     row = [lay((index - (wholes - 1) / 2) * pitch, level=level) for index in range(wholes)]

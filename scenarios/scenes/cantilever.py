@@ -4,8 +4,8 @@ Theory: moments about the pier's edge, in a beam's mass m and length L: the beam
 of 2 m with 0.4 L, and the load p pulls with 0.3 L, so all of it stands while p < 2.83 m. Without the counterweight the
 beam carries no more than m / 6, and falls; without the load it stands all the better.
 
-What to look for: the counterweight decides, though it does not lie above the load: a rule that looks only at what rests
-on what lies straight below lets the beam stand when its counterweight has gone, or tips it when it is there.
+Look for: the counterweight decides, though it does not lie above the load. A rule that looks only at bodies straight
+above their support lets the beam stand without its counterweight, or tips it while the counterweight is there.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scenarios.scenario import Plan, scenario
 PIER = 6.0
 """Height of the pier in thicknesses of a plank: room to tip."""
 COUNTERWEIGHT = 2.0
-"""Mass of the counterweight over that of the beam."""
+"""Mass of the counterweight over the mass of the beam."""
 BEAM_ARM, COUNTERWEIGHT_ARM, LOAD_ARM = -0.05, -0.4, 0.3
 """Centres along x from the pier's edge, in lengths of the beam."""
 PIECE = 0.3

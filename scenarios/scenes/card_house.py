@@ -19,10 +19,10 @@ ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), whi
 So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
 normal decides, and it is a study.
 
-Both sides of a storey come together (two hands): a plank that loads only one half of a V needs a vertical force at its
-ridge, where theory has no single answer. The planks of a V leave a hair between them lest rounding let them overlap.
+Both sides of a storey are placed together: a plank that loads only one half of a V needs a vertical force at its ridge,
+where theory has no single answer. The planks of a V keep a gap of ``RIDGE_GAP``, so that rounding cannot overlap them.
 
-What to look for: feet that creep apart, and a ridge that drops; a V that stands with mu below its limit is glued.
+Look for: feet that creep apart, and a ridge that drops. A V that stands with mu below its limit is a false stand.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from scenarios.scenario import Plan, scenario
 RIDGE_GAP = 0.2e-3
 """Gap [m] between the two planks of a V at its ridge."""
 OVERHANG = 2.5e-3
-"""How far [m] a roof plank reaches beyond the outermost edges that carry it: more than a hand's largest error."""
-CERTAIN = 1.05
-"""Friction this many times off its limit gives an answer that survives a real hand."""
+"""Overhang [m] of a roof plank beyond the outermost edges that carry it: more than the largest placement error."""
+MIN_FACTOR = 1.05
+"""Factor on friction, off its limit, beyond which the answer holds under placement noise."""
 
 
 @scenario
@@ -65,27 +65,27 @@ def card_house(
         world=World(friction=friction),
         actions=one_a_second(_groups(storeys, angle, gap * 1e-3)),
         expectation=expected(angle, friction),
-        look_for="feet that creep apart and a ridge that drops; standing on too little friction is glue",
+        look_for="feet that creep apart and a ridge that drops; too little friction that holds is a false stand",
         partner={"friction": MU},
         planar=True,
     )
 
 
 def expected(theta: float, friction: float) -> Expectation:
-    """What must happen to a house of planks that lean at ``theta`` [rad] from the ground."""
+    """Return the expectation for a house of planks that lean at ``theta`` [rad] from the ground."""
     most = 1 / math.tan(theta)
     least = (most - THICKNESS / LENGTH) / 2
-    if friction >= CERTAIN * most:
+    if friction >= MIN_FACTOR * most:
         return Expectation(
             "stand", f"mu = {friction:g} exceeds cot(theta) = {most:.3f}, enough for either ridge normal"
         )
-    if friction * CERTAIN <= least:
+    if friction * MIN_FACTOR <= least:
         return Expectation("fall", f"mu = {friction:g} is below (cot(theta) - t/L)/2 = {least:.3f}: the feet slip", 1)
     return Expectation("study", f"between mu = {least:.3f} and {most:.3f} the ridge's contact normal decides")
 
 
 def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
-    """What is placed together, in order: single Vs on the ground, then whole roofs and whole storeys."""
+    """Return the groups in order of placement: single Vs on the ground, then whole roofs and whole storeys."""
     spread, edge = _half_foot_spread(theta), THICKNESS * math.sin(theta)
     spacing = LENGTH - 2 * (edge + RIDGE_GAP / 2 + OVERHANG)
     if storeys > 1 and spacing < 2 * (spread + edge) + gap:
@@ -105,7 +105,7 @@ def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
 
 
 def _roofs(ridges: int, spacing: float, level: int, bottom: float, gap: float) -> list[Brick]:
-    """Planks across each two neighbouring ridges: the outermost whole, those between sawn off."""
+    """Return the planks across each pair of neighbouring ridges: the outermost whole, the others shortened."""
     middles, sawn = _row(ridges - 1, spacing), spacing - gap
     if ridges == 2:
         return [lay(0.0, level=level, bottom=bottom)]
@@ -118,12 +118,12 @@ def _roofs(ridges: int, spacing: float, level: int, bottom: float, gap: float) -
 
 
 def _half_foot_spread(theta: float) -> float:
-    """Distance [m] along x from a V's middle to the edges on which it stands."""
+    """Return the distance [m] along x from a V's middle to the edges on which it stands."""
     return LENGTH * math.cos(theta) + RIDGE_GAP / 2
 
 
 def _inverted_v(x: float, theta: float, level: int, bottom: float) -> list[Brick]:
-    """Two planks that lean against each other over ``x``."""
+    """Return two planks that lean against each other over ``x``."""
     spread = _half_foot_spread(theta)
     return [
         lean(x - spread, theta=theta, toward=1, level=level, bottom=bottom),
@@ -132,5 +132,5 @@ def _inverted_v(x: float, theta: float, level: int, bottom: float) -> list[Brick
 
 
 def _row(count: int, pitch: float) -> list[float]:
-    """The middles [m] of ``count`` things side by side, symmetric about 0."""
+    """Return the middles [m] of ``count`` things side by side, symmetric about 0."""
     return [(index - (count - 1) / 2) * pitch for index in range(count)]

@@ -3,9 +3,9 @@
 Theory: the ceiling touches the topmost brick and can only push it down. Without the bricks below it the topmost one
 falls freely. Without the topmost one the others stand as before, under less load.
 
-The topmost brick is put exactly on the column, not dropped: there is no room above it.
+The topmost brick is set on the column without a gap, because there is no room above it.
 
-What to look for: a contact above a brick is no support. A brick that stays under the ceiling hangs from it.
+Look for: a contact above a brick is no support. A brick that stays under the ceiling hangs from it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BRICK: Vector = (0.06, 0.06, 0.04)
 CEILING: Vector = (0.16, 0.16, 0.03)
 """Edges of the ceiling [m]."""
 PAUSE_S = 2.0
-"""From the last brick to the removal [s]: time to settle."""
+"""Time from the last brick to the removal [s]: time to settle."""
 
 
 @scenario
@@ -32,7 +32,7 @@ def ceiling(
     """A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
 
     Args:
-        bricks: of the column.
+        bricks: number of bricks of the column.
         taken: "upper", the brick that touches the ceiling, or "lower", all others.
     """
     column = [box(BRICK, 0.0, level=level, bottom=(level - 1) * BRICK[2]) for level in range(1, bricks + 1)]

@@ -7,7 +7,7 @@ beyond. The margin is the distance of that centre from the edge, inward, over ha
 The character is struck eight times a second, to the left and to the right in turn, at 0.05 m/s: friction stops it after
 v^2 / (2 mu g) = 0.28 mm. So it is never at rest for long, as a player's figure in a game.
 
-What to look for: whatever was found to stand with the character's help must be looked at again when it has left.
+Look for: a stack that stood with the character's help must be judged again when the character leaves.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ PEDESTAL = 6.0
 PROP = 0.1
 """Length of the prop, in lengths of the plank."""
 CHARACTER, FIGURE = 2.0, 0.15
-"""Mass of the character over that of the plank (0.19 kg at twice the standard size), and its edges over the plank's
+"""Mass of the character over the plank's mass (0.19 kg at twice the standard size), and its edges over the plank's
 length."""
 STEP_S, SPEED = 0.125, 0.05
-"""From one movement of the character to the next [s], and how fast each begins [m/s]."""
+"""Time between two movements of the character [s], and its initial speed in each [m/s]."""
 ALONE_S, WITHOUT_PROP_S = 3.0, 3.0
-"""How long the character moves about before the prop is taken, and from then until it leaves itself [s]."""
+"""Time for which the character moves before the prop is removed, and from then until it is removed itself [s]."""
 
 
 @dynamic_scenario
@@ -56,14 +56,14 @@ def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
         expectation=by_margin(
             margin, "the pedestal's edge, in half lengths of the plank", falls_at=3, not_before_s=leaves
         ),
-        look_for="what stood with the character's help must be looked at again when it leaves",
+        look_for="a stack that stood with the character's help must be judged again when the character leaves",
         partner={"margin": abs(margin)},
         planar=True,
     )
 
 
 def _movements(brick: int, impulse: float, start: float, end: float) -> list[Push]:
-    """Pushes of a brick along x, by ``impulse`` [N s] either way in turn, from ``start`` to before ``end`` [s]."""
+    """Return pushes of a brick along x, ``impulse`` [N s] to and fro, from ``start`` to before ``end`` [s]."""
     count = round((end - start) / STEP_S) // 2 * 2  # as many to the left as to the right
     return [
         Push(start + number * STEP_S, brick, (impulse if number % 2 else -impulse, 0.0, 0.0)) for number in range(count)

@@ -7,7 +7,7 @@ d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push the sides 
 above that edge (t: thickness), which adds mu t to L. A known answer stands without that, or falls in spite of it.
 Upper parts are shorter and safer. Both sides are mirror images and come together.
 
-What to look for: nothing locks a corbelled arch but weight. Beyond the limit both sides turn inward, about their
+Look for: only weight locks a corbelled arch. Beyond the limit both sides turn inward, about their
 lowest planks' edges, as soon as the capstone lies on them.
 """
 
@@ -22,7 +22,7 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 SHARED = 0.15
-"""o: how much of the capstone lies on each side, in lengths of a plank."""
+"""o: overlap of the capstone with each side, in lengths of a plank."""
 
 
 @scenario

@@ -1,11 +1,11 @@
 """A plank that is dropped from a height on a tower.
 
-Theory: what it brings is m g h. To tip k planks over the long edges of those below takes k m g (sqrt(e^2 + z^2) - z),
+Theory: the drop supplies m g h. To tip k planks over the long edges of those below takes k m g (sqrt(e^2 + z^2) - z),
 with e = half a width and z = k t / 2; the topmost one alone needs least. While m g h is less than half of that nothing
 can tip, wherever the energy goes, and nothing slides, for it strikes the middle. Beyond that dynamics decide: a study.
 
-What to look for: a blow on a frozen brick must wake what it can move, and only that; a stack that is glued stands under
-any blow.
+Look for: a blow on a frozen brick must unfreeze the bodies that it can move, and no others; a stack that stands any
+blow is a false stand.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from scenarios.planks import MU, THICKNESS, WIDTH, lay, one_a_second
 from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
-"""From the last plank to the drop [s]."""
+"""Time from the last plank to the drop [s]."""
 TIPS = math.hypot(WIDTH / 2, THICKNESS / 2) - THICKNESS / 2
 """Energy that tips one plank over its long edge, over its weight [m]."""
 
@@ -31,8 +31,8 @@ def dropped_plank(
     """A plank that is dropped on a tower.
 
     Args:
-        height: from how high [mm] above the topmost plank.
-        levels: number of planks, the dropped one counted.
+        height: drop height [mm] above the topmost plank.
+        levels: number of planks, including the dropped one.
     """
     tower = one_a_second([lay(0.0, level=level)] for level in range(1, levels))
     dropped = Place(tower[-1].time + PAUSE_S, (lay(0.0, level=levels),), height * 1e-3)
@@ -44,6 +44,6 @@ def dropped_plank(
         world=World(friction=MU),
         actions=(*tower, dropped),
         expectation=expectation,
-        look_for="a blow must wake what it can move, and only that; what is glued stands under any blow",
+        look_for="a blow must unfreeze the bodies that it can move, and no others; a stack may not stand any blow",
         planar=True,
     )

@@ -8,7 +8,7 @@ in turn: 12.7 mm. The centre of mass of any upper part of a side lies at most 12
 of two levels share 45.8 mm to either side of it: each side alone is in equilibrium, whatever its height. With no gap it
 is 11.7 mm of 46.8 mm.
 
-What to look for: a merge at every plank (its load can go two ways). Sinking comes first, then one side gives.
+Look for: a merge at every plank, because its load can go two ways. Sinking comes first, then one side gives.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) ->
 
     Args:
         levels: number of levels, of four planks each.
-        gap: between a plank's end and the next one's side [mm]; with 0 they touch.
+        gap: between a plank's end and the side of the next plank [mm]; with 0 they touch.
     """
     planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level, gap * 1e-3)]
     return Plan(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "each side alone carries its weight: in equilibrium at any height"),
-        look_for="sinking, then one side gives; planks have two supports, whose shares are easily got wrong",
+        look_for="sinking, then one side gives; planks have two supports, whose shares are easily wrong",
     )
 
 
 def _pinwheel(level: int, gap: float) -> list[Brick]:
-    """The four planks of one level, from side to side around the stack, with gaps of ``gap`` [m]."""
+    """Return the four planks of one level, from side to side around the stack, with gaps of ``gap`` [m]."""
     along = (gap + WIDTH) / 2 * (-1) ** level
     out = (LENGTH + gap) / 2
     quarter_turns = (0.0, math.pi / 2, math.pi, -math.pi / 2)

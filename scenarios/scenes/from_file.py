@@ -1,7 +1,7 @@
-"""A scene of your own, without code: a TOML file of bricks, whose truth is exact statics of what it says.
+"""A user's own scene, without code: a TOML file of bricks, whose truth is exact statics of its content.
 
     friction = 0.45
-    watch_s = 5.0                      # how long it is watched after the last brick, s, optional
+    watch_s = 5.0                      # time of watching after the last brick, s, optional
     [[brick]]
     size = [0.117, 0.0234, 0.0078]     # m
     position = [0.0, 0.0, 0.0039]      # of the centre, m; the ground is z = 0
@@ -13,17 +13,18 @@
     size = [0.02, 0.1, 0.1]
     position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
 
-Bricks must touch what carries them, to a fifth of a millimetre, and not overlap; what comes at one time is then lowered
-or raised as one, until it touches exactly. A level is told from what lies below: a brick on the ground is of
-the first, any other is one above the highest that it stands on or leans against. Bricks of one time that make up
-several levels are a prebuilt stack: they are set down without a gap, and not dropped from ``CLEARANCE``.
+Bricks must touch their support to a fifth of a millimetre, and must not overlap. Bricks of one time are then lowered
+or raised as one group until it touches exactly. The level follows from the bricks below: a brick on the ground is of
+level 1, any other brick is one level above the highest brick that it stands on or leans against. Bricks of one time
+that make up several levels are a prebuilt stack: they are set down without a gap, not dropped from ``CLEARANCE``.
 
-``size``, ``mass`` and ``yaw`` change the whole: lengths, the clearance included, times a factor; masses times a factor;
-a turn about z. Statics does not depend on them, so neither may an answer. Falls take the root of ``size`` longer: for
-a ``size`` above 1 all times grow by its root, and so does the time of watching.
+``size``, ``mass`` and ``yaw`` change the whole scene: a factor on lengths, the clearance included; a factor on masses;
+a
+turn about z. Statics does not depend on them, so no answer may. Falls take sqrt(``size``) times as long, so for a
+``size`` above 1 all times grow by that factor, including the time of watching.
 
-Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge; where they differ, or
-no proof is found, the scene is a study. Statics knows no energy: keep what decides 5 % away from its limit.
+Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. Where they differ, or
+no proof is found, the scene is a study. Statics ignores energy: keep the deciding quantity 5 % away from its limit.
 """
 
 from __future__ import annotations
@@ -63,15 +64,15 @@ from scenarios.statics.truth import UndecidedError, first_fall
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MOST_FIXED = 200
-"""Boxes that never move."""
+"""Most fixed boxes in a file."""
 MOST = 200
-"""Bricks for which the truth is worked out whenever the scene is built: of the largest in about a minute."""
+"""Most bricks in a file. The truth is computed whenever the scene is built; the largest take about a minute."""
 WATCH_S = 5.0
-"""How long [s] a scene of its own size is watched, at least and if its file says nothing."""
+"""Least and default time [s] for which a scene of size 1 is watched."""
 MOST_WATCH_S = 100 * 3600.0
-"""How long [s] it may be watched."""
+"""Longest time [s] for which it may be watched."""
 SNAP = 0.2e-3
-"""Gap or overlap [m] that is a rounding of whoever wrote the file."""
+"""Gap or overlap [m] that counts as rounding in the file."""
 
 
 @dynamic_scenario
@@ -85,10 +86,10 @@ def own_scene(
     """Your own bricks, from a TOML file.
 
     Args:
-        file: where it lies, or the name of one of ``scenarios/examples``.
-        size: factor of all lengths; its root is that of all times if it is above 1. Masses stay.
-        mass: factor of all masses.
-        yaw: turn of the whole about the z axis [deg].
+        file: path of the file, or the name of a file in ``scenarios/examples``.
+        size: factor on all lengths; above 1 its square root is the factor on all times. Masses stay.
+        mass: factor on all masses.
+        yaw: turn of the whole scene about the z axis [deg].
     """
     if not isinstance(file, str) or not file.endswith(".toml"):
         raise ValueError(f"file must be a TOML file's name, got {file!r}")
@@ -97,7 +98,7 @@ def own_scene(
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         examples = ", ".join(sorted(example.name for example in EXAMPLES.glob("*.toml")))
-        raise ValueError(f"{file}: cannot be read ({error}); a path, or one of {examples}") from error
+        raise ValueError(f"{file}: cannot be read ({error}); give a path, or one of {examples}") from error
     try:
         return _scene(file, text, size, mass, yaw)
     except (ValueError, LookupError) as error:
@@ -106,14 +107,14 @@ def own_scene(
 
 @lru_cache(maxsize=64)
 def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
-    """The scene that ``text`` tells; its id names the content too, so that a changed file is another scene."""
+    """Return the scene described by ``text``; its id includes the content, so that a changed file is another scene."""
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"not valid TOML: {error}") from error
     for field in content:
         look_up("field", field, dict.fromkeys(("friction", "watch_s", "brick", "fixed")))
-    told = read_tables(content, "brick", least=1, most=MOST)
+    tables = read_tables(content, "brick", least=1, most=MOST)
     fixed = tuple(
         read_fixed_box(f"fixed[{n}]", one)
         for n, one in enumerate(read_tables(content, "fixed", least=0, most=MOST_FIXED))
@@ -121,7 +122,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
     watch_s = Real(WATCH_S, MOST_WATCH_S).check("watch_s", content.get("watch_s", WATCH_S))
     friction = Real(0, 10).check("friction", content.get("friction", MU))
     laid = sorted(
-        ((read_number(f"brick[{n}].time", one.get("time"), 0, LARGEST), n, one) for n, one in enumerate(told)),
+        ((read_number(f"brick[{n}].time", table.get("time"), 0, LARGEST), n, table) for n, table in enumerate(tables)),
         key=lambda entry: entry[:2],
     )
     bricks = [read_brick(f"brick[{n}]", one) for _, n, one in laid]
@@ -146,17 +147,17 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
 
 
 def _variant(text: str, parameters: Mapping[str, Value]) -> str:
-    """Return the id: the file's name and content unless it is the default one, then what changes the whole."""
+    """Return the id: name and content of the file, unless it is the default, then the changes of the whole scene."""
     default = own_scene.defaults["file"]
     file = str(parameters["file"])
     name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
-    told = "" if file == default else f"-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}"
+    content = "" if file == default else f"-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}"
     changes = own_scene.variant({**parameters, "file": default}).removeprefix("own_scene")
-    return f"own_scene{told}{changes}"
+    return f"own_scene{content}{changes}"
 
 
 def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) -> list[Brick]:
-    """The bricks with heights at which each group touches what was there before, where a hair was missing."""
+    """Return the bricks with heights corrected so that each group touches the bricks placed before it."""
     settled: list[Brick] = []
     for _, group in groupby(range(len(bricks)), key=times.__getitem__):
         coming = [bricks[index] for index in group]
@@ -168,16 +169,16 @@ def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) ->
 
 
 def _room_below(boxes: Boxes, there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
-    """Return how far [m] boxes can sink together until one meets what is there, a fixed box or the ground."""
+    """Return how far [m] boxes can sink together until one meets a placed brick, a fixed box or the ground."""
     room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
     return min(room, float(vertical_clearance(boxes, Boxes.of(there)).min(initial=math.inf)))
 
 
 def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed: Sequence[Brick]) -> list[Brick]:
-    """The bricks, in the order in which they are laid, with their levels.
+    """Return the bricks, in the order of placement, with their levels.
 
     Raises:
-        ValueError: if two overlap, or one touches nothing that is there when it is laid.
+        ValueError: if two overlap, or one touches nothing when it is placed.
     """
     try:
         patches = contact_patches(bricks, fixed)
@@ -191,7 +192,7 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed
     levels: dict[int, int] = {GROUND: 0}
     for _, group in groupby(range(len(bricks)), key=times.__getitem__):
         coming = list(group)
-        while coming:  # lowest first: what another of the group carries comes after it
+        while coming:  # lowest first, because a brick of the group may carry another
             carried = [index for index in coming if touched[index] & levels.keys()]
             if not carried:
                 there = [bricks[k] for k in levels if k != GROUND]
@@ -219,9 +220,9 @@ def _actions(
         _placed(time * pace, tuple(brick for _, brick in group), CLEARANCE * size)
         for time, group in groupby(placed, key=lambda entry: entry[0])
     ]
-    for index, (time, n, told) in enumerate(laid):
-        if "removed" in told:
-            removed = read_number(f"brick[{n}].removed", told["removed"], 0, LARGEST)
+    for index, (time, n, table) in enumerate(laid):
+        if "removed" in table:
+            removed = read_number(f"brick[{n}].removed", table["removed"], 0, LARGEST)
             if removed <= time:
                 raise ValueError(f"brick[{n}].removed must be after its time {time:g}, got {removed:g}")
             actions.append(Remove(removed * pace, index))
@@ -229,13 +230,13 @@ def _actions(
 
 
 def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
-    """Return how bricks of one time come: a prebuilt stack without a gap, one level from ``clearance`` [m]."""
+    """Return the placement of bricks of one time: a prebuilt stack without a gap, one level from ``clearance`` [m]."""
     is_prebuilt = len({brick.level for brick in group}) > 1
     return Place(time, group, 0.0 if is_prebuilt else clearance)
 
 
 def _judged(scene: Scene) -> Expectation:
-    """What must happen by exact statics."""
+    """Return the expectation by exact statics."""
     try:
         falls = {first_fall(scene, ridge=ridge) for ridge in ("bisector", "face")}
     except UndecidedError as error:
@@ -249,7 +250,7 @@ def _judged(scene: Scene) -> Expectation:
 
 
 def _due_s(scene: Scene) -> float:
-    """When [s] the removal comes with which a scene first falls; 0 if it is a brick too many that does it."""
+    """Return the time [s] of the removal with which a scene first falls; 0 if a placed brick makes it fall."""
     for index, action in enumerate(scene.actions):
         if isinstance(action, Remove):
             before, after = (replace(scene, actions=scene.actions[:end]) for end in (index, index + 1))

@@ -1,7 +1,7 @@
 """A bar of square section in a tilted V-groove, whose two sides never move.
 
 Theory, for a bar of weight W in a groove that is tilted by t along its length and whose sides rise by a from the level
-on either hand (a = 45 deg, for the bar's section is square):
+(a = 45 deg, because the bar's section is square):
 
 - Across the groove the two normal forces N balance what presses on it, 2 N cos(a) = W cos(t).
 - Along it friction must balance 2 mu N >= W sin(t).
@@ -10,11 +10,11 @@ on either hand (a = 45 deg, for the bar's section is square):
   lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below it no forces hold the bar.
 
 An engine whose friction is a box, with an axis along neither side's slope, holds up to sqrt(2) times as much: DART
-always, Bullet and PhysX a bar at rest. So the default margin is 0.35; within 29 % beyond the limit the outcome tells an
-engine's law of friction.
+always, Bullet and PhysX a bar at rest. So the default margin is 0.35; within 29 % beyond the limit the outcome depends
+on an engine's law of friction.
 
-What to look for: two contacts with what never moves, whose normals differ by a right angle. A rule that takes them as
-one, with a normal between them, sees a bar on a level floor, and lets it slide, or stand, at the wrong tilt.
+Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges them into one, with a
+normal between them, sees a bar on a level floor, and lets it slide, or stand, at the wrong tilt.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ BAR: Vector = (0.10, 0.025, 0.025)
 SIDE: Vector = (0.60, 0.04, 0.02)
 """Edges of a side of the groove [m]; the second is across it."""
 RELIEF = 0.005
-"""How far from the groove's deepest line its sides begin [m]: the bar's lower edge is free."""
+"""Distance [m] of the groove's sides from its deepest line: the bar's lower edge is free."""
 ABOVE = 0.05
 """Height of the lower end of the deepest line [m]."""
 LIES_AT = 0.40
-"""Where the bar's middle lies, from the groove's lower end [m]."""
+"""Distance of the bar's middle from the groove's lower end [m]."""
 
 
 @scenario
@@ -51,13 +51,13 @@ def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35)
 
     Args:
         tilt: angle [deg] of the groove's length to the ground.
-        margin: share by which the friction exceeds its limit; with a negative one it falls short of a wedged bar's.
+        margin: share by which the friction exceeds its limit; a negative margin is relative to a wedged bar's limit.
     """
     angle = math.radians(tilt)
     limit = math.tan(angle) * math.cos(RISE)
     if margin < 0:
         limit /= math.hypot(1.0, limit * math.tan(RISE))
-    sides = tuple(_along_groove(angle, SIDE, SIDE[0] / 2, hand, _beside(hand)) for hand in (-1, 1))
+    sides = tuple(_along_groove(angle, SIDE, SIDE[0] / 2, side, _beside(side)) for side in (-1, 1))
     bar = _along_groove(angle, BAR, LIES_AT, 1, np.array([0.0, 0.0, BAR[1] * math.sqrt(0.5)]))
     return Plan(
         world=World(friction=(1 + margin) * limit, fixed=sides),
@@ -68,26 +68,26 @@ def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35)
     )
 
 
-def _beside(hand: int) -> FloatArray:
-    """Return the middle of a side of the level groove [m], seen from its deepest line; ``hand`` is that of +y or -y."""
-    across = np.array([0.0, hand * math.cos(RISE), math.sin(RISE)])
-    inward = np.array([0.0, -hand * math.sin(RISE), math.cos(RISE)])
+def _beside(side: int) -> FloatArray:
+    """Return the middle of one side of the level groove [m], from its deepest line; ``side`` is 1 for +y, -1 for -y."""
+    across = np.array([0.0, side * math.cos(RISE), math.sin(RISE)])
+    inward = np.array([0.0, -side * math.sin(RISE), math.cos(RISE)])
     middle: FloatArray = (RELIEF + SIDE[1] / 2) * across - SIDE[2] / 2 * inward
     return middle
 
 
-def _along_groove(tilt: float, size: Vector, along: float, hand: int, off_line: FloatArray) -> Brick:
-    """Return a box that is turned about the groove's length by ``RISE`` either way, and with the groove by ``tilt``.
+def _along_groove(tilt: float, size: Vector, along: float, side: int, off_line: FloatArray) -> Brick:
+    """Return a box that is turned about the groove's length by ``RISE``, and with the groove by ``tilt``.
 
     Args:
-        tilt: of the groove [rad]; it rises toward +x.
+        tilt: tilt of the groove [rad]; it rises toward +x.
         size: edges [m]; the first lies along the groove.
-        along: where its middle lies along the groove, from the lower end [m].
-        hand: 1 or -1: which way it is turned.
-        off_line: its middle from the deepest line, as if the groove were level [m], shape (3,).
+        along: distance of its middle from the lower end, along the groove [m].
+        side: 1 or -1: the direction of the turn.
+        off_line: offset of its middle from the deepest line, in the level groove [m], shape (3,).
     """
     lift: Quaternion = (math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0)
-    roll = hand * RISE / 2
+    roll = side * RISE / 2
     turn: Quaternion = (
         lift[0] * math.cos(roll),
         lift[0] * math.sin(roll),

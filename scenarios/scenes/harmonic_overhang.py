@@ -5,8 +5,8 @@ the table). Then the centre of mass of the upper k planks lies just above the ed
 once; with all offsets shrunk by a share it keeps that share of L / 2 inside every edge, and enlarged it lies as far
 outside. Whatever is there before the last plank has room to spare.
 
-What to look for: all joints give at once, so it tips as one or not at all; the tip reaches out by L (1 + 1/2 + 1/3 ...)
-/ 2. A tower that settles by some tenths of a millimetre leans outward, and falls early.
+Look for: all joints give at once, so it tips as one or not at all; the tip reaches out by L (1 + 1/2 + 1/3 ...) / 2. A
+tower that settles by some tenths of a millimetre leans outward, and falls early.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margi
     """Planks at a table's edge, each reaching beyond the one below by a harmonic offset.
 
     Args:
-        bricks: number of planks, table not counted.
+        bricks: number of planks, without the table.
         margin: share by which the offsets are smaller than the limit; negative ones are larger.
         scale: size of everything over that of the standard plank.
     """

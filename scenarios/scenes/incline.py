@@ -5,8 +5,9 @@ leans on a heavy block's edge; it needs less than two thirds of that friction it
 weight presses on the ground and on the block's corner. On the lower half of the ramp the tile is lower than the ramp's
 middle, and lies on it all the same.
 
-What to look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; one that sticks
-below it was frozen where it landed.
+Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks below
+it
+was frozen where it landed.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ BLOCK = (0.08, 0.10)
 HEAVY = 100 * MASS
 """Mass [kg] of slab and block."""
 TILE = (0.3 * LENGTH, WIDTH, THICKNESS)
-"""Edges of what may slide [m]."""
+"""Edges of the tile [m]."""
 LEANS_AT = 0.27
-"""Where the slab leans on the block's edge, along the slab from its foot [m]."""
+"""Distance from the slab's foot, along the slab, at which it leans on the block's edge [m]."""
 LIES_AT = {"upper": 0.20, "lower": 0.06}
-"""Where the tile's middle lies on either half of the slab, along it from its foot [m]."""
+"""Distance of the tile's middle from the slab's foot, along the slab [m], by half."""
 
 
 @scenario
@@ -45,15 +46,15 @@ def incline(
 
     Args:
         theta: angle [deg] between ramp and ground.
-        margin: share by which the friction exceeds its limit; with a negative one it falls short.
-        half: of the ramp, on which the tile lies: "upper" or "lower".
+        margin: share by which the friction exceeds its limit; a negative margin falls short of it.
+        half: half of the ramp on which the tile lies: "upper" or "lower".
     """
     angle = math.radians(theta)
     limit = math.tan(angle)
     tilt = (math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0)
 
     def on_slab(size: tuple[float, float, float], along: float, above: float, level: int, mass: float) -> Brick:
-        """A box parallel to the slab, its lower face ``above`` the slab's lower face [m]."""
+        """Return a box parallel to the slab, its lower face ``above`` the slab's lower face [m]."""
         across = above + size[2] / 2
         x = along * math.cos(angle) - across * math.sin(angle)
         z = along * math.sin(angle) + across * math.cos(angle)

@@ -5,11 +5,11 @@ lies half a width (11.7 mm) inside that plank's edges: it stands, however many l
 left it lies half a width and the gap between planks (13.7 mm) beyond the nearest edge: it falls. With two planks left
 it stands either way, so the first of a level does no harm.
 
-Planks vanish, or are pulled out along their length by a hand, slowly. What is pulled drags the tower with mu times the
+Planks are removed at once, or pulled out slowly along their length. A pulled plank drags the tower with mu times the
 load that it bears; the others hold it with mu times theirs, and they bear more: of three planks it bears a third, and a
-side plank beside the middle one 11.7 / 25.4 of what that bears, at most.
+side plank beside the middle plank bears 11.7 / 25.4 of the middle plank's load, at most.
 
-What to look for: after the last removal, does the tower turn over about the plank that is left, in one piece?
+Look for: whether, after the last removal, the tower turns over about the remaining plank, in one piece.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, one_a_second
 from scenarios.scenario import Plan, scenario
 
 LOWEST = 2
-"""The lowest level from which planks are taken."""
+"""Lowest level from which planks are removed."""
 TALL = 3
 """Height of a robbed level's planks in thicknesses: room to fall."""
 PAUSE_S = 1.0
-"""From the last plank to the first removal, and from the end of that to the next [s]: time to settle."""
+"""Time from the last plank to the first removal, and from the end of a removal to the next [s]: time to settle."""
 WAY = 1.2 * LENGTH
-"""How far a plank is pulled [m]: all the way out."""
+"""Length of a pull [m]: all the way out."""
 
 
 @scenario
@@ -46,9 +46,9 @@ def jenga(
 
     Args:
         levels: number of levels, of three planks each.
-        left: which plank of the last robbed level is left, "middle" or "side"; of those below it is the middle one.
-        robbed: number of levels that are robbed, every other one from the second on.
-        speed: with which planks are pulled out [m/s]; if 0 they vanish.
+        left: remaining plank of the last robbed level, "middle" or "side"; lower robbed levels keep the middle plank.
+        robbed: number of robbed levels, every other one from the second on.
+        speed: speed of the pull [m/s]; with 0 planks are removed at once.
         gap: between the planks of a level [mm]; with 0 their sides touch.
     """
     robbed = Whole(1, (levels - LOWEST + 1) // 2).check("robbed", robbed)
@@ -79,14 +79,14 @@ def jenga(
 
 
 def _taken(plank: int, level: int, time: float, speed: float) -> Action:
-    """How a plank of a level, by its place in the order of placement, leaves the tower."""
+    """Return the action that removes a plank, given by its place in the order of placement, from its level."""
     if not speed:
         return Remove(time, plank)
     return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed)
 
 
 def _layers(levels: int, robbed: Container[int], gap: float) -> Iterator[list[Brick]]:
-    """The planks of each level, ``gap`` [m] apart, from the lowest; those of ``robbed`` levels taller."""
+    """Yield the planks of each level, ``gap`` [m] apart, from the lowest; those of ``robbed`` levels taller."""
     bottom = 0.0
     for level in range(1, levels + 1):
         height = THICKNESS * (TALL if level in robbed else 1)

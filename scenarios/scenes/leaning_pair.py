@@ -4,8 +4,8 @@ Theory: see ``card_house``. The feet need the friction (cot(theta) - t / L) / 2 
 which is the normal of two edges that meet (*bisector*). Where an engine reports a plank's face as the normal there
 (*face*), the ridge needs cot(theta).
 
-What to look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the
-engine's own limit, which tells what its contacts at the ridge are worth.
+Look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the
+engine's own limit, which measures the quality of its contacts at the ridge.
 """
 
 from __future__ import annotations

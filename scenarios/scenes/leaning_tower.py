@@ -5,8 +5,9 @@ L / 2, so n planks fall once n d > L (L: a plank's length). All upper parts are 
 the tower balances on an edge, and within 5 % of that the energy of laying a plank decides: no answer is claimed there.
 The default ratio L / d = 8.5 lies half-way: eight planks keep 3.4 mm inside the edge, nine reach 3.4 mm beyond it.
 
-What to look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. One
-that stands at ten levels is glued; one that falls early slides or sinks.
+Look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. A tower
+that
+stands at ten levels is a false stand; a tower that falls early slides or sinks.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from scenarios.parameters import Real, Scale, Whole
 from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
-CERTAIN = 0.05
-"""Least distance from the limit, as a share of half a plank's length, at which theory's answer survives a real hand."""
+MIN_MARGIN = 0.05
+"""Least distance from the limit, as a share of half a plank's length, at which the answer holds under placement
+noise."""
 
 
 @scenario
@@ -43,19 +45,19 @@ def leaning_tower(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=expected(ratio, levels),
-        look_for="turns about its lowest plank's edge, whole; standing any longer is glue",
+        look_for="turns about its lowest plank's edge, whole; standing any longer is a false stand",
         partner={"levels": 13},
         planar=True,
     )
 
 
 def expected(ratio: float, levels: int) -> Expectation:
-    """What must happen to ``levels`` planks, each shifted by its length over ``ratio``."""
+    """Return the expectation for ``levels`` planks, each shifted by its length over ``ratio``."""
     fall = math.floor(ratio) + 1  # the first n with n d > L
     last = min(fall - 1, levels)  # the highest tower that must stand
     room_before, overhang = 1 - last / ratio, fall / ratio - 1
-    if room_before < CERTAIN or (fall <= levels and overhang < CERTAIN):
-        return Expectation("study", f"n d = L within {CERTAIN:.0%}: how the planks are laid decides")
+    if room_before < MIN_MARGIN or (fall <= levels and overhang < MIN_MARGIN):
+        return Expectation("study", f"n d = L within {MIN_MARGIN:.0%}: how the planks are laid decides")
     if fall > levels:
         return Expectation(
             "stand", f"n d < L for all n up to {levels}: the centre of mass stays inside the lowest edge"

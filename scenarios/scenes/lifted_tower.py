@@ -1,10 +1,10 @@
 """A tower of planks on a platform that lifts it and then tilts it.
 
-Theory: a lift at less than g carries whatever lies on it. On a slope of angle a, a plank holds while tan a <= mu,
-whatever lies on it: below the friction angle of 24.2 deg all stand, above it the tower slides. The planks lie along
-the slope, and the tower is far lower than long, so that it cannot tip.
+Theory: a lift that accelerates at less than g carries the bricks on it. On a slope of angle a, a plank holds while
+tan a <= mu, under any load: below the friction angle of 24.2 deg all stand, above it the tower slides. The planks lie
+along the slope, and the tower is far lower than long, so that it cannot tip.
 
-What to look for: a stack that is frozen must come along with the platform, and must feel that it tilts.
+Look for: a frozen stack must travel with the platform, and must react to its tilt.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from scenarios.scenario import Plan, dynamic_scenario
 from scenarios.scenes.shared.slopes import TILT_S, on_slope
 
 BOTTOM, PLATE = 0.1, 0.02
-"""Height [m] of the platform's lower face as it begins, and its thickness [m]."""
+"""Initial height [m] of the platform's lower face, and its thickness [m]."""
 PAUSE_S = 2.0
-"""From the last plank to the lift [s]."""
+"""Time from the last plank to the lift [s]."""
 RISE, RISE_S = 0.1, 2.0
-"""How far [m] the platform rises, and in how long [s]."""
+"""Rise of the platform [m], and its duration [s]."""
 
 
 @dynamic_scenario
@@ -31,7 +31,7 @@ def lifted_tower(*, angle: Annotated[float, Real(0.0, 45.0)] = 28.0, levels: Ann
     """A tower of planks on a platform that lifts it and then tilts it.
 
     Args:
-        angle: of the platform in the end [deg].
+        angle: final angle of the platform [deg].
         levels: number of planks.
     """
     platform = Brick((3 * LENGTH, 3 * WIDTH, PLATE), 1.0, (0.0, 0.0, BOTTOM + PLATE / 2), moved=True)

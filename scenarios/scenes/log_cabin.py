@@ -3,7 +3,7 @@
 Theory: a plank rests with both ends on the two below, symmetrically, and carries the next two at its ends alike. Half
 of everything above goes down through each plank, through the squares at its ends: it stands at any height.
 
-What to look for: four thin columns of squares that must stay plumb; the whole rocks on one that sank deeper.
+Look for: four thin columns of squares that must stay plumb; the whole rocks on a column that sank deeper.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenarios.planks import LENGTH, MU, WIDTH, lay, one_a_second
 from scenarios.scenario import Plan, scenario
 
 APART = (LENGTH - WIDTH) / 2
-"""From the cabin's middle to the middle of a plank [m]: ends and sides are flush."""
+"""Distance from the cabin's middle to the middle of a plank [m]: ends and sides are flush."""
 
 
 @scenario
@@ -38,5 +38,5 @@ def log_cabin(*, levels: Annotated[int, Whole(1, 200)] = 8) -> Plan:
         expectation=Expectation(
             "stand", "every plank carries two loads and has two supports, symmetric about its middle"
         ),
-        look_for="four columns of squares that must stay plumb; it rocks on one that sank deeper",
+        look_for="four columns of squares that must stay plumb; the cabin rocks on a column that sank deeper",
     )

@@ -7,10 +7,10 @@ the neighbour never presses on it, and without pressure there is no friction. Th
 of mass from the edge, inward, over half a brick's length.
 
 Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour and balance an
-overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need stress from the start, and nothing
-brings it in.
+overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need prestress, and nothing supplies
+it.
 
-What to look for: a brick that stays in the air when its counterweight has gone is held by friction that nothing loads.
+Look for: a brick that stays in the air without its counterweight is held by friction at an unloaded contact.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ PEDESTAL = 6.0
 NEIGHBOUR, COUNTERWEIGHT = 10.0, 2.0
 """Masses of the neighbour and of the counterweight over that of the brick."""
 PIECE, INWARD = 0.3, 0.3
-"""Length of the counterweight, and how far inward of the brick's middle it lies, in lengths of a plank."""
+"""Length of the counterweight, and its distance inward of the brick's middle, in lengths of a plank."""
 PAUSE_S = 2.0
-"""From the last brick to the removal [s]: time to settle."""
+"""Time from the last brick to the removal [s]: time to settle."""
 
 
 @scenario
@@ -38,7 +38,7 @@ def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: G
     """A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken.
 
     Args:
-        margin: by how much the brick's middle is inside the pedestal's edge, over half its length; negative: outside.
+        margin: distance of the brick's middle inside the pedestal's edge, over half its length; negative: outside.
         gap: between the brick and its neighbour [mm]; with 0 they touch.
         scale: size of everything over that of the standard plank.
     """

@@ -2,7 +2,7 @@
 
 Theory: it tips if more than half of its length lies beyond the edge.
 
-What to look for: an engine that lets contacts sink in, or that keeps a contact point inside the edge, has a limit of
+Look for: an engine that lets contacts sink in, or that keeps a contact point inside the edge, has a limit of
 its own, which a bisection of ``reach`` finds (study ``thresholds``). The plank is set down without a gap, so that no
 energy of a drop decides.
 """
@@ -26,7 +26,7 @@ def overhang(*, reach: Annotated[float, Real(0.1, 0.9)] = 0.4) -> Plan:
     """A plank at rest on a table, reaching beyond its edge.
 
     Args:
-        reach: what lies beyond the edge, as a share of the plank's length.
+        reach: part beyond the edge, as a share of the plank's length.
     """
     table = box((2 * LENGTH, 2 * WIDTH, TABLE), -LENGTH, level=1)
     return Plan(

@@ -20,11 +20,11 @@ from scenarios.scenario import Plan, scenario
 PIER = 6.0
 """Height of the piers in thicknesses of a plank: room to tip."""
 BEHIND, SHARED, GAP = 0.2, 0.1, 0.4
-"""Middle of an outer plank behind its pier's edge, what the middle plank shares with it, and the gap between the tips,
-in lengths of a plank."""
+"""Distance of an outer plank's middle behind its pier's edge, its overlap with the middle plank, and the gap between
+the tips, in lengths of a plank."""
 TIP = 0.5 - BEHIND
 ARM = TIP - SHARED
-"""Where half the middle plank acts at best, before the edge."""
+"""Distance before the edge at which half the middle plank acts at best."""
 
 
 @scenario
@@ -52,7 +52,7 @@ def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
         world=World(friction=MU),
         actions=one_a_second([piers, outer, [middle]]),
         expectation=by_margin(margin, f"a middle of {limit:.2f} times an outer plank, by moments", falls_at=3),
-        look_for="both outer planks tip at once, and the middle one drops between them",
+        look_for="both outer planks tip at once, and the middle plank drops between them",
         partner={"margin": abs(margin)},
         planar=True,
     )

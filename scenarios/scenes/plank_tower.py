@@ -1,4 +1,4 @@
-"""Flat planks straight above each other: the plainest stack.
+"""Flat planks straight above each other: the simplest stack.
 
 Theory: the centre of mass of any upper part lies over the middle of the plank that carries it, 58 mm from the nearest
 edge along x and 11.7 mm across. It stands at any height.
@@ -22,7 +22,7 @@ def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
     """Flat planks straight above each other, one a level.
 
     Args:
-        levels: number of planks. 26 by default: what is timed at level 25 still has a successor.
+        levels: number of planks. The default of 26 leaves a successor to level 25, which is timed.
     """
     planks = [lay(0.0, level=level) for level in range(1, levels + 1)]
     return Plan(

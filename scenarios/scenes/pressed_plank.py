@@ -1,9 +1,9 @@
 """A tower whose topmost plank is pressed steadily along its length.
 
 Theory: friction holds the plank while the force is below mu m g. Above, it slides off, and drags the tower below with
-mu m g, while that one's own friction resists with more: only the pressed plank moves.
+mu m g, which the tower's own friction exceeds: only the pressed plank moves.
 
-What to look for: nothing but the pressed plank may move, and it must move as soon as the force exceeds its friction.
+Look for: only the pressed plank may move, and it must move as soon as the force exceeds its friction.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from scenarios.planks import GRAVITY, MASS, MU, lay, one_a_second
 from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
-"""From the last plank to the press [s]."""
+"""Time from the last plank to the press [s]."""
 PRESS_S = 1.0
-"""How long it is pressed [s]: at 1.5 times the limit a plank slides by its thickness within 0.1 s."""
-SURE = 1.2
-"""Factor on either side of the limit from which the answer is known: friction of some engines creeps near it."""
+"""Duration of the press [s]: at 1.5 times the limit a plank slides by its thickness within 0.1 s."""
+MIN_FACTOR = 1.2
+"""Factor on either side of the limit beyond which the answer is known: near it, friction of some engines creeps."""
 
 
 @dynamic_scenario
@@ -28,7 +28,7 @@ def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Anno
     """A tower whose topmost plank is pressed steadily along its length.
 
     Args:
-        force: in units of the friction that holds the plank, mu m g.
+        force: force in units of the friction that holds the plank, mu m g.
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
@@ -38,17 +38,17 @@ def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Anno
         world=World(friction=MU),
         actions=actions,
         expectation=_expected(force, levels, time),
-        look_for="nothing but the pressed plank may move, and only if the force exceeds its friction",
+        look_for="only the pressed plank may move, and only if the force exceeds its friction",
         partner={"force": 1.5},
         planar=True,
     )
 
 
 def _expected(force: float, levels: int, time: float) -> Expectation:
-    """What must happen to a plank that is pressed from ``time`` [s] on."""
+    """Return the expectation for a plank that is pressed from ``time`` [s] on."""
     theory = f"the force is {force:g} mu m g"
-    if force * SURE <= 1.0:
+    if force * MIN_FACTOR <= 1.0:
         return Expectation("stand", f"{theory}: friction holds the plank")
-    if force >= SURE:
+    if force >= MIN_FACTOR:
         return Expectation("fall", f"{theory}: the plank slides off", levels, not_before_s=time)
     return Expectation("study", f"{theory}: near the limit")

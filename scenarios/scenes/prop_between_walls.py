@@ -4,9 +4,9 @@ Theory: the walls touch the block and press on it with nothing, so their frictio
 block falls freely, whatever the friction. Its mirror image has a ledge at each wall, below the block's ends, and stands
 on them.
 
-Forces that would hold the block do exist: rigid walls may squeeze it as hard as one likes. Nothing makes them do so.
+Forces that would hold the block do exist: rigid walls may squeeze it with any force. Nothing makes them do so.
 
-What to look for: a block that hangs between the walls is wedged in theory only.
+Look for: a block that stays between the walls is held by prestress that nothing supplies.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from scenarios.scenario import Plan, scenario
 BLOCK: Vector = (0.12, 0.05, 0.04)
 """Edges of the block [m]."""
 PROP: Vector = (0.08, 0.05, 0.12)
-"""Edges of the prop [m]: wide enough to carry the block by itself, and room to fall by three heights of the block."""
+"""Edges of the prop [m]: wide enough to carry the block alone, with room to fall by three heights of the block."""
 WALL: Vector = (0.04, 0.10, 0.20)
 """Edges of a wall [m]."""
 LEDGE = 0.015
 """Length of a ledge [m]: it ends 5 mm beside the prop."""
 PAUSE_S = 2.0
-"""From the block to the removal [s]: time to settle."""
+"""Time from the block to the removal [s]: time to settle."""
 
 
 @scenario
@@ -37,7 +37,7 @@ def prop_between_walls(
     """A block on a prop between two fixed walls that it touches; then the prop is taken away.
 
     Args:
-        carried: by "nothing" or "ledges" once the prop has gone.
+        carried: support of the block after the removal, "nothing" or "ledges".
         friction: Coulomb coefficient of every pair.
         gap: between the block and either wall [mm]; with 0 they touch.
     """
@@ -59,7 +59,7 @@ def prop_between_walls(
         world=World(friction=friction, fixed=tuple(fixed)),
         actions=actions,
         expectation=expectation,
-        look_for="a block that hangs between the walls is wedged in theory only",
+        look_for="a block that stays between the walls is held by prestress that nothing supplies",
         partner={"carried": "ledges"},
         planar=True,
     )

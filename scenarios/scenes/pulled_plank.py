@@ -1,11 +1,11 @@
-"""A tower from whose middle a plank is pulled out along its length, slowly or fast: the tablecloth.
+"""A tower from whose middle a plank is pulled out along its length, slowly or fast.
 
-Theory: the pulled plank drags what lies above with mu times its weight, whatever the speed. Pulled slowly, all above it
-comes along, for it rests on nothing else. Pulled fast, the drag lasts for a time T = L / v only: it moves the upper
-part by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then that drops by a thickness, and how it lands no
-statics tells: a study.
+Theory: the pulled plank drags the bodies above with mu times their weight, at any speed. Pulled slowly, all of them
+travel along, because they rest on nothing else. Pulled fast, the drag lasts for T = L / v only: it moves the upper part
+by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then the upper part drops by a thickness, and statics does
+not decide how it lands: a study.
 
-What to look for: slowly pulled, the upper part travels with the plank; at some speed it is left behind and drops.
+Look for: slowly pulled, the upper part travels with the plank; above some speed it stays behind and drops.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from scenarios.planks import LENGTH, MU, lay, one_a_second
 from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
-"""From the last plank to the pull [s]."""
+"""Time from the last plank to the pull [s]."""
 WAY = 1.2 * LENGTH
-"""How far it is pulled [m]: all the way out."""
+"""Length of the pull [m]: all the way out."""
 
 
 @dynamic_scenario
@@ -28,7 +28,7 @@ def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annot
     """A tower whose last plank but one is pulled out along its length.
 
     Args:
-        speed: of the pull [m/s].
+        speed: speed of the pull [m/s].
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
@@ -37,6 +37,6 @@ def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annot
         world=World(friction=MU),
         actions=actions,
         expectation=Expectation("study", "how far the plank above comes along, and how it lands, dynamics decide"),
-        look_for="slowly pulled, the plank above travels along; pulled fast, it is left behind and drops",
+        look_for="slowly pulled, the plank above travels along; pulled fast, it stays behind and drops",
         planar=True,
     )

@@ -1,12 +1,13 @@
 """A tower whose topmost plank is struck along its length.
 
 Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops it after s = (J / m)^2 / (2 mu g), and
-drags the tower below with no more than mu m g, while that one's own friction resists with more: only the struck plank
-moves. It counts as out of place beyond its thickness: with s at half of that the stack stands, with s well above it
-the plank has slid, and beyond L / 2 it falls off.
+    drags
+the tower below with at most mu m g, which the tower's own friction exceeds: only the struck plank moves. It counts as
+out of place beyond its thickness: with s at half of that the stack stands, with s well above it the plank has slid, and
+beyond L / 2 it falls off.
 
-What to look for: nothing but the struck plank may move. A stack that is frozen must feel the blow: whoever strikes a
-brick tells the extension so.
+Look for: only the struck plank may move. A frozen stack must react to the blow: the host names the brick that it
+strikes to the extension.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from scenarios.planks import GRAVITY, LENGTH, MASS, MU, THICKNESS, lay, one_a_se
 from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 2.0
-"""From the last plank to the blow [s]."""
-SURE = 1.5
-"""How many times shorter or longer than a thickness the slide must be for a known answer: engines take friction in
-steps, and a real plank yaws a little."""
+"""Time from the last plank to the blow [s]."""
+MIN_FACTOR = 1.5
+"""Factor on the slide, over or under a thickness, beyond which the answer is known: engines apply friction in steps,
+and a real plank yaws a little."""
 
 
 @dynamic_scenario
@@ -31,7 +32,7 @@ def pushed_plank(*, slide: Annotated[float, Real(0.1, 1000)] = 4.0, levels: Anno
     """A tower whose topmost plank is struck along its length.
 
     Args:
-        slide: how far [mm] the blow lets it slide.
+        slide: planned slide [mm].
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
@@ -42,17 +43,17 @@ def pushed_plank(*, slide: Annotated[float, Real(0.1, 1000)] = 4.0, levels: Anno
         world=World(friction=MU),
         actions=actions,
         expectation=_expected(slide * 1e-3, levels, time),
-        look_for="nothing but the struck plank may move; what is frozen must feel the blow",
+        look_for="only the struck plank may move; a frozen plank must react to the blow",
         partner={"slide": 4.0},
         planar=True,
     )
 
 
 def _expected(slide: float, levels: int, time: float) -> Expectation:
-    """What must happen to a plank that slides so far [m]."""
+    """Return the expectation for a plank that slides by ``slide`` [m]."""
     way = f"it slides {slide * 1e3:g} mm = (J / m)^2 / (2 mu g)"
-    if slide * SURE <= THICKNESS:
+    if slide * MIN_FACTOR <= THICKNESS:
         return Expectation("stand", f"{way}, less than its thickness")
-    if slide >= SURE * THICKNESS and not LENGTH / 2 / SURE < slide < SURE * LENGTH / 2:
+    if slide >= MIN_FACTOR * THICKNESS and not LENGTH / 2 / MIN_FACTOR < slide < MIN_FACTOR * LENGTH / 2:
         return Expectation("fall", f"{way}, more than its thickness", levels, not_before_s=time)
     return Expectation("study", f"{way}, near a thickness or near half its length")

@@ -8,7 +8,7 @@ One draw is one tower, so each has a known answer of its own, unless a centre of
 energy of laying a plank may decide: k planks tip with k m g e^2 / (k t) (e: the distance, t: thickness), ten times
 the energy of laying one only if e > sqrt(10 t c), 6.2 mm (c: the height from which it is let go).
 
-What to look for: which joint gives. It need not be the topmost, and the fall must not come a plank early or late.
+Look for: which joint gives. It need not be the topmost, and the fall must not come a plank early or late.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from scenarios.parameters import Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, lay, one_a_second
 from scenarios.scenario import Plan, scenario
 
-SURE = math.sqrt(10 * THICKNESS * CLEARANCE)
-"""Least distance [m] from an edge at which a centre of mass gives a known answer."""
+MIN_DISTANCE = math.sqrt(10 * THICKNESS * CLEARANCE)
+"""Least distance [m] of a centre of mass from an edge at which the answer is known."""
 MOST = 60
-"""Longest tower: not one in a million grows so high."""
+"""Longest tower: fewer than one in a million grow so high."""
 
 
 @scenario
@@ -35,7 +35,7 @@ def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated
     """Planks laid at random along x, each with its middle somewhere over the one below.
 
     Args:
-        draw: which tower: its offsets follow from this number alone.
+        draw: number of the tower: its offsets follow from this number alone.
         levels: number of planks.
     """
     middles = middles_of(draw)[:levels]
@@ -51,13 +51,13 @@ def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated
 
 
 def middles_of(draw: int) -> list[float]:
-    """Where along x [m] the middles of a draw's planks lie, shape (MOST,); the lowest at 0."""
+    """Return the middles along x [m] of a draw's planks, shape (MOST,); the lowest at 0."""
     generator = random.Random(draw)
     return list(accumulate((LENGTH * (generator.random() - 0.5) for _ in range(MOST - 1)), initial=0.0))
 
 
 def room(middles: Sequence[float]) -> float:
-    """Least distance [m] from the centre of mass of an upper part to the edges below it; negative beyond one."""
+    """Return the least distance [m] of an upper part's centre of mass from the edges below; negative beyond one."""
     least, total = math.inf, 0.0
     for above, middle in enumerate(reversed(middles)):
         if above:
@@ -67,17 +67,19 @@ def room(middles: Sequence[float]) -> float:
 
 
 def falls_at(middles: Sequence[float]) -> int | None:
-    """The first number of planks that cannot stand; None if all can."""
+    """Return the first number of planks that cannot stand; None if all can."""
     return next((n for n in range(2, len(middles) + 1) if room(middles[:n]) < 0), None)
 
 
 def expected(middles: Sequence[float]) -> Expectation:
-    """What must happen to planks with these ``middles`` [m]."""
+    """Return the expectation for planks with these ``middles`` [m]."""
     fall = falls_at(middles)
     standing = middles if fall is None else middles[: fall - 1]
-    sure = all(room(standing[:n]) > SURE for n in range(2, len(standing) + 1))
-    if not sure or (fall is not None and room(middles[:fall]) > -SURE):
-        return Expectation("study", f"a centre of mass within {SURE * 1e3:.1f} mm of an edge: how it is laid decides")
+    is_known = all(room(standing[:n]) > MIN_DISTANCE for n in range(2, len(standing) + 1))
+    if not is_known or (fall is not None and room(middles[:fall]) > -MIN_DISTANCE):
+        return Expectation(
+            "study", f"a centre of mass within {MIN_DISTANCE * 1e3:.1f} mm of an edge: how it is laid decides"
+        )
     if fall is None:
         return Expectation("stand", "every upper part's centre of mass lies over the plank below it")
     return Expectation("fall", f"{fall} planks are the first with a centre of mass beside what carries it", fall)

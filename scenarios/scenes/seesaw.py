@@ -4,8 +4,8 @@ Theory: moments about the lower edge, in horizontal distances. A block of mass M
 plank, of mass m and with its middle p before the edge, once M b > m p. Here M b = 4 m p: it tips. Between the edges the
 block presses on both, and all stands, as tan(15 deg) = 0.27 is less than the friction of 0.45.
 
-What to look for: the block lies lower than the plank's middle, though it lies on the plank. Whoever takes the higher of
-two bodies for the one that is carried finds that the block carries the plank.
+Look for: the block lies lower than the plank's middle, though it lies on the plank. A rule that takes the higher of two
+bodies for the carried one finds that the block carries the plank.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ PLANK: Vector = (0.30, 0.05, 0.02)
 BLOCK: Vector = (0.05, 0.05, 0.03)
 """Edges of the block [m]."""
 MASS = 0.5
-"""Mass [kg] of the block: three times the plank's."""
+"""Mass [kg] of the block: three times the mass of the plank."""
 LOWER, UPPER = 0.09, 0.24
-"""Where the two edges meet the plank, from its lower end [m]."""
+"""Distance of the two edges from the plank's lower end, along the plank [m]."""
 LIES_AT = {"between": 0.15, "beyond": 0.03}
-"""Where the block's middle lies, along the plank from its lower end [m]."""
+"""Distance of the block's middle from the plank's lower end, along the plank [m], by name."""
 HEIGHT = 0.12
-"""Of the lower edge [m]: room to tip."""
+"""Height of the lower edge [m]: room to tip."""
 SUPPORT: tuple[float, float] = (0.02, 0.08)
 """Edges of a support in x and y [m]."""
 
@@ -41,7 +41,7 @@ def seesaw(*, block: Annotated[str, Choice(*LIES_AT)] = "between") -> Plan:
     """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
     Args:
-        block: where it lies, "between" the two edges or "beyond" the lower one.
+        block: place of the block, "between" the two edges or "beyond" the lower one.
     """
     plank = _on_slope(PLANK, math.prod(PLANK) * DENSITY, PLANK[0] / 2, 0.0, level=1)
     load = _on_slope(BLOCK, MASS, LIES_AT[block], PLANK[2], level=2)
@@ -66,8 +66,8 @@ def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: i
     Args:
         size: edges [m].
         mass: [kg].
-        along: its middle, along the plank from its lower end [m].
-        above: its lower face above the plank's lower face [m].
+        along: distance of its middle from the plank's lower end, along the plank [m].
+        above: height of its lower face above the plank's lower face [m].
         level: the level it belongs to.
     """
     along, across = along - LOWER, above + size[2] / 2

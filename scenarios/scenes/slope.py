@@ -5,7 +5,7 @@ Theory: with angle theta, friction mu and a ratio r of height over width
 - it slides if mu < tan(theta);
 - it tips if r > 1 / tan(theta): then its centre of mass lies beyond the lower edge.
 
-What to look for: the least friction with which it holds, and the greatest ratio, are limits of the engine's own. A
+Look for: the least friction with which it holds, and the greatest ratio, are limits of the engine's own. A
 bisection finds them (study ``thresholds``). Nothing is dropped, so that contact and friction alone decide.
 """
 

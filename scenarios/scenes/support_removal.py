@@ -1,15 +1,16 @@
-"""A stack that stands, and from which something is taken: what lies on top, or what carries the rest.
+"""A stack that stands, and from which a load on top or a support below is removed.
 
-Theory: exact statics of what is left (``scenarios.statics.truth``); no closed form is needed, for in each case a brick
-has lost the support under one side of its centre of mass, or the partner that it leaned against.
+Theory: exact statics of the remaining bricks (``scenarios.statics.truth``). No closed form is needed, because in each
+case a brick has lost the support under one side of its centre of mass, or the partner that it leaned against.
 
 One cube on another drops straight down when the lower one is taken, upright and in its place seen from above.
 
-Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is what is taken: without it
-a brick falls far enough to be seen, not by a thickness onto the next one.
+Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is removed: without it a
+brick
+falls far enough to be seen, not by a thickness onto the next one.
 
-What to look for: engines that let bricks sleep may leave them hanging in the air when their support goes. What rested
-on it must fall, and what did not must stay.
+Look for: engines whose bricks sleep may leave them hanging in the air when their support goes. Bricks that rested on it
+must fall, and no others.
 """
 
 from __future__ import annotations
@@ -31,25 +32,25 @@ from scenarios.scenes.pyramid import pyramid
 from scenarios.scenes.shared.pedestals import lifted, pedestals
 
 PAUSE_S = 2.0
-"""From the last brick to the removal [s]: time to settle."""
+"""Time from the last brick to the removal [s]: time to settle."""
 EDGE = 0.2
 """Edge of a block [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Robbery:
-    """What is built, and what may be taken."""
+    """A stack, and the bricks that may be removed."""
 
     build: Callable[..., Scene]
-    """Takes the ``gap`` between neighbours [mm], if they have one."""
+    """Builder of the stack. It takes the ``gap`` between neighbours [mm], if they have one."""
     load: tuple[int, ...]
     """Bricks on top, which carry nothing, by their places in the order of placement."""
     support: int
     """A brick of the lowest level, by its place in the order of placement."""
     is_raised: bool = True
-    """Whether it stands on pedestals; then the bricks above are counted from the first that is none."""
+    """True if the stack stands on pedestals; then the indices above count from the first brick that is no pedestal."""
     has_gap: bool = False
-    """Whether it has neighbours whose gap can be chosen."""
+    """True if the gap between neighbours can be chosen."""
 
 
 STACKS: Mapping[str, _Robbery] = {
@@ -73,15 +74,15 @@ def robbed_stack(
     """A stack that stands, from which the topmost load or a lowest support is taken.
 
     Args:
-        stack: which, a name of ``STACKS``.
+        stack: a name of ``STACKS``.
         taken: "load" or "support".
         gap: between neighbours of a level [mm], of the stacks that have any; with 0 they touch.
-        pause: from the last brick to the removal [s]: after some seconds at rest an engine lets bricks sleep.
+        pause: from the last brick to the removal [s]: after some seconds at rest an engine puts bricks to sleep.
     """
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
         with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
-        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours side by side")
+        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours")
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
     time = built.actions[-1].time + pause
@@ -96,14 +97,14 @@ def robbed_stack(
         world=built.world,
         actions=built.actions + removals,
         expectation=expectation,
-        look_for="what rested on it must fall, and what did not must stay",
+        look_for="bricks that rested on it must fall, and no others",
         partner={"taken": "load"},
         planar=built.planar,
     )
 
 
 def _two_blocks() -> Scene:
-    """One cube on another: without the lower one the upper one drops straight down."""
+    """Return one cube on another: without the lower one the upper one drops straight down."""
     blocks = [box((EDGE, EDGE, EDGE), 0.0, level=level, bottom=(level - 1) * EDGE, mass=1.0) for level in (1, 2)]
     return Scene(
         scenario="two_blocks",
@@ -118,7 +119,7 @@ def _two_blocks() -> Scene:
 
 
 def _raised(scene: Scene, narrower: float) -> Scene:
-    """The scene on pedestals, which come together, a second before its first brick; see ``pedestals``."""
+    """Return the scene on pedestals, which are placed together, a second before its first brick; see ``pedestals``."""
     higher: list[Action] = [
         Place(action.time + 1.0, tuple(lifted(brick) for brick in action.bricks))
         for action in scene.actions

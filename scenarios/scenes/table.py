@@ -1,11 +1,11 @@
-"""A table: one plate merges two, three or four legs, and a load lies beyond them.
+"""A table: one plate on two, three or four legs, and a load beyond them.
 
 Theory: all legs reach to the same line x = a toward the load, and the plate's centre of mass lies at x = 0, so it tips
 about that line once the load p at a + q outweighs it: p q > m a. With two legs the table is a beam in the x-z plane;
 with three, two of them stand on the load's side; a load as far out on the other side would tip it sooner.
 
-What to look for: the legs behind lift off while those in front take everything. Shares got wrong (each leg a third,
-say) put the load where no leg is lifted and nothing falls.
+Look for: the legs behind lift off while the front legs take everything. An engine that shares the load wrongly (a third
+to each leg, for instance) lifts no leg, and nothing falls.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ HEIGHT = 3.0
 FOOT = 0.2
 """Edge of a leg's square foot in lengths of the plate; with two legs, of its side along x."""
 REACH = 0.22
-"""a: how far in front of the plate's middle the foremost legs end, in lengths of the plate."""
+"""a: distance of the foremost legs' ends from the plate's middle, in lengths of the plate."""
 ARM = 0.2
-"""q: how far beyond that the load's middle lies, in lengths of the plate."""
+"""q: distance of the load's middle beyond that, in lengths of the plate."""
 LIMIT = REACH / ARM
 """The load that balances the plate, over the plate's mass."""
 _FRONT, _BACK, _ASIDE = REACH - FOOT / 2, -0.3, 0.3

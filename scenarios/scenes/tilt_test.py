@@ -12,7 +12,7 @@ Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 d
   4.714 deg;
 - card house along: its top V slips first, as the V alone.
 
-What to look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures
+Look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures
 its angle, and that at which exact statics gives way with the normals of the engine's own contacts.
 """
 
@@ -33,17 +33,17 @@ from scenarios.scenes.shared.prebuilt import closed
 THETA = 72.0
 """Angle [deg] between leaning planks and the ground."""
 PLANKS = 10
-"""Of the column."""
+"""Planks of the column."""
 AXES = {"along": (0.0, 1.0), "across": (-1.0, 0.0)}
-"""About which a table would turn, by heading: its low end is at +x or at +y."""
+"""Axes of the tilt, by heading: the low end is at +x or at +y."""
 REST_S = 2.0
-"""How long [s] a stack rests before the tilt."""
+"""Time [s] for which a stack rests before the tilt."""
 FAST, SLOW, LAST = 5.0, 0.1, 1.0
 """Speeds [deg/s] of the tilt: up to the slow range, in it, and beyond it."""
 MARGIN = 1.0
-"""How far [deg] the slow range reaches below the least and beyond the greatest limit."""
+"""Reach [deg] of the slow range below the least and beyond the greatest limit."""
 BEYOND = 5.0
-"""How far [deg] the tilt goes on beyond the slow range."""
+"""Reach [deg] of the tilt beyond the slow range."""
 
 
 class TiltLimits(NamedTuple):
@@ -67,7 +67,7 @@ def tilt_test(
 
     Args:
         stack: "column" of 10 planks, "v" of two, or "card_house" of three storeys.
-        heading: where the ground goes down: "along" the planks or "across" them.
+        heading: direction in which the ground goes down: "along" the planks or "across" them.
     """
     bricks = tilted_bricks(stack)
     limits = tilt_limits(stack, heading)

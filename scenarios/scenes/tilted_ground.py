@@ -1,9 +1,9 @@
-"""A tower of planks on ground that tilts: gravity turns, as whoever stands on the ground sees it.
+"""A tower of planks on ground that tilts: gravity turns, in the frame of the ground.
 
-Theory: on a slope of angle a, planks hold while tan a <= mu, whatever lies on them: below the friction angle of 24.2
-deg all stand, above it they slide. They lie along the slope and are far lower than long, so that nothing tips.
+Theory: on a slope of angle a, planks hold while tan a <= mu, under any load: below the friction angle of 24.2 deg all
+stand, above it they slide. They lie along the slope and are far lower than long, so that nothing tips.
 
-What to look for: a frozen tower must feel that the ground tilts, though nothing touches it anew.
+Look for: a frozen tower must react to the tilt, though no contact changes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenarios.scenario import Plan, dynamic_scenario
 from scenarios.scenes.shared.slopes import TILT_S, on_slope
 
 PAUSE_S = 2.0
-"""From the last plank to the tilt [s]."""
+"""Time from the last plank to the tilt [s]."""
 
 
 @dynamic_scenario
@@ -25,7 +25,7 @@ def tilted_ground(*, angle: Annotated[float, Real(0.1, 45.0)] = 28.0, levels: An
     """A tower of planks on ground that tilts: gravity turns.
 
     Args:
-        angle: of the ground in the end [deg].
+        angle: final angle of the ground [deg].
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))
@@ -35,7 +35,7 @@ def tilted_ground(*, angle: Annotated[float, Real(0.1, 45.0)] = 28.0, levels: An
         world=World(friction=MU),
         actions=actions,
         expectation=on_slope(angle, levels, time),
-        look_for="above the friction angle the tower slides off, though nothing has touched it",
+        look_for="above the friction angle the tower slides off, though no contact has changed",
         partner={"angle": 28.0},
         planar=True,
     )

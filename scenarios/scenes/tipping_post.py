@@ -9,7 +9,7 @@ of mass beyond the vertical above the edge, and R = sqrt(b^2 + h^2) / 2 its dist
 with the complete and the incomplete elliptic integral of the first kind. From 0.2 (0.05) deg beyond the balance it lies
 on the ground after 1.77 (2.14) s, and half a second after its release its centre moves at 22 (5.7) mm/s.
 
-What to look for: an engine that lets slow bodies sleep lets the post stand where nothing can.
+Look for: an engine that puts slow bodies to sleep lets the post stand where nothing can.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0)] = 0.2) -> Plan:
             1,
             within_s=round(WITHIN * seconds, 3),
         ),
-        look_for="it hardly moves at first: what rests by its speed alone sleeps here, and must not",
+        look_for="it hardly moves at first: a rule that judges rest by speed alone freezes it, and must not",
         planar=True,
         watch_s=WITHIN * seconds,
         must_move=(MustMove(0, 0.0, way, seconds),),
@@ -69,8 +69,8 @@ def post_fall_s(start: float, end: float) -> float:
     """Return the time [s] in which the post turns, from rest, between two angles [deg] beyond its balance.
 
     Args:
-        start: where it is let go; above 0.
-        end: where it arrives; ``90 - BALANCE`` is flat on the ground.
+        start: initial angle; above 0.
+        end: final angle; ``90 - BALANCE`` is flat on the ground.
     """
     first, last = math.radians(start) / 2, math.radians(end) / 2
     rate = math.sqrt(3 * GRAVITY / (2 * math.hypot(WIDTH, HEIGHT)))

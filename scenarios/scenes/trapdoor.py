@@ -1,9 +1,9 @@
 """Planks that lie across a table and a trapdoor, which drops away below them.
 
-Theory: the door drops faster than anything falls, so that it neither pulls nor pushes. Then the planks lie on the
-table alone, and stand if their centre of mass is above it.
+Theory: the door drops faster than a free fall, so that it neither pulls nor pushes. Then the planks lie on the table
+alone, and stand if their centre of mass is above it.
 
-What to look for: a stack that is frozen on a door must feel that it opens; one that does not need it must stay.
+Look for: a frozen stack on a door must react when it opens; a stack that does not need the door must stay.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ TOP = 0.15
 DOOR = (0.1, 3 * WIDTH, 0.01)
 """Edges of the door [m]."""
 SLIT = 2e-3
-"""Between table and door [m]."""
+"""Gap between table and door [m]."""
 DROP_M_S, DROP_S = 2.0, 0.06
-"""Speed [m/s] at which the door drops, and for how long [s]."""
+"""Speed [m/s] of the dropping door, and duration of its motion [s]."""
 PAUSE_S = 2.0
-"""From the last plank to the drop [s]."""
-SURE = 4.0
-"""Distance [mm] of the centre from the table's edge from which the answer is known: a dropped plank may shift by some
+"""Time from the last plank to the drop [s]."""
+MIN_DISTANCE = 4.0
+"""Distance [mm] of the centre from the table's edge beyond which the answer is known: a dropped plank may shift by
 tenths of a millimetre, and so may an edge that yields."""
 
 
@@ -35,7 +35,7 @@ def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Anno
     """Planks that lie across a table and a trapdoor, which drops away below them.
 
     Args:
-        beyond: how far [mm] the planks' centres lie beyond the table's edge; negative is above the table.
+        beyond: distance [mm] of the planks' centres beyond the table's edge; negative is above the table.
         levels: number of planks.
     """
     table = Brick((2 * LENGTH, 3 * WIDTH, TOP), 1.0, (-LENGTH, 0.0, TOP / 2))
@@ -58,10 +58,10 @@ def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Anno
 
 
 def _expected(beyond: float, levels: int, time: float) -> Expectation:
-    """What must happen to planks whose centres lie so far [mm] beyond the table when the door drops at ``time`` [s]."""
+    """Return the expectation for planks ``beyond`` [mm] the table's edge when the door drops at ``time`` [s]."""
     theory = f"without the door the centres lie {abs(beyond):g} mm"
-    if beyond <= -SURE:
+    if beyond <= -MIN_DISTANCE:
         return Expectation("stand", f"{theory} inside the table's edge")
-    if beyond >= SURE:
+    if beyond >= MIN_DISTANCE:
         return Expectation("fall", f"{theory} beyond the table's edge", levels + 1, not_before_s=time)
     return Expectation("study", f"{theory} from the table's edge")

@@ -6,9 +6,9 @@ n (1 + mu^2) = weight. Moments about the foot: x_c (1 + mu^2) = mu Y + mu^2 X. F
 (1 - mu^2) / (2 mu). An edge meets an unambiguous face at either end: every engine and convention agrees on the normals.
 
 The wall may be split down the middle, so that a half of it holds each corner of the plank, and the ground too, into two
-tiles: it changes nothing in theory, but more bodies than two hold the plank, where the paper's rule knows two.
+tiles. That changes nothing in theory, but more than two bodies hold the plank, and the paper's rule allows two.
 
-What to look for: the foot slips, and the plank slides down the wall; a plank that stays below the limit is glued.
+Look for: the foot slips, and the plank slides down the wall; a plank that stays below the limit is a false stand.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def wall_plank(
     Args:
         held_by: bodies that hold the plank: 2, ground and wall; 3, with the wall in halves; 4, the ground too.
         theta: angle [deg] between plank and ground.
-        margin: share by which the friction exceeds its limit; with a negative one it falls short.
+        margin: share by which the friction exceeds its limit; a negative margin falls short of it.
         gap: between the halves of the wall, and of the ground [mm]; with 0 they touch.
     """
     limit = least_friction(math.radians(theta))
@@ -51,21 +51,21 @@ def wall_plank(
         world=World(friction=(1 + margin) * limit),
         actions=one_a_second([_group(held_by, math.radians(theta), gap * 1e-3)]),
         expectation=by_margin(margin, f"mu = {limit:.3f}, at which foot and top slip together", falls_at=1),
-        look_for="the foot slips and the plank slides down the wall; staying below the limit is glue",
+        look_for="the foot slips and the plank slides down the wall; staying below the limit is a false stand",
         partner={"margin": abs(margin)},
         planar=held_by == 2,
     )
 
 
 def least_friction(theta: float) -> float:
-    """The least Coulomb coefficient at which a plank that leans at ``theta`` [rad] can rest."""
+    """Return the least Coulomb coefficient at which a plank that leans at ``theta`` [rad] can rest."""
     x, y = LENGTH * math.cos(theta), LENGTH * math.sin(theta)
     center = (x - THICKNESS * math.sin(theta)) / 2
     return (math.sqrt(y * y + 4 * center * (x - center)) - y) / (2 * (x - center))
 
 
 def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
-    """The plank and all that holds it: they come together, for a hand's error would part plank and wall."""
+    """Return the plank and its supports, placed together because placement noise would part plank and wall."""
     floor = TILE[2] if held_by == 4 else 0.0
     plank = lean(0.0, theta=theta, toward=1, level=1, bottom=floor)
     wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, gap if held_by >= 3 else None)
@@ -73,7 +73,7 @@ def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
 
 
 def _in_halves(size: tuple[float, float, float], x: float, gap: float | None) -> list[Brick]:
-    """A heavy box, in two halves ``gap`` [m] apart along y; whole if that is None."""
+    """Return a heavy box, in two halves ``gap`` [m] apart along y; in one piece if ``gap`` is None."""
     if gap is None:
         return [box(size, x, level=1, mass=HEAVY)]
     depth = (size[1] - gap) / 2

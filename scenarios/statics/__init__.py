@@ -1,1 +1,1 @@
-"""The judge: whether a pile can stand, by exact statics. Written apart from the core that it judges."""
+"""The judge: exact statics that decides whether a stack can stand, written apart from the core that it judges."""

@@ -1,4 +1,4 @@
-"""Solve how far bodies on compliant contacts move under their weights, or with which acceleration they go on moving.
+"""Solve the displacements of bodies on compliant contacts under their weights, or their remaining accelerations.
 
     (1 / kappa) M u = w + J^T f(v),    v = J u     u: displacements, v: relative motion at the corners, M: masses
     f_n = k max(0, -v_n)                           k: stiffness of a corner, w: weights
@@ -42,11 +42,11 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 PRECISION = 1e-8
 """Imbalance of a body that counts as none, in weights of that body: a fall of 1e-4 g is known to 1e-4 of itself."""
 ROUNDING = 1e-15
-"""What rounding leaves of forces that cancel, as a share of them."""
+"""Rounding error of forces that cancel, as a share of the forces."""
 STEPS = 40
 """Newton steps of one stage. Piles that converge take 1 to 12 in stage 1."""
 HALVINGS = 20
-"""How often a step is halved before stage 1 gives up."""
+"""Most halvings of a step in stage 1."""
 ROUNDS = 20
 """Rounds of fixed friction bounds. Tight courses take up to 10, arches and logs up to 18."""
 _DECREASE = 1e-4
@@ -64,15 +64,15 @@ class _Iterate:
     """Its length, shape (p,)."""
     sticks: BoolArray
     share: FloatArray
-    """Which part of the pull friction provides, shape (p,)."""
+    """Part of the pull that friction provides, shape (p,)."""
     forces: FloatArray
     """Normal and tangential forces, shape (p, 3)."""
     imbalance: FloatArray
-    """Left side less right side, shape (6 n,)."""
+    """Left side minus right side, shape (6 n,)."""
     size: float
     """Euclidean norm of the imbalance."""
     energy: float
-    """What the solution minimises if the friction bounds stay as they are."""
+    """Energy that the solution minimises with fixed friction bounds."""
 
 
 class CompliantPile:
@@ -94,11 +94,11 @@ class CompliantPile:
         self._rows, self._columns = np.repeat(entries, 3, axis=1).ravel(), np.tile(entries, (1, 3)).ravel()
 
     def relative_motion(self, displacement: FloatArray) -> FloatArray:
-        """Return how far the surfaces move against each other at each corner, shape (p,), times sqrt(k)."""
+        """Return the relative motion of the surfaces at each corner, shape (p,), times sqrt(k)."""
         motion: FloatArray = np.linalg.norm((self._motions @ displacement).reshape(-1, 3), axis=1)
         return motion
 
-    def glued(self, kappa: float) -> FloatArray:
+    def bonded(self, kappa: float) -> FloatArray:
         """Return the displacements with contacts that neither open nor slide."""
         stiffness = diags_array(np.tile([1.0, self._ratio, self._ratio], self._corners))
         matrix = self._masses / kappa + self._wrenches @ stiffness @ self._motions
@@ -106,7 +106,7 @@ class CompliantPile:
         return displacement
 
     def moved(self, start: FloatArray, kappa: float) -> FloatArray | None:
-        """Return the displacements, sought from ``start`` and from what an accelerated pile makes of it.
+        """Return the displacements, searched from ``start`` and from the solution with accelerations.
 
         None if no stage converges.
         """
@@ -148,9 +148,9 @@ class CompliantPile:
 
         Args:
             start: displacements to begin with, shape (6 n,).
-            kappa: see the module.
-            bounds: friction bounds that stay as they are, shape (p,); without them they follow the normal forces.
-            halvings: how often a step may be halved; with 0 a step is taken whatever the imbalance does.
+            kappa: see the module docstring.
+            bounds: fixed friction bounds, shape (p,); without them they follow the normal forces.
+            halvings: most halvings of a step; with 0 a step is taken even if the imbalance grows.
         """
         iterate = self._iterate(start, kappa, bounds)
         for _ in range(STEPS):
@@ -193,7 +193,7 @@ class CompliantPile:
         return step if np.isfinite(step).all() else None
 
     def _by_fixed_bounds(self, start: FloatArray, kappa: float) -> _Iterate:
-        """Return the solution that rounds of fixed friction bounds lead to, or the last iterate without convergence."""
+        """Return the solution reached by rounds of fixed friction bounds, or the last iterate without convergence."""
         found = self._iterate(start, kappa)
         for _ in range(ROUNDS):
             bounds = self._friction * found.forces[:, 0]
@@ -211,7 +211,7 @@ def pile_of(
     """Build the compliant pile.
 
     Args:
-        corners: where bodies touch.
+        corners: corners of the contact patches.
         gyration: inertia over mass, in squares of the length unit, shape (n, 3, 3).
         friction: Coulomb coefficient.
         ratio: tangential over normal stiffness.

@@ -1,9 +1,9 @@
-"""Where two ideal boxes touch: the contact patch, as its corners, and its normal.
+"""The contact patch of two ideal boxes: its corners and its normal.
 
 Boxes touch if some direction separates them by no gap. Where that direction is unique it is the contact's normal, and
 the patch is what both surfaces share: a polygon (face on face), a segment (edge on face) or a point (corner on face,
 edge across edge). Where two parallel edges meet, as at the ridge of two planks that lean against each other, a whole
-range of directions separates the boxes, and physics has no single answer; a convention gives the normal:
+range of directions separates the boxes, and physics has no single answer. A convention gives the normal:
 
 - ``bisector``: the middle of that range, which is horizontal for two planks that lean alike;
 - ``face``: the face of the first box that bounds the range, as physics engines report it.
@@ -27,12 +27,12 @@ from scenarios.model import Brick
 Ridge = Literal["bisector", "face"]
 
 GROUND = -1
-"""Stands for all that never moves: the ground, and walls."""
+"""Id of everything that never moves: the ground, and walls."""
 
 TOUCH = 1e-6
 """Gap or overlap of boxes in contact, as a share of their thinnest edge: far above rounding, far below any plan's gap.
 A share, not a length, so that a pile is judged alike at 8 mm and at 8 m."""
-HAIR = 0.04
+RIDGE_GAP = 0.04
 """Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge: the scenes leave 0.2 mm there
 (0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
 _PARALLEL = 1e-7
@@ -41,7 +41,7 @@ _SIGNS = np.array([-1.0, 1.0])
 
 
 class Patch(NamedTuple):
-    """What two bodies share."""
+    """The contact patch of two bodies."""
 
     first: int
     """Index of the body on the near side, or ``GROUND``."""
@@ -62,21 +62,21 @@ class _Box:
     corners: FloatArray
 
     def faces(self) -> list[tuple[int, FloatArray]]:
-        """The six faces: axis and outward normal."""
+        """Return the six faces: axis and outward normal."""
         return [(axis, sign * self.axes[axis]) for axis, sign in product(range(3), _SIGNS)]
 
     def reach_along(self, direction: FloatArray) -> float:
-        """How far [m] along ``direction`` the box extends, from the origin."""
+        """Return how far [m] along ``direction`` the box extends, from the origin."""
         return float((self.corners @ direction).max())
 
 
 def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, ridge: Ridge = "bisector") -> list[Patch]:
-    """All patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
+    """Return all patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
 
     Args:
-        bricks: what may move; patches name them by their indices.
+        bricks: the movable bricks; patches name them by their indices.
         walls: boxes that never move; patches name them ``GROUND``.
-        ridge: which normal two parallel edges have that meet.
+        ridge: normal of two parallel edges that meet.
 
     Raises:
         ValueError: if two bricks overlap, or one is in a wall or below the ground; a plan must not do that.
@@ -91,13 +91,13 @@ def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, rid
     patches = _on_ground(boxes, thin, len(bricks))
     for b in range(1, len(singles)):
         apart = np.abs(boxes.center[:b] - boxes.center[b]) - reach[:b] - reach[b]
-        for a in np.flatnonzero((apart <= HAIR * thin[:b, None]).all(axis=1)).tolist():
+        for a in np.flatnonzero((apart <= RIDGE_GAP * thin[:b, None]).all(axis=1)).tolist():
             if a >= len(bricks):
                 continue  # two walls
             try:
                 found = touch(singles[a], singles[b], min(thin[a], thin[b]), ridge)
             except ValueError as error:
-                raise ValueError(f"{_name(a, bricks)} and {_name(b, bricks)} {error}") from None
+                raise ValueError(f"{_name(a, bricks)} and {_name(b, bricks)} {error}; move them apart") from None
             if found and b < len(bricks):
                 patches.append(Patch(a, b, *found))
             elif found:
@@ -115,14 +115,14 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int) -> list[Patch]:
     for index in np.flatnonzero(height_above_ground(boxes)[:bricks] <= TOUCH * thin[:bricks]).tolist():
         heights = boxes.corners[index, :, 2]
         if heights.min() < -TOUCH * thin[index]:
-            raise ValueError(f"brick {index} is {-heights.min():g} m below the ground")
+            raise ValueError(f"brick {index} is {-heights.min():g} m below the ground; raise it")
         points = boxes.corners[index][heights <= TOUCH * thin[index]]
         patches.append(Patch(GROUND, index, points, np.array([0.0, 0.0, 1.0])))
     return patches
 
 
 def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatArray, FloatArray] | None:
-    """Corners (k, 3) [m] and normal (3,) of two boxes' patch; None if they are apart, or only graze.
+    """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if they are apart, or only graze.
 
     Two convex bodies are apart exactly if one of fifteen directions separates them: the faces' normals, and the
     directions across an edge of each.
@@ -136,7 +136,7 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
     normals = np.concatenate([[normal for *_, normal in faces], crossings])
     gaps = (second.corners @ normals.T).min(axis=0) - (first.corners @ normals.T).max(axis=0)
     widest = gaps.max()
-    if widest > HAIR * thin:
+    if widest > RIDGE_GAP * thin:
         return None
     if widest < -TOUCH * thin:
         raise ValueError(f"overlap by {-widest:g} m")
@@ -157,7 +157,7 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
 
 
 def _across_edges(first: _Box, second: _Box) -> FloatArray:
-    """Unit normals (k, 3), from the first box to the second, of each pair of edges that are not parallel."""
+    """Return unit normals (k, 3), from the first box to the second, of each pair of edges that are not parallel."""
     normals = np.cross(first.axes[:, None], second.axes[None]).reshape(9, 3)
     length = np.linalg.norm(normals, axis=1)
     crossed = length > _PARALLEL
@@ -168,7 +168,7 @@ def _across_edges(first: _Box, second: _Box) -> FloatArray:
 
 
 def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, tolerance: float) -> FloatArray:
-    """Corners (k, 3) of what ``other`` shares with a face of ``box`` that separates them; empty if they only graze."""
+    """Return the corners (k, 3) shared by ``other`` and a separating face of ``box``; empty if they only graze."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     height = (other.corners - box.center) @ outward - box.half[axis]
     feature = other.corners[height <= tolerance] - box.center
@@ -190,7 +190,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
 
 
 def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
-    """The part (m, 2) of a convex polygon, a segment or a point (k, 2) where ``outside`` (k,), linear, is not positive.
+    """Return the part (m, 2) of a polygon, segment or point (k, 2) where the linear ``outside`` (k,) is not positive.
 
     After Sutherland and Hodgman; a segment is a polygon that goes there and back, so it may come back with a corner
     named twice, which does no harm.
@@ -205,7 +205,7 @@ def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
-    """Where an edge of each box cross, shape (3,); None if what faces the other box is no edge, or they miss."""
+    """Return where an edge of each box cross, shape (3,); None if they miss or no edge faces the other box."""
     start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
     end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
     if len(start) != 2 or len(end) != 2:
@@ -223,7 +223,7 @@ def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: fl
 def _at_ridge(
     first: _Box, second: _Box, faces: Sequence[tuple[_Box, int, FloatArray]], thin: float, ridge: Ridge
 ) -> tuple[FloatArray, FloatArray] | None:
-    """The segment in which two parallel edges meet; None if they do not, or the boxes' faces are parallel there.
+    """Return the segment in which two parallel edges meet; None if they do not, or the boxes' faces are parallel there.
 
     Args:
         first: the box from which the normal points.
@@ -242,7 +242,7 @@ def _at_ridge(
     near = first.corners[first.corners @ bisector >= first.reach_along(bisector) - TOUCH * thin]
     far = second.corners[-(second.corners @ bisector) >= second.reach_along(-bisector) - TOUCH * thin]
     between = far.mean(axis=0) - near.mean(axis=0)
-    if len(near) != 2 or len(far) != 2 or np.linalg.norm(between - along * (along @ between)) > HAIR * thin:
+    if len(near) != 2 or len(far) != 2 or np.linalg.norm(between - along * (along @ between)) > RIDGE_GAP * thin:
         return None
     low = max((near @ along).min(), (far @ along).min())
     high = min((near @ along).max(), (far @ along).max())

@@ -1,4 +1,4 @@
-"""How long a pile that cannot stand takes to fall, from rest to the limit at which the harness sees it.
+"""The time in which a stack that cannot stand falls, from rest to the limit at which the harness sees it.
 
 The contact forces are those that keep the accelerations nearest to free fall (Gauss's principle), inside the Coulomb
 cones. With the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
@@ -33,18 +33,18 @@ from scenarios.statics.contact_patch import contact_patches
 from scenarios.statics.contact_wrenches import Corners
 
 TILT_LIMIT = math.radians(15)
-"""Angle [rad] by which a brick has toppled: a plank that leans this far off its plan no longer carries what was planned
-to lie on it."""
+"""Angle [rad] from which a brick has toppled: a plank that leans this far off its plan no longer carries the bricks
+planned on it."""
 SLIDE_LIMIT = 1.0
-"""Distance by which a brick has slid, or dropped, in its least edges."""
+"""Distance from which a brick has slid or dropped, in its least edges."""
 SIDES = 16
 """Sides of the pyramids inscribed into the Coulomb cones: friction is too small by 2 % at most."""
 _STILL = 1e-6
-"""Speed, as a share of the fastest, that is rounding."""
+"""Speed below which a body counts as still, as a share of the fastest: rounding."""
 
 
 def fall_time(bricks: Sequence[Brick], world: World) -> float:
-    """Return how long [s] bricks at rest in their planned poses take until the first has toppled, slid or dropped.
+    """Return the time [s] from rest in the planned poses until the first brick has toppled, slid or dropped.
 
     Raises:
         ValueError: if nothing moves.
@@ -90,7 +90,7 @@ def _inverse_roots(mass: float, gyration: FloatArray, length: float) -> tuple[Fl
 
 
 def _way_to_the_limit(bricks: Sequence[Brick], linear: FloatArray, angular: FloatArray) -> float:
-    """Return the least q at which q times the motion topples or slides a brick; drops one, if it does neither."""
+    """Return the least q at which q times the motion topples or slides a brick, or else drops one."""
     thickness = np.array([min(brick.size) for brick in bricks])
     fastest = float(np.linalg.norm(linear, axis=1).max())
     turning = np.hypot(angular[:, 0], angular[:, 1])

@@ -1,4 +1,4 @@
-"""Can contact forces hold the bodies still? Linear programs around Coulomb's cone, from inside and from outside.
+"""Decide whether contact forces can hold bodies still, by linear programs around Coulomb's cone from both sides.
 
 Unknown are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; known are the weights.
 Forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
@@ -7,11 +7,12 @@ Forces and moments must vanish on every body. A cone is no polyhedron, so two py
 - one circumscribed: if even it allows no equilibrium there is none. The dual solution proves it: a virtual motion in
   which gravity does work, and no force that a contact allows does less than none, so that they never cancel.
 
-While neither proves anything the pyramids get one more side at each corner, where the circumscribed one's forces lean:
-there its error falls fourfold each time, and the true cone decides. What is still open then is in doubt, never stable.
+While neither proves anything, the pyramids get one more side at each corner, in the direction of the circumscribed
+pyramid's force: there its error falls fourfold each time, and the true cone decides. A case that stays open is a doubt.
 
-Each program is elastic: it looks for the least sum of forces and moments that an invisible hand must add. So it always
-has a solution, the two pyramids bracket the true cone's residual, and no verdict hangs on a solver's exit status.
+Each program is elastic: it minimises the sum of missing forces and moments. So it always has a solution, the two
+pyramids
+bracket the true cone's residual, and no verdict depends on a solver's exit status.
 """
 
 from __future__ import annotations
@@ -52,15 +53,15 @@ class Statics:
     bodies wedged against each other may stress themselves in theory and fall in fact (Kao et al. 2022).
     """
     by: Criterion
-    """What decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: what happens as the weights
-    grow from zero; ``cone``: whether any forces obey Coulomb's law and balance the weights."""
+    """The criterion that decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: the motion as
+    the weights grow from zero; ``cone``: whether any forces obey Coulomb's law and balance the weights."""
     why: str
     """The reason of a doubt, in words; else empty."""
     balanced: bool | None
     """Whether contact forces exist that obey Coulomb's law and hold all bodies; None if neither pyramid proves it."""
     residual: float
-    """What is missing at best, in weights of all bodies: proven too small to matter if balanced, too large if not.
-    How far a stable pile is from its limit it does not say."""
+    """Least missing force, in weights of all bodies: proven negligible if balanced, proven too large if not. It does
+    not measure the distance of a stable stack from its limit."""
     frictionless: bool
     """True if normal forces alone hold all bodies."""
     points: FloatArray
@@ -98,7 +99,7 @@ class _Balance:
         self._corners = corners
 
     def solve(self, friction: float | FloatArray, angles: FloatArray) -> _Solution:
-        """The least residual with a pyramid at each corner.
+        """Return the least residual with a pyramid at each corner.
 
         Args:
             friction: how far the pyramid's edges lean, as a tangent; shape (p, k), or one number for all.
@@ -110,7 +111,7 @@ class _Balance:
 
     def along(self, edges: FloatArray) -> _Solution:
         """Return the least residual with forces that are sums of each corner's edges, shape (p, k, 3)."""
-        wrenches = hstack([self._corners.wrenches(edges), *self._hand()], format="csc")
+        wrenches = hstack([self._corners.wrenches(edges), *self._missing()], format="csc")
         count = edges.shape[0] * edges.shape[1]
         cost = np.ones(wrenches.shape[1])
         cost[:count] = 0.0
@@ -121,8 +122,8 @@ class _Balance:
         motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)
         return _Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
 
-    def _hand(self) -> tuple[csc_array, csc_array]:
-        """The invisible hand's forces and moments, either way."""
+    def _missing(self) -> tuple[csc_array, csc_array]:
+        """Return the missing forces and moments, in both directions."""
         diagonal = np.arange(6 * self._corners.bodies)
         push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
         return push, -push
@@ -135,7 +136,7 @@ def solve_balance(
 
     The verdict is ``stable`` only where that suffices: if normal forces alone do it, or vertical forces at contacts
     whose cones contain the vertical. Where other friction is needed forces may exist (``balanced``) and not arise:
-    ``truth.judge`` asks further.
+    ``truth.judge`` examines them further.
 
     Proof that normal forces p >= 0 suffice: they balance the weights w, so w . a = -p . J_n a <= 0 for every motion a
     without overlap, while contact forces do no work; rest is the only solution (``strong_stability``). Vertical forces
@@ -143,8 +144,8 @@ def solve_balance(
 
     Args:
         centers: centres of mass [m], shape (n, 3).
-        weights: what gravity pulls with [N], shape (n, 3); not all zero.
-        patches: where bodies touch.
+        weights: weight vectors [N], shape (n, 3); not all zero.
+        patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
     """
@@ -162,12 +163,12 @@ def solve_balance(
     is_balanced, solution = _in_cones(corners, balance, friction)
     if is_balanced is False:
         return _statics(corners, solution, "unstable", "cone")
-    why = "too close to its limit to tell" if is_balanced is None else "forces exist, and need not arise"
+    why = "too close to its limit to decide" if is_balanced is None else "forces exist, and need not arise"
     return _statics(corners, solution, "doubt", "cone", why=why, balanced=is_balanced)
 
 
 def _in_cones(corners: Corners, balance: _Balance, friction: float) -> tuple[bool | None, _Solution]:
-    """Tell whether forces in the Coulomb cones balance the weights, with the proof; None if it stays open."""
+    """Return whether forces in the Coulomb cones balance the weights, with the proof; None if it stays open."""
     angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
     outer = None
     for _ in range(ROUNDS):
@@ -218,6 +219,6 @@ def _vertical(corners: Corners, friction: float) -> FloatArray:
 
 
 def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Edges of the pyramids (p, k) whose sides touch the cones at ``angles`` (p, k), rising: how far, and whither."""
+    """Return length and direction (p, k) of the edges of pyramids that touch the cones at ``angles`` (p, k), rising."""
     half = np.diff(angles, axis=1, append=angles[:, :1] + 2 * np.pi) / 2
     return friction / np.cos(half), angles + half

@@ -1,15 +1,15 @@
-"""Load a pile from zero through compliant contacts: do the forces that could hold it arise by themselves?
+"""Load a stack from zero through compliant contacts, to see whether the forces that could hold it arise by themselves.
 
 Forces inside the Coulomb cones that balance all weights are necessary for rest, not sufficient. With friction they may
 be a self-stress that nothing supplies: a brick that overhangs its table and touches a heavy neighbour with its inner
 end could be held by friction there, but as it begins to turn its end moves up and away, nothing presses, and it falls.
 
-**Model.** All contacts are elastic (``compliant_contacts``), unloaded at first; then the weights grow from zero. What
-is resisted by forces comes to rest at displacements u; what is not goes on with an acceleration a = u / kappa, where
-kappa (time squared over two) is raised from 1 by factors of sqrt(10):
+**Model.** All contacts are elastic (``compliant_contacts``) and unloaded at first; then the weights grow from zero. A
+body that is held comes to rest at displacements u; a body that is not held keeps an acceleration a = u / kappa. kappa
+(time squared over two) is raised from 1 by factors of sqrt(10):
 
 - it *stands* if a falls in proportion to 1 / kappa over two decades, at a sag below ``MOST_SAG``;
-- it *falls* if a stays the same over two decades, in which the same pile with its contacts glued comes to rest;
+- it *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest;
 - else, or without convergence, it is in *doubt*.
 
 Contacts of real bodies have no known stiffness. So the verdict must be the same for every tangential stiffness of
@@ -17,8 +17,8 @@ Contacts of real bodies have no known stiffness. So the verdict must be the same
 
 **Sag.** A contact that is off by an angle e from one that would not press presses after all, once the body has moved by
 1 / e of its elastic compression: in theory it stands, in fact it has long moved away. The sag of a body is the greatest
-relative motion at its corners over the greatest with all contacts glued (the same linear problem). Neither the scale
-nor what lies below matters for it: a body that is carried along does not move against its neighbours.
+relative motion at its corners over the greatest with all contacts bonded (the same linear problem). Neither the scale
+nor the bodies below matter for it: a body that is carried along does not move against its neighbours.
 
 **What it proves.** With u = kappa a the equations read M a = w + J^T f(kappa J a). Forces do no work, so a . M a and
 f . f / kappa are at most w . a: accelerations are bounded, and contacts close at most as 1 / sqrt(kappa). Where a and f
@@ -62,7 +62,7 @@ from scenarios.statics.contact_wrenches import Corners
 RATIOS = (1.0, 0.1, 10.0)
 """Tangential over normal stiffness. Elastic spheres have 0.7 to 1; rough faces and grains may have far less."""
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
-"""How the normal stiffness of corners may differ."""
+"""Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0
 """Sag up to which a pile stands. It is 1 to 6 in card houses, logs, balls and planks at walls that stand, 12 / 24 / 49
 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let stand. Contacts
@@ -73,7 +73,7 @@ FALLS = 0.5
 """Ratio from which it falls: 1 is free. Of 450 tight courses none was between both at the highest kappa; arches within
 0.1 % of their limit are."""
 MOST_FAILURES = 3
-"""Steps of kappa without a solution after which the search is given up: two in a row are overcome now and then."""
+"""Steps of kappa without a solution after which the search ends; two failures in a row are sometimes overcome."""
 _DECADE = 2
 """Steps of kappa in a decade."""
 _FIRST, _LAST = 4 * _DECADE, 8 * _DECADE
@@ -88,7 +88,7 @@ class Loading:
 
     verdict: Answer
     why: str
-    """The reason, in words, unless it stands."""
+    """Reason, in words, unless it stands."""
     sag: float
     """Greatest sag of a body; infinite where it does not come to rest."""
     acceleration: float
@@ -108,12 +108,12 @@ def load_from_zero(
 
     Args:
         centers: centres of mass [m], shape (n, 3).
-        weights: what gravity pulls with [N], shape (n, 3); masses are in proportion to it.
-        patches: where bodies touch.
+        weights: weight vectors [N], shape (n, 3); masses are in proportion.
+        patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
-        gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``. It has no influence on
-            what stands.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``. It does not change the
+            verdict.
     """
     corners = Corners(centers, weights, patches, length)
     if gyration is None:
@@ -140,7 +140,7 @@ def _agreed(loadings: Iterator[Loading]) -> Loading:
 
 
 def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
-    """Load one compliant pile, with kappa from 1 to where a verdict is found."""
+    """Load one compliant pile, with kappa from 1 until a verdict is found."""
     displacement = np.zeros(6 * corners.bodies)
     accelerations: dict[int, float] = {}
     failures = 0
@@ -159,31 +159,31 @@ def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
         if step < _FIRST or before is None:
             continue
         ratio = acceleration / before
-        if ratio >= FALLS and (step == _LAST or _is_at_rest_glued(pile, kappa)):
+        if ratio >= FALLS and (step == _LAST or _is_at_rest_bonded(pile, kappa)):
             return Loading("falls", f"it gives way with {acceleration:.2g} g", np.inf, acceleration)
         loading = Loading(
             "doubt", f"it does not come to rest: it gives way with {acceleration:.2g} g", np.inf, acceleration
         )
         if ratio <= STANDS and step >= _LAST - 1:
-            sag = _sag(corners, pile.relative_motion(displacement), pile.relative_motion(pile.glued(kappa)))
+            sag = _sag(corners, pile.relative_motion(displacement), pile.relative_motion(pile.bonded(kappa)))
             is_small = sag <= MOST_SAG
-            why = "" if is_small else f"a body gives {sag:.0f} times as far as with its contacts glued"
+            why = "" if is_small else f"a body gives {sag:.0f} times as far as with its contacts bonded"
             loading = Loading("stands" if is_small else "doubt", why, sag, acceleration)
     return loading
 
 
-def _is_at_rest_glued(pile: CompliantPile, kappa: float) -> bool:
-    """Tell whether the pile with its contacts glued comes to rest over the two decades up to kappa."""
-    before, after = (float(np.abs(pile.glued(step)).max()) / step for step in (kappa / 100, kappa))
+def _is_at_rest_bonded(pile: CompliantPile, kappa: float) -> bool:
+    """Return whether the pile with bonded contacts comes to rest over the two decades up to kappa."""
+    before, after = (float(np.abs(pile.bonded(step)).max()) / step for step in (kappa / 100, kappa))
     return after <= STANDS * before
 
 
-def _sag(corners: Corners, motion: FloatArray, glued: FloatArray) -> float:
+def _sag(corners: Corners, motion: FloatArray, bonded: FloatArray) -> float:
     """Return the greatest ratio over all bodies of relative motions (p,) at their corners; infinite without corners."""
     greatest = np.zeros((2, corners.bodies))
     for body in (corners.first, corners.second):
         moving = body != GROUND
-        for row, values in zip(greatest, (motion, glued), strict=True):
+        for row, values in zip(greatest, (motion, bonded), strict=True):
             np.maximum.at(row, body[moving], values[moving])
     if not greatest[1].all():
         return np.inf

@@ -27,13 +27,13 @@ class RigidPile(NamedTuple):
     """A pile without units: weights over that of the lightest body, lengths over the length unit."""
 
     masses: FloatArray
-    """Shape (d, d)."""
+    """Masses and inertia, shape (d, d)."""
     weights: FloatArray
-    """Shape (d,)."""
+    """Weights as forces and moments, shape (d,)."""
     wrenches: FloatArray
-    """Of unit forces along the normal and the tangents of each corner, shape (d, p, 1 + t)."""
+    """Wrenches of unit forces along the normal and the tangents of each corner, shape (d, p, 1 + t)."""
     down: FloatArray
-    """What takes from accelerations how fast each body goes along its weight, shape (n, d)."""
+    """Map from accelerations to each body's acceleration along its weight, shape (n, d)."""
 
 
 class Law(NamedTuple):
@@ -69,7 +69,7 @@ def spatial_pile(corners: Corners, gyration: FloatArray) -> RigidPile:
 def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
     """Return the problem in the plane x-z, if the pile is its own mirror image in a plane y = const, else None.
 
-    Bodies, and corners, that lie behind each other move as one.
+    Bodies and corners that lie behind each other move as one.
     """
     points, centers = corners.points / corners.length, corners.centers / corners.length
     bodies = _groups(np.column_stack([centers[:, [0, 2]], spatial.weights.reshape(-1, 6)[:, [0, 2]]]))
@@ -96,7 +96,7 @@ def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
 
 
 def _groups(rows: FloatArray) -> IntArray:
-    """Number rows (m, q) such that equal ones share a number, shape (m,)."""
+    """Assign numbers to rows (m, q) such that equal rows share a number, shape (m,)."""
     groups: IntArray = np.unique(np.round(rows / _SAME), axis=0, return_inverse=True)[1].reshape(-1)
     return groups
 

@@ -1,14 +1,14 @@
-"""Ask two criteria about a pile: a pair of scenes enters the study ``truth`` only where they agree.
+"""Apply two criteria to a stack: a pair of scenes enters the study ``truth`` only where they agree.
 
-The first is loading from zero (``loading``). What comes to rest must be called stable by the judge (``truth``), and the
-first of these that can must confirm it:
+The first criterion is loading from zero (``loading``). A stack that comes to rest must be stable for the judge
+(``truth``), and the first applicable criterion of these must confirm it:
 
 1. ``normal forces`` alone hold it, which excludes every other solution (proof in ``force_balance``);
 2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
 3. ``other stiffness``: it comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times softer or
    stiffer. It is the weakest of the three, for piles that are too large for the second.
 
-What falls must not be called stable by the judge, and the first of these that can must confirm it:
+A stack that falls must not be stable for the judge, and the first applicable criterion of these must confirm it:
 
 1. ``cone``: no forces hold it, by a proof;
 2. ``strong stability``: rigid bodies may take another acceleration than rest;
@@ -34,23 +34,23 @@ from scenarios.statics.strong_stability import strong_stability
 from scenarios.statics.truth import judge
 
 DRAWS = 5
-"""Random stiffnesses."""
+"""Number of random stiffnesses."""
 SPREAD = 3.0
 """Factor by which a corner may be softer or stiffer."""
 MOST_CHOICES = 40
-"""Binary variables up to which strong stability is asked for: about three seconds."""
+"""Binary variables up to which strong stability is computed: about three seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """What two criteria say."""
+    """The verdict of two criteria."""
 
     verdict: Answer
     """``doubt`` where they disagree, or one of them is in doubt."""
     second: str
-    """The criterion that confirms what loading says, or contradicts it."""
+    """The criterion that confirms or contradicts loading."""
     why: str
-    """The reason of a doubt, in words; else empty."""
+    """Reason of a doubt, in words; else empty."""
 
 
 class _Pile(NamedTuple):
@@ -62,7 +62,7 @@ class _Pile(NamedTuple):
 
 
 def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
-    """Return on what loading and a second criterion agree about bricks in their planned poses.
+    """Return the verdict on which loading and a second criterion agree, for bricks in their planned poses.
 
     Args:
         bricks: at least one; they must touch, not overlap.
@@ -83,10 +83,10 @@ def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bis
         return Agreement("doubt", "", loading.why)
     if loading.verdict == "falls":
         if statics.verdict == "stable":
-            return Agreement("doubt", statics.by, f"the judge calls stable by {statics.by} what falls when loaded")
+            return Agreement("doubt", statics.by, f"stable for the judge by {statics.by}, but falls when loaded")
         return _why_it_falls(pile, gyration, is_proven=statics.verdict == "unstable")
     if statics.verdict != "stable":
-        return Agreement("doubt", statics.by, statics.why or "no forces hold what comes to rest when loaded")
+        return Agreement("doubt", statics.by, statics.why or "comes to rest when loaded, but no forces hold it")
     return _why_it_stands(pile, gyration, is_proven=statics.frictionless)
 
 

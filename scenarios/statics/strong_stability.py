@@ -14,8 +14,8 @@ slides in one of k sectors of directions. A binary variable z for each mode but 
     f = sum of generators of the mode's cone, sum of f_n <= F z
     c . J_t a >= -A (1 - z_stick - z_j)        c: the normals of the borders of sector j
 
-The program asks for a solution in which the centre of mass of any body, which more binary variables choose, falls with
-``LEAST_FALL`` or more. If there is none, the pile is strongly stable, as far as this goes:
+The program searches for a solution in which the centre of mass of any body, chosen by more binary variables, falls with
+``LEAST_FALL`` or more. If there is none, the pile is strongly stable, within these limits:
 
 - Piles that are their own mirror image are solved in their plane, with two directions to slide: exact, but for motions
   out of the plane. Others have ``SECTORS`` sectors, where friction may be anywhere in the hull of its arc of Coulomb's
@@ -88,12 +88,12 @@ def strong_stability(
     seconds: float = SECONDS,
     most_choices: int | None = None,
 ) -> Strength:
-    """Ask whether a pile is strongly stable.
+    """Decide whether a pile is strongly stable.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
-        weights: what gravity pulls with [N], shape (n, 3); masses are in proportion to it.
-        patches: where bodies touch.
+        weights: weight vectors [N], shape (n, 3); masses are in proportion.
+        patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``.
@@ -114,9 +114,10 @@ def strong_stability(
 
 
 def _solve(problem: RigidPile, law: Law, seconds: float) -> Strength:
-    """Look for an acceleration with which a body falls, by HiGHS.
+    """Search for an acceleration with which a body falls, by HiGHS.
 
-    Unknown are the accelerations (d), the amplitudes of generators (p g), the modes (p m) and which body falls (n).
+    The unknowns are the accelerations (d), the amplitudes of generators (p g), the modes (p m) and the falling body
+    (n).
     """
     size, corners, _ = problem.wrenches.shape
     bodies, modes, generators = len(problem.down), int(law.modes.max()) + 1, corners * len(law.modes)
@@ -174,17 +175,17 @@ class _Rows(NamedTuple):
     least: float | FloatArray
     most: float | FloatArray
     a: FloatArray | None = None
-    """Of the accelerations."""
+    """Coefficients of the accelerations."""
     x: FloatArray | None = None
-    """Of the amplitudes of generators."""
+    """Coefficients of the amplitudes of generators."""
     z: FloatArray | None = None
-    """Of the modes."""
+    """Coefficients of the modes."""
     y: FloatArray | None = None
-    """Of the choice of the body that falls."""
+    """Coefficients of the choice of the falling body."""
 
     @property
     def height(self) -> int:
-        """How many rows."""
+        """Number of rows."""
         return next(len(part) for part in (self.a, self.x, self.z, self.y) if part is not None)
 
     def matrix(self, widths: Sequence[int]) -> csr_array:

@@ -4,12 +4,12 @@
 are rigid, faces flat, heights exact; friction is Coulomb's. A real drop has energy that statics does not know: an
 answer holds in an engine only at some distance from the limit.
 
-The first of these that applies decides:
+The first applicable criterion decides:
 
 1. ``normal forces`` alone hold all bodies: stable, and rest is the only solution (``force_balance`` has the proof);
 2. ``vertical forces`` do, at contacts whose cones contain the vertical: stable;
 3. no forces in the Coulomb ``cone`` do: unstable, with a mechanism as proof; or it stays open: doubt;
-4. by ``loading`` from zero no equilibrium is reached: doubt, the pile needs prestress that nothing supplies;
+4. ``loading`` from zero reaches no equilibrium: doubt, because the pile needs prestress that nothing supplies;
 5. nor with ``LESS_FRICTION`` of the friction, though forces exist there too: doubt;
 6. else stable.
 
@@ -49,13 +49,13 @@ def equilibrium(
 
     Args:
         bricks: at least one; they must touch, not overlap (see ``contact_patch.TOUCH``).
-        world: friction and gravity; a slope is gravity that is tilted.
+        world: friction and gravity; a slope is tilted gravity.
         walls: boxes that never move, beside those of the world.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
-        ValueError: if there is no brick or no gravity, an edge, a mass or friction is not what it must be, a number is
-            not finite, or bricks overlap.
+        ValueError: if there is no brick or no gravity, an edge, a mass or friction is out of range, a number is not
+            finite, or bricks overlap.
     """
     walls = [*world.fixed, *walls]
     _check(bricks, walls, world)
@@ -65,7 +65,7 @@ def equilibrium(
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     """Return the level at which a scene, built action by action, first has no equilibrium; None if it always stands.
 
-    After a removal it is the highest level that was placed so far. What happens at one time is judged as one.
+    After a removal it is the highest level placed so far. Actions at one time are judged together.
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
@@ -85,7 +85,9 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
             case Remove(brick=brick):
                 present.remove(brick)
             case _:
-                raise ValueError(f"{scene.variant} pushes, pulls or tilts: statics cannot tell what comes of it")
+                raise ValueError(
+                    f"{scene.variant} pushes, pulls or tilts: statics does not decide that; make it a study"
+                )
         if not present or (then is not None and then.time == action.time):
             continue
         statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)
@@ -109,8 +111,8 @@ def judge(
 
     Args:
         centers: centres of mass [m], shape (n, 3).
-        weights: what gravity pulls with [N], shape (n, 3); masses are in proportion to it.
-        patches: where bodies touch.
+        weights: weight vectors [N], shape (n, 3); masses are in proportion.
+        patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default that of a ball.
@@ -130,7 +132,7 @@ def judge(
 
 
 def _among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between those present, naming them by their places in ``present``."""
+    """Return the patches between those present, named by their places in ``present``."""
     place = {brick: index for index, brick in enumerate(present)} | {GROUND: GROUND}
     return [
         patch._replace(first=place[patch.first], second=place[patch.second])
@@ -155,6 +157,6 @@ def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> Non
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):
-        raise ValueError(f"gravity must be finite and not zero, or nothing rests and nothing falls: {world.gravity}")
+        raise ValueError(f"gravity must be finite and not zero, got {world.gravity}")
     if not (np.isfinite(world.friction) and world.friction >= 0):
         raise ValueError(f"friction must be finite and not negative, got {world.friction}")

@@ -75,7 +75,7 @@ def test_freezing_survives_a_compilation_bit_by_bit() -> None:
 @pytest.mark.parametrize("height", [0.05, 0.3, 1.0])
 def test_a_falling_plank_does_not_pass_through_a_frozen_one(profile: str, height: float) -> None:
     """It falls up to 70 mm in a frame, nine times the thickness; the speculative contact must stop it and
-    tell how fast it came, to within what gravity adds in a frame.
+    report its speed, to within what gravity adds in a frame.
 
     Before that it is listed across the gap, at the lower speeds of the last frames of its fall.
     """

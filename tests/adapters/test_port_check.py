@@ -34,7 +34,7 @@ def test_every_adapter_passes(engine):
 
 
 class Mutant:
-    """A port that spoils what a sound one tells."""
+    """A port that spoils the data of a sound port."""
 
     def __init__(self, port, **spoil) -> None:
         self._port, self._spoil = port, spoil

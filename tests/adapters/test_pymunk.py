@@ -77,7 +77,7 @@ def test_a_refused_brick_does_not_shift_the_others() -> None:
     contacts = port.contacts()
     assert set(contacts.body_a) | set(contacts.body_b) == {-1, body}
     np.testing.assert_array_equal(np.abs(contacts.point[:, 1]), DEPTH / 2)
-    assert np.ptp(contacts.point[:, 0]) == pytest.approx(LENGTH, abs=1e-6)  # bricks are told apart by place
+    assert np.ptp(contacts.point[:, 0]) == pytest.approx(LENGTH, abs=1e-6)  # bricks are distinguished by place
 
 
 def test_a_turn_about_y_lowers_the_end_at_plus_x() -> None:

@@ -111,7 +111,7 @@ def test_inertia_is_that_of_a_plank_also_after_a_freeze() -> None:
 
 
 def test_separations_are_those_of_the_present_poses() -> None:
-    """Rapier keeps the distance at which it first found a contact: here the half millimetre of the hand's drop."""
+    """Rapier keeps the distance at which it first found a contact: here the half millimetre of its drop."""
     simulation = opened()
     body = place_on(simulation, 0)
     advance(simulation, 1.0)

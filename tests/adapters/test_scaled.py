@@ -1,4 +1,4 @@
-"""A larger world is the same world told in larger units: all of it but the engine's absolute constants."""
+"""A larger world is the same world in larger units: all of it but the engine's absolute constants."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WEIGHTLESS = World(gravity=(0.0, 0.0, 0.0))
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_flies_freely_flies_alike_to_the_last_bit(engine: str) -> None:
-    """Times four, a power of two, rounds nothing: only the engine's absolute constants could tell the worlds apart."""
+    """Times four, a power of two, rounds nothing: only the engine's absolute constants could make the worlds differ."""
     paths = []
     for profile in ("game", "game@scale=4"):
         simulation = open_engine(engine, profile)

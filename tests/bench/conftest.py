@@ -134,11 +134,11 @@ class RogueSuite:
         return [sys.executable, str(self.SCRIPT), "run", "rogues.toml", "--out", str(self.out), *options]
 
     def run(self, *options: str, status: int = 0) -> str:
-        """All of ``bench run``; what it told, on one line."""
+        """Run ``bench run``; return its output on one line."""
         process = self.start(*options)
-        told, errors = process.communicate(timeout=900)
+        output, errors = process.communicate(timeout=900)
         assert process.returncode == status, errors
-        return " ".join((told + errors).split())
+        return " ".join((output + errors).split())
 
 
 CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
@@ -146,7 +146,7 @@ CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialR
 
 @pytest.fixture
 def untimed():
-    """Tells of records, by trial, everything that does not depend on the clock, or on which core was free."""
+    """Returns the fields of records, by trial, that depend neither on the clock nor on the processor core."""
     return lambda records: {record.trial: record.model_dump(exclude=CIRCUMSTANCES) for record in records}
 
 

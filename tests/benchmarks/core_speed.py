@@ -89,9 +89,9 @@ def after_a_quiet_moment(measure: Callable[[], Times]) -> Times:
     return measure()
 
 
-def least_disturbed(measure: Callable[[], Times], told: Callable[[Times], float] = np.median) -> Times:
+def least_disturbed(measure: Callable[[], Times], output: Callable[[Times], float] = np.median) -> Times:
     """The times of the pass with the least figure: other work slows a processor down, nothing speeds it up."""
-    return min((after_a_quiet_moment(measure) for _ in range(PASSES)), key=told)
+    return min((after_a_quiet_moment(measure) for _ in range(PASSES)), key=output)
 
 
 def one_plank_more(plank, n: int, policy: str) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Worlds of leaning planks and random piles, told by hand, and a watch on what each plank costs."""
+"""Worlds of leaning planks and random piles, scripted, and the cost of each plank."""
 
 from __future__ import annotations
 

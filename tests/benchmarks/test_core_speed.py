@@ -1,6 +1,6 @@
 """What the core costs: run with ``uv run pytest --benchmark-only``.
 
-The clock is the thread's own: on a machine that others share, the wall clock tells how busy they are. The targets are
+The clock is the thread's own: on a machine that others share, the wall clock measures their load. The targets are
 those of ``tests.benchmarks.core_speed``, which writes the published page.
 """
 

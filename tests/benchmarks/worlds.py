@@ -1,4 +1,4 @@
-"""Worlds told by hand, whose arrays are made beforehand, so that the port costs the core nothing."""
+"""Scripted worlds, whose arrays are made beforehand, so that the port costs the core nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exact statics tells stacks 2 % inside their limit from stacks 2 % beyond it: closed forms, too near for engines."""
+"""Exact statics separates stacks 2 % inside their limit from stacks 2 % beyond: closed forms, too near for engines."""
 
 from __future__ import annotations
 

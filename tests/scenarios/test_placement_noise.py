@@ -1,4 +1,4 @@
-"""The unsteady hand: how far it errs, and that it never surprises."""
+"""Placement noise: its size, and that it is reproducible."""
 
 import math
 import os
@@ -96,7 +96,7 @@ def test_no_brick_is_laid_into_its_neighbours(name):
 
 
 def test_a_draw_that_overlaps_is_thrown_away():
-    """Planks 0.2 mm apart collide in two of five draws; the hand tries again, always in the same way."""
+    """Planks 0.2 mm apart collide in two of five draws; the draw is repeated, always in the same way."""
     close = scene(Place(0, (lay(0.0, level=1),)), Place(1, (lay(0.1172, level=1),)))
     redrawn = 0
     for seed in range(1, 40):

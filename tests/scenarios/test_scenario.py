@@ -99,8 +99,8 @@ def test_every_parameter_has_a_range_that_holds_its_default_and_is_documented(na
         default = one.parameters[parameter]
         assert allowed.check(parameter, default) == default
         assert type(allowed.check(parameter, default)) is type(default)
-    told = inspect.getdoc(one.builder)
-    assert all(f"    {parameter}: " in told for parameter in one.defaults)
+    output = inspect.getdoc(one.builder)
+    assert all(f"    {parameter}: " in output for parameter in one.defaults)
 
 
 @pytest.mark.parametrize(("y", "yaw"), [(0.01, 0.0), (0.0, 90.0)])

@@ -24,7 +24,7 @@ class Touch:
     separation: float = 0.0
     velocity: Sequence[float] = STILL
     force: Sequence[float] | None = None
-    """On the upper body at each point [N]; None if the engine does not tell."""
+    """On the upper body at each point [N]; None if the engine does not report it."""
 
 
 @dataclass

@@ -201,7 +201,7 @@ def table(counts: Counter[Decision]) -> str:
     lines = [
         f"# {sum(counts.values()):,} decisions on random piles",
         "",
-        "Made by `uv run python -m tests.stability_core.decisions`, whose docstring tells how each was asked; what",
+        "Made by `uv run python -m tests.stability_core.decisions`, whose docstring describes the method; what",
         "must hold is asserted by `uv run pytest -m slow tests/stability_core/test_decisions.py`.",
         "",
         "Piles of 3-12 planks, friction 0.1-0.8, yawed at random, on level ground, with ideal contacts. Truth is the",

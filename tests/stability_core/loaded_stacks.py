@@ -129,7 +129,7 @@ def kept_runs(
 ) -> list[dict[str, Any]]:
     """Return what ``play`` found for each of ``keys``, its arguments; runs that the file of this core holds are kept.
 
-    Delete the file when the measurement itself changes: its name tells only the core.
+    Delete the file when the measurement itself changes: its name depends on the core only.
 
     Args:
         name: of the measurement.

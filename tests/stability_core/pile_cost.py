@@ -39,7 +39,7 @@ ENGINES = ("bullet", "mujoco")
 BRICKS = (300,)
 DRAWS = (1, 2, 3)
 FORCES = (1, 0)
-"""Whether contacts tell their forces."""
+"""Whether contacts have forces."""
 POLICY = "equilibrium"
 PROFILE = "game"
 PERCENTILES = (50, 95, 99, 100)

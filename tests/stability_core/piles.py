@@ -15,7 +15,7 @@ ACROSS = (-DEPTH / 2, DEPTH / 2)
 
 
 class Pile:
-    """Bodies and contacts, told one after the other."""
+    """Bodies and contacts, added one after the other."""
 
     def __init__(self, friction: float) -> None:
         self.friction = friction

@@ -3,7 +3,7 @@
     uv run python -m tests.stability_core.piles_at_rest
 
 writes ``docs/results/truth/piles_at_rest.md``. Bricks of poured_pile's sizes fall in a loose lattice, each turned at
-random, into a heap in Bullet (profile ``tuned``), until none moves faster than a millimetre a second, or for twenty
+random, into a pile in Bullet (profile ``tuned``), until none moves faster than a millimetre a second, or for twenty
 seconds. Then ``solve_equilibrium`` is asked about what the engine shows: contacts that touch, to 20 micrometres.
 """
 
@@ -97,7 +97,7 @@ def table(found: list[Found]) -> str:
     lines = [
         "# Piles at rest",
         "",
-        "Made by `uv run python -m tests.stability_core.piles_at_rest`, whose docstring tells how the piles were made",
+        "Made by `uv run python -m tests.stability_core.piles_at_rest`, whose docstring says how the piles were made",
         f"(seed {SEED}).",
         "",
         "| bodies | contacts | verdict | bodies in doubt | solve [s] |",

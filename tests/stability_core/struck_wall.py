@@ -17,7 +17,7 @@ not hold the stack, and there is nothing to compare with.
 
 The extension passes if the median number of displaced planks and the median momentum given to the stack lie within the
 5-95 % range of the runs alone, widened by 25 %, and if the 95th percentile of the farthest displacement of a plank is
-at most 1.5 times that alone. "Widened by 25 %" has two readings, and the page tells both:
+at most 1.5 times that alone. "Widened by 25 %" has two readings, and the page shows both:
 
 - by length: each end is moved outwards by a quarter of the length of the range;
 - by ends: from 0.75 times the lower end to 1.25 times the upper one.
@@ -66,7 +66,7 @@ SLIDE = 12e-3
 """What a sliding striker has before it [m]: 1.4 frames. A blow within the very step in which its impulse is given is
 seen by nobody: from 5 mm the tower is woken after that step, when as a rock it has taken all of the momentum."""
 HELD_S = 0.2
-"""How long [s] a striker that slides stands before it is pushed; the extension is told that a user holds it."""
+"""How long [s] a striker that slides stands before it is pushed; the extension is notified that a user holds it."""
 EXCHANGE_S = 0.05
 """After the blow, when the striker's momentum is read [s]: a cube that was thrown has not yet reached the ground."""
 WATCH_S = 2.0
@@ -238,8 +238,8 @@ def _cells(
     alone = groups.get((engine, profile, name, "alone"), [])
     stands = all(run["off_plan"] <= MOST_OFF_PLAN for run in alone)
     failed = failures(alone, runs) if alone and stands and arm != "alone" else {}
-    told = arm if stands else "alone: does not stand" if arm == "alone" else f"{arm}, not compared"
-    cells = [engine, profile, told, f"{len(runs)}", f"{sum(run['diverged'] for run in runs)}"]
+    output = arm if stands else "alone: does not stand" if arm == "alone" else f"{arm}, not compared"
+    cells = [engine, profile, output, f"{len(runs)}", f"{sum(run['diverged'] for run in runs)}"]
     cells.append(f"{sum(run['frozen'] for run in runs)}")
     cells.append(f"{np.median([run['woken'] for run in runs]):g}")
     for figure, factor in (("displaced", 1), ("momentum", 1e3), ("farthest", 1e3)):

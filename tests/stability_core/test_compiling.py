@@ -1,4 +1,4 @@
-"""Kernels are compiled when an extension is made, never while a simulation runs; and the user is told."""
+"""Kernels are compiled when an extension is made, never while a simulation runs; and the log says so."""
 
 from __future__ import annotations
 

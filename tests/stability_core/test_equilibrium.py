@@ -201,7 +201,7 @@ def test_a_brick_in_a_groove_needs_no_friction(port):
 
 @pytest.mark.parametrize("friction", [0.0, 0.45])
 def test_no_contact_pulls(friction):
-    """Least of all along its own normal, where without friction rounding alone tells push from pull."""
+    """Least of all along its own normal, where without friction rounding alone separates push from pull."""
     force = np.empty((1, 3))
     project(np.array([[0.0, 0.0, -2.0]]), np.array([[0.0, 0.0, 1.0]]), np.array([friction]), force)
     assert (force == 0.0).all()

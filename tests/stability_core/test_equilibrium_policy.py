@@ -1,4 +1,4 @@
-"""The policy `equilibrium` on a world told by hand: what freezes, what wakes, and by which proof."""
+"""The policy `equilibrium` on a scripted world: what freezes, what wakes, and by which proof."""
 
 from __future__ import annotations
 

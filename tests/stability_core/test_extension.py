@@ -1,4 +1,4 @@
-"""The loop on a world told by hand: what freezes, what wakes, when, and why."""
+"""The loop on a scripted world: what freezes, what wakes, when, and why."""
 
 from __future__ import annotations
 
@@ -383,7 +383,7 @@ def test_what_a_user_holds_stays_live_and_its_load_is_looked_at_again(port):
 
 
 def test_a_brick_in_a_users_hand_is_no_load(port):
-    """Held still on a cantilever's end that could not carry it: the hand does."""
+    """Held still on a cantilever's end that could not carry it: the user holds it."""
     column(port, 1)
     port.add(1, (0.04, 0.0, 0.015))
     port.lay(1, 0, (-0.01, 0.05), DEEP, 0.01)

@@ -1,4 +1,4 @@
-"""The policy `pile`: what lies inside the angle of repose of its heap sleeps, and nothing else."""
+"""The policy `pile`: bodies inside the angle of repose of their pile freeze, and no others."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def test_a_line_a_point_and_nothing_have_no_inside():
 
 @given(GRID, st.integers(-5, 5), st.integers(-5, 5))
 def test_a_point_lies_on_a_hull_where_its_distance_is_not_negative(points, x, y):
-    """Borders count, and a line or a point is all border. On a grid, sides are told without rounding."""
+    """Borders count, and a line or a point is all border. On a grid, sides are exact."""
     hull = convex_hull(points)
     assert lies_on(hull, float(x), float(y)) == (inside_distance(hull, float(x), float(y)) >= 0.0)
 

@@ -30,7 +30,7 @@ def test_what_is_woken_is_moved_by_an_impulse_of_the_same_frame(port, policy):
     assert port.batches == [("wake", [1, 2])]
     kick(port, [1, 2], 2 * SETTINGS.moving_speed * FALL)
     assert port.center[1][0] > 0.0
-    assert extension.update(DT).woken == (), "it was told already"
+    assert extension.update(DT).woken == (), "it was returned already"
     run(extension, 2 * REST_FRAMES + 2)
     assert port.frozen == {0, 1, 2}, "they have moved and are at rest again"
 

@@ -201,7 +201,7 @@ def table(counts: Counter[Outcome]) -> str:
     lines = [
         f"# {counts.total():,} tight courses",
         "",
-        "Made by `uv run python -m tests.stability_core.tight_courses`, whose docstring tells how each was drawn and",
+        "Made by `uv run python -m tests.stability_core.tight_courses`, whose docstring says how each was drawn and",
         f"played (seed {SEED}, {', '.join(ENGINES)}, profile `tuned`, friction {', '.join(map(str, FRICTIONS))}).",
         "",
     ]

@@ -101,7 +101,7 @@
       swatch.className = "swatch";
       swatch.style.setProperty("--ink", `var(--policy-${trace.policy})`);
       const events = [trace.wakes.length && `${trace.wakes.length} wakes`, trace.falls !== null && `fell at ${trace.falls.toFixed(1)} s`];
-      entry.append(swatch, `${trace.policy}${events.filter(Boolean).map(told => `, ${told}`).join("")}`);
+      entry.append(swatch, `${trace.policy}${events.filter(Boolean).map(event => `, ${event}`).join("")}`);
       return entry;
     }));
   };

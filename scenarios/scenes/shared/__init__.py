@@ -1,1 +1,1 @@
-"""Parts that several scenes share, and changes of a whole scene that the registry makes."""
+"""Code that several scenes share, and transforms of a whole scene that the registry applies."""

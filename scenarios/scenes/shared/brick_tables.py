@@ -1,4 +1,4 @@
-"""Bricks and fixed boxes from the tables of a TOML file; errors name the table, the field and what may stand there."""
+"""Read bricks and fixed boxes from the tables of a TOML file; errors name table, field and allowed values."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from scenarios.parameters import Real
 FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
 FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
 LARGEST = 1e3
-"""Metres and seconds beyond which a number is a slip of the keyboard."""
+"""Upper limit [m, s] of a number in a file: a larger number is a typing error."""
 _HEAVIEST = 1e6
-"""Kilograms, likewise."""
+"""Upper limit [kg] of a mass, likewise."""
 _UNIT = 1e-6
-"""How far the length of a quaternion may be from 1."""
+"""Tolerance of a quaternion's length."""
 
 
 def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
-    """Return the tables ``[[name]]``, of which there must be ``least`` to ``most``."""
+    """Return the tables ``[[name]]``, after checking that there are ``least`` to ``most``."""
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:
@@ -31,7 +31,7 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
 
 
 def read_number(name: str, value: object, least: float, most: float) -> float:
-    """Return the number of the field ``name``, which must be there."""
+    """Return the number of the required field ``name``."""
     if value is None:
         raise ValueError(f"{name} is missing")
     return Real(least, most).check(name, value)
@@ -43,33 +43,33 @@ def _numbers(name: str, value: object, count: int, least: float) -> tuple[float,
     return tuple(read_number(f"{name}[{k}]", part, least, LARGEST) for k, part in enumerate(value))
 
 
-def read_brick(name: str, told: Mapping[str, Any]) -> Brick:
+def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
     """Return the brick of the table ``name``."""
-    box = _box(name, told, FIELDS)
-    return replace(box, mass=read_number(f"{name}.mass", told.get("mass"), 1e-6, _HEAVIEST))
+    box = _box(name, table, FIELDS)
+    return replace(box, mass=read_number(f"{name}.mass", table.get("mass"), 1e-6, _HEAVIEST))
 
 
-def read_fixed_box(name: str, told: Mapping[str, Any]) -> Brick:
+def read_fixed_box(name: str, table: Mapping[str, Any]) -> Brick:
     """Return the fixed box of the table ``name``, of 1 kg."""
-    return _box(name, told, FIXED_FIELDS)
+    return _box(name, table, FIXED_FIELDS)
 
 
-def _box(name: str, told: Mapping[str, Any], fields: Sequence[str]) -> Brick:
+def _box(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
     """Return the box of a table, of 1 kg."""
-    for field in told:
+    for field in table:
         look_up(f"field of {name}", field, dict.fromkeys(fields))
-    length, width, height = _numbers(f"{name}.size", told.get("size"), 3, 1e-4)
-    x, y, z = _numbers(f"{name}.position", told.get("position"), 3, -LARGEST)
-    return Brick((length, width, height), 1.0, (x, y, z), _turn(name, told))
+    length, width, height = _numbers(f"{name}.size", table.get("size"), 3, 1e-4)
+    x, y, z = _numbers(f"{name}.position", table.get("position"), 3, -LARGEST)
+    return Brick((length, width, height), 1.0, (x, y, z), _turn(name, table))
 
 
-def _turn(name: str, told: Mapping[str, Any]) -> Quaternion:
-    if "yaw" in told and "quaternion" in told:
+def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
+    if "yaw" in table and "quaternion" in table:
         raise ValueError(f"{name} has both yaw and quaternion: leave one out")
-    if "quaternion" in told:
-        w, i, j, k = _numbers(f"{name}.quaternion", told["quaternion"], 4, -1.0)
+    if "quaternion" in table:
+        w, i, j, k = _numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
             raise ValueError(f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}")
         return w, i, j, k
-    half = math.radians(read_number(f"{name}.yaw", told.get("yaw", 0.0), -360, 360)) / 2
+    half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360)) / 2
     return (math.cos(half), 0.0, 0.0, math.sin(half)) if half else UPRIGHT

@@ -1,4 +1,4 @@
-"""Pedestals below the bricks of the lowest level, so that what loses one falls far enough to be seen."""
+"""Pedestals below the bricks of the lowest level, so that a brick without its pedestal falls far enough to be seen."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from scenarios.model import Brick, Scene, Vector
 from scenarios.planks import THICKNESS
 
 PEDESTAL = 6 * THICKNESS
-"""Height of a pedestal [m] below a standard plank: without it a plank tilts by more than 15 degrees."""
+"""Height of a pedestal [m] below a standard plank: high enough for a plank to tilt by more than 15 degrees."""
 
 
 def pedestals(scene: Scene, narrower: float) -> tuple[Brick, ...]:
-    """Return what stands below the bricks of the lowest level, which are upright.
+    """Return the pedestals below the bricks of the lowest level, which are upright.
 
     Args:
-        scene: the scene before it is lifted.
-        narrower: by how much a pedestal is narrower than its brick, in x and in y [m]. Where bricks touch, pedestals
+        scene: the scene before it is raised.
+        narrower: difference [m] between a brick's and its pedestal's edges in x and y. Where bricks touch, pedestals
             must not: a brick that has moved by a micrometre would rest on its neighbour's pedestal.
     """
     return tuple(_pedestal(brick, narrower) for brick in scene.bricks if brick.level == 1)
 
 
 def lifted(brick: Brick) -> Brick:
-    """Return a brick of the scene as it lies on the pedestals, one level higher."""
+    """Return a brick of the scene in its place on the pedestals, one level higher."""
     x, y, z = brick.position
     return replace(brick, position=(x, y, z + PEDESTAL), level=brick.level + 1)
 

@@ -1,20 +1,19 @@
 """Prebuilt stacks: any scene of statics with all bricks in place when the simulation starts.
 
 ``at_once`` merges all ``Place`` actions into one at time 0 with height 0: planned geometry, levels touch without a gap,
-and so do planks that lean against each other.
-Removals keep their distance from the last brick that was laid. Which bricks, and what must happen:
+and so do planks that lean against each other. Removals keep their time after the last placement. The cases:
 
 1. A scene that must fall at level k while it is built: its first k levels. They must fall at once, within
    ``WITHIN`` times ``falling.fall_time``, so that a stack that is frozen at first and falls later counts as a false
    stand.
-2. A scene that must fall when a brick is taken: all levels. They must stand until then.
-3. A scene that must stand: all levels. They must stand for ``STANDS_S`` and fall when one more brick is taken.
+2. A scene that must fall when a brick is removed: all levels. They must stand until then.
+3. A scene that must stand: all levels. They must stand for ``STANDS_S`` and fall when one more brick is removed.
 
 ``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats them as case 3. So no scene is statics
-alone: what a policy freezes before the first step must also come down. Scenes of case 1 and 3 from the two sides of a
-pair are a pair.
+alone: a body that a policy freezes before the first step must also come down. Scenes of case 1 and 3 from the two sides
+of a pair are a pair.
 
-The brick that is taken is the first, level by level from the lowest, without which exact statics finds no equilibrium
+The removed brick is the first, level by level from the lowest, without which exact statics finds no equilibrium
 under either ridge convention, and whose loss can be seen: a brick loses all of its support, or the support was
 ``TALL`` times as tall as the brick is thin. Where no brick is (flat planks with two supports each), the stack stands on
 pedestals, one of which is taken.
@@ -38,21 +37,21 @@ from scenarios.statics.falling import fall_time
 from scenarios.statics.truth import equilibrium
 
 STANDS_S = 3.0
-"""Time [s] for which a prebuilt stack must stand: several times what any engine needs to let it fall."""
+"""Time [s] for which a prebuilt stack must stand: several times the fall time of any engine."""
 WITHIN = 3.0
-"""Allowed time of a fall over ``fall_time``: engines may tip about a softer edge, and see it a frame later."""
+"""Allowed time of a fall over ``fall_time``: engines may tip about a softer edge, and show it a frame later."""
 TALL = 3.0
-"""Height of a support, in least edges of the brick on it, from which its loss is seen: with one end on the ground the
-brick's centre has sunk by more than half of that edge."""
+"""Height of a support, in least edges of the brick on it, above which its loss is seen: with one end on the ground
+the brick's centre has sunk by more than half of that edge."""
 _UPWARD = 0.1
-"""Vertical component of the normal from which a contact bears load."""
+"""Vertical component of the normal above which a contact bears load."""
 
 
 def at_once(scene: Scene) -> Scene:
     """Return the prebuilt variant of a scene.
 
     Raises:
-        ValueError: if the scene is dynamic or has no known answer, or if no single brick bears what is left.
+        ValueError: if the scene is dynamic or has no known answer, or if no single brick bears the rest.
     """
     _check(scene)
     scene = closed(scene)
@@ -64,7 +63,7 @@ def at_once(scene: Scene) -> Scene:
 
 
 def at_once_below(scene: Scene) -> Scene:
-    """Return the prebuilt levels below the one at which a scene must fall.
+    """Return the prebuilt levels below the level at which a scene must fall.
 
     Raises:
         ValueError: as ``at_once``; or if the scene has no such level, or it is the first.
@@ -79,19 +78,19 @@ def at_once_below(scene: Scene) -> Scene:
 
 
 def is_static(scene: Scene) -> bool:
-    """Tell whether statics alone decides a scene: bricks are laid and taken, nothing is dropped, pushed or poured."""
+    """Return whether statics alone decides a scene: bricks are placed and removed, not dropped, pushed or poured."""
     return not scene.poured and all(isinstance(action, Place | Remove) for action in scene.actions)
 
 
 def _check(scene: Scene) -> None:
     if not is_static(scene):
-        raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it can only be built one by one")
+        raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: use built = 'one_by_one'")
     if scene.expectation.outcome == "study":
-        raise ValueError(f"{scene.variant} has no known answer ({scene.expectation.theory}): build it one by one")
+        raise ValueError(f"{scene.variant} has no known answer ({scene.expectation.theory}): use built = 'one_by_one'")
 
 
 def closed(scene: Scene) -> Scene:
-    """Return the scene with ridges closed: a hand leaves a hair between two planks that lean against each other."""
+    """Return the scene with ridges closed, because a plan leaves a gap between planks that lean against each other."""
     corners = Boxes.of(scene.bricks).corners
     shift = np.zeros((len(scene.bricks), 3))
     for patch in contact_patches(scene.bricks):
@@ -147,7 +146,7 @@ def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
 
 
 def _robbed(scene: Scene) -> Scene:
-    """Return a prebuilt stack that stands, and from which a brick that bears load is then taken."""
+    """Return a prebuilt stack that stands, and from which a load-bearing brick is then removed."""
     taken = _load_bearing(scene)
     if taken is None:
         scene = _raised(scene)
@@ -161,7 +160,7 @@ def _robbed(scene: Scene) -> Scene:
         scene,
         actions=(*scene.actions, Remove(time, taken)),
         expectation=Expectation("fall", theory, scene.levels, time),
-        look_for=f"it stands until brick {taken} is taken at {time:g} s, and then falls at once",
+        look_for=f"it stands until brick {taken} is removed at {time:g} s, and then falls at once",
         watch_s=max(scene.watch_s, WITHIN * fall_time(rest, scene.world)),
     )
 
@@ -195,7 +194,7 @@ def _seen_without(
 
 
 def _falls(scene: Scene, gone: set[int], borne: Sequence[int]) -> bool:
-    """Tell whether one of ``borne`` moves without the bricks ``gone``, whichever normal a ridge has."""
+    """Return whether one of ``borne`` moves without the bricks ``gone``, for either ridge normal."""
     kept = [index for index in range(len(scene.bricks)) if index not in gone]
     for ridge in ("bisector", "face"):
         statics = equilibrium(_without(scene, gone), scene.world, ridge=ridge)

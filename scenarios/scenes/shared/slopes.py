@@ -1,4 +1,4 @@
-"""What planks do on a surface that tilts: they hold below the friction angle and slide above it, under any load."""
+"""Planks on a tilting surface: they hold below the friction angle and slide above it, under any load."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from scenarios.model import Expectation
 from scenarios.planks import MU
 
 TILT_S = 3.0
-"""How long [s] it takes to tilt."""
-SURE = 2.0
-"""Degrees off the friction angle from which the answer is known."""
+"""Duration [s] of the tilt."""
+MIN_ANGLE = 2.0
+"""Distance [deg] from the friction angle beyond which the answer is known."""
 
 
 def on_slope(angle: float, falls_at: int, tilts_at_s: float) -> Expectation:
-    """What must happen to planks on a slope of ``angle`` [deg] in the end.
+    """Return the expectation for planks on a slope that ends at ``angle`` [deg].
 
     Args:
-        angle: of the slope, reached within ``TILT_S``.
+        angle: final angle of the slope [deg], reached within ``TILT_S``.
         falls_at: level at which they fall if they slide.
-        tilts_at_s: when [s] it begins to tilt.
+        tilts_at_s: start of the tilt [s].
     """
     limit = math.degrees(math.atan(MU))
     theory = f"a plank on a slope of {angle:g} deg, friction angle {limit:.1f} deg"
-    if angle <= limit - SURE:
+    if angle <= limit - MIN_ANGLE:
         return Expectation("stand", f"{theory}: it holds")
-    if angle >= limit + SURE:
+    if angle >= limit + MIN_ANGLE:
         return Expectation(
             "fall", f"{theory}: it slides", falls_at, not_before_s=tilts_at_s + TILT_S * (limit - 1.0) / angle
         )

@@ -1,10 +1,10 @@
-"""Changes of a whole scene that no statics may depend on: its size, its mass and its direction.
+"""Transforms of a whole scene that do not change statics: its size, its mass and its direction.
 
 ``resized`` enlarges a scene of statics. Gravity stays, so that with the factor L
 
 - lengths grow by L: bricks, gaps, fixed boxes, the clearance from which bricks are let go, and placement noise;
 - masses grow by L^3, because the density stays;
-- times grow by max(1, sqrt(L)): the pace of laying, removals, limits of falls and the time of watching.
+- times grow by max(1, sqrt(L)): the pace of placing, removals, limits of falls and the time of watching.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ def resized(scene: Scene, size: object) -> Scene:
         return replace(scene, parameters={**scene.parameters, "size": factor})
     if not is_static(scene):
         raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it has one size only; leave out size")
-    told = f"-size{short(factor)}"
+    suffix = f"-size{short(factor)}"
     pace = pace_of(factor)
     expectation, within = scene.expectation, scene.expectation.within_s
     changed = f"all lengths times {factor:g}, all times of the scene times {pace:.3g}"
     return replace(
         scene,
-        variant=scene.variant + told,
+        variant=scene.variant + suffix,
         parameters={**scene.parameters, "size": factor},
         world=replace(scene.world, fixed=tuple(_enlarged(box, factor) for box in scene.world.fixed)),
         actions=tuple(_resized_action(action, factor, pace) for action in scene.actions),
@@ -62,7 +62,7 @@ def resized(scene: Scene, size: object) -> Scene:
             within_s=None if within is None else within * pace,
         ),
         look_for=f"{scene.look_for}; {changed}",
-        pair=scene.pair and scene.pair + told,
+        pair=scene.pair and scene.pair + suffix,
         watch_s=scene.watch_s * pace,
         size=factor,
     )
@@ -78,4 +78,4 @@ def _resized_action(action: Action, size: float, pace: float) -> Action:
         return Place(action.time * pace, bricks, action.height * size)
     if isinstance(action, Remove):
         return replace(action, time=action.time * pace)
-    raise ValueError(f"a {type(action).__name__} has one size only")
+    raise ValueError(f"a {type(action).__name__} has one size only: leave out size")

@@ -53,29 +53,29 @@ def test_forces_of_pairs_that_came_apart_are_left_out() -> None:
 
 
 def test_points_added_from_geometry_bear_nothing() -> None:
-    """Whichever list tells forces, each keeps its own rows."""
-    told = contacts_of(rows((0, 1), (0, 1), force=[1.0, 2.0]))
-    silent = replace(told, force=None)
-    assert joined(told, silent).force[:, 2] == pytest.approx([1.0, 2.0, 0.0, 0.0])
-    assert joined(silent, told).force[:, 2] == pytest.approx([0.0, 0.0, 1.0, 2.0])
+    """Each list keeps its own rows, whichever has forces."""
+    output = contacts_of(rows((0, 1), (0, 1), force=[1.0, 2.0]))
+    silent = replace(output, force=None)
+    assert joined(output, silent).force[:, 2] == pytest.approx([1.0, 2.0, 0.0, 0.0])
+    assert joined(silent, output).force[:, 2] == pytest.approx([0.0, 0.0, 1.0, 2.0])
     assert joined(silent, silent).force is None
 
 
 def test_chosen_rows_keep_their_forces() -> None:
-    told = contacts_of(rows((0, 1), (0, 2), (0, 3), force=[1.0, 2.0, 3.0]))
-    assert told.chosen(np.array([True, False, True])).force[:, 2] == pytest.approx([1.0, 3.0])
-    assert replace(told, force=None).chosen(np.array([2])).force is None
+    output = contacts_of(rows((0, 1), (0, 2), (0, 3), force=[1.0, 2.0, 3.0]))
+    assert output.chosen(np.array([True, False, True])).force[:, 2] == pytest.approx([1.0, 3.0])
+    assert replace(output, force=None).chosen(np.array([2])).force is None
 
 
 def test_forces_of_the_wrong_shape_are_refused() -> None:
-    told = contacts_of(rows((0, 1), (0, 2), force=[1.0, 2.0]))
+    output = contacts_of(rows((0, 1), (0, 2), force=[1.0, 2.0]))
     masses = Masses(np.array([0]), np.array([1.0]), np.zeros((1, 3)))
-    check_shapes(told, masses)
-    check_shapes(replace(told, force=None), masses)
+    check_shapes(output, masses)
+    check_shapes(replace(output, force=None), masses)
     with pytest.raises(ValueError, match=r"contacts.force must have shape \(2, 3\), .* got \(2,\)"):
-        check_shapes(replace(told, force=np.zeros(2)), masses)
+        check_shapes(replace(output, force=np.zeros(2)), masses)
     with pytest.raises(ValueError, match=r"contacts.force must be a NumPy array, got list"):
-        check_shapes(replace(told, force=[[0.0, 0.0, 0.0]] * 2), masses)  # type: ignore[arg-type]
+        check_shapes(replace(output, force=[[0.0, 0.0, 0.0]] * 2), masses)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("engine", ["bullet", "mujoco", "dart", "physx", "rapier", "box3d"])

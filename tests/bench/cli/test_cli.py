@@ -67,17 +67,17 @@ def test_a_report_of_no_trial_is_refused_and_a_torn_line_told(tmp_path) -> None:
     trial = plan_trials(study)[0]
     record = bare_record(trial, trial.build_scene(), "abc", "completed", "").model_dump_json()
     path.write_text(f"{record}\n{record[:50]}")
-    told = call("report", str(tmp_path), status=0)
-    assert "warning:" in told
-    assert "trials.jsonl:2: the last line is torn and was left out" in told
+    printed = call("report", str(tmp_path), status=0)
+    assert "warning:" in printed
+    assert "trials.jsonl:2: the last line is torn and was left out" in printed
 
 
 def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_path) -> None:
     trial = plan_trials(check_study(tomllib.loads(STUDY), ""))[0]
     record = bare_record(trial, trial.build_scene(), "abc", "completed", "").model_dump_json()
     (tmp_path / "trials.jsonl").write_text(record + "\n")
-    told = call("replay", str(tmp_path), trial.id.replace("bullet", "bulet"), status=2)
-    assert f"unknown trial '{trial.id.replace('bullet', 'bulet')}'; did you mean '{trial.id}'?" in told
+    printed = call("replay", str(tmp_path), trial.id.replace("bullet", "bulet"), status=2)
+    assert f"unknown trial '{trial.id.replace('bullet', 'bulet')}'; did you mean '{trial.id}'?" in printed
     assert "no such recording; run the trial again" in call("replay", str(tmp_path), trial.id, "--no-open", status=2)
 
 
@@ -118,8 +118,8 @@ def test_a_folder_that_holds_trials_of_another_run_is_refused_unless_they_are_to
 
 
 def test_a_dry_run_lists_the_trials_and_writes_nothing(tmp_path) -> None:
-    told = call("run", "ci", "--policy", "paper", "--out", str(tmp_path / "x"), "--dry-run", status=0)
-    assert told.startswith("bullet.game.four_stack-3.paper.s0.r0 bullet.game.four_stack-3.paper.s0.r1")
+    printed = call("run", "ci", "--policy", "paper", "--out", str(tmp_path / "x"), "--dry-run", status=0)
+    assert printed.startswith("bullet.game.four_stack-3.paper.s0.r0 bullet.game.four_stack-3.paper.s0.r1")
     assert not (tmp_path / "x").exists()
 
 
@@ -129,25 +129,25 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     one = Trial("bullet", "game", "four_stack", scene.variant, {"levels": 3}, "paper", 0, 0)
     record = bare_record(one, scene, "abc", "completed", "", wall_s=3.0)
     (tmp_path / "trials.jsonl").write_text(record.model_dump_json() + "\n")
-    told = call("run", "ci", "--out", str(tmp_path), "--dry-run", status=0)
-    assert one.id not in told
-    assert "17 trials: about 25 s (0 from the same trials, 8 from others" in told
-    assert "1 more are already there" in told
+    printed = call("run", "ci", "--out", str(tmp_path), "--dry-run", status=0)
+    assert one.id not in printed
+    assert "17 trials: about 25 s (0 from the same trials, 8 from others" in printed
+    assert "1 more are already there" in printed
 
 
 def test_the_list_tells_scenarios_with_theory_engines_policies_and_studies() -> None:
-    told = call("list", status=0)
+    printed = call("list", status=0)
     for word in ("four_stack", "falls at 9", "bullet", "contact points", "at_rest", "native", "smoke"):
-        assert word in told
+        assert word in printed
 
 
 def test_an_engine_that_is_not_installed_is_listed_so_and_the_others_as_ever(monkeypatch) -> None:
     missing = replace(registry.ENGINES["rapier"], module="adapters._missing", package="no-such-package")
     monkeypatch.setitem(registry.ENGINES, "rapier", missing)
-    told = call("list", status=0)
-    assert "not installed:" in told
-    assert "uv sync --group engines" in told
-    assert "What the engines show" in told
+    printed = call("list", status=0)
+    assert "not installed:" in printed
+    assert "uv sync --group engines" in printed
+    assert "Engine capabilities" in printed
 
 
 def bench(*arguments: str) -> subprocess.Popen[str]:
@@ -166,11 +166,11 @@ def test_a_tiny_study_leaves_records_frames_and_tables(tmp_path) -> None:
     study.write_text(STUDY)
     out = tmp_path / "out"
     process = bench("run", str(study), "--out", str(out))
-    told, errors = process.communicate(timeout=900)
+    printed, errors = process.communicate(timeout=900)
     assert process.returncode == 0, errors
     assert "[2/2] bullet.game.four_stack-2.paper.s0.r0: completed, 2 of 2 levels" in errors
     assert "2 trials are kept in" in errors
-    assert "2/2 ✓" in told
+    assert "2/2 ✓" in printed
 
     plain, steered = read_records(out / "trials.jsonl")
     assert [one.verdict for one in (plain, steered)] == ["right", "right"]

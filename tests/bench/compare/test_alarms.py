@@ -39,7 +39,7 @@ def run(tmp_path):
 def alarms(base: Baseline, head: Baseline) -> list[Finding]:
     found = compare_runs(base, head, ("base", "head"))
     if "SHOW" in os.environ:
-        times = [f"{one.trial}: {one.judgement} {one.told}" for one in found.findings if one.gate == "time"]
+        times = [f"{one.trial}: {one.judgement} {one.message}" for one in found.findings if one.gate == "time"]
         print(f"{len(found.alarms())} alarms;", *times, sep="  ", flush=True)  # noqa: T201 - asked for
     return found.alarms()
 
@@ -70,7 +70,7 @@ def test_doubled_creep_is_always_found(run) -> None:
     scene = ("--scenario", "card_house", "--policy", "none")
     found = alarms(run("", *scene), run("doubled_creep", *scene))
     assert [alarm.trial for alarm in found] == [f"bullet.game.card_house.none.s0.r{repeat}" for repeat in range(3)]
-    assert all(alarm.gate == "outcome" and "creeps" in alarm.told for alarm in found)
+    assert all(alarm.gate == "outcome" and "creeps" in alarm.message for alarm in found)
 
 
 def test_a_core_slower_by_a_fifth_is_found_nineteen_times_in_twenty(run) -> None:

@@ -1,4 +1,4 @@
-"""Files of pytest-benchmark: frame ratios are compared, everything else is told."""
+"""Files of pytest-benchmark: frame ratios are compared, everything else is message."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from bench.compare.benchmarks import FORMAT, MOST, read_benchmarks
 
 ROOT = Path(__file__).parents[3]
 ALONE = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-"""The environment without what tells pytest-benchmark that it runs in a worker process, where it times nothing."""
+"""The environment without the variables of a worker process, in which pytest-benchmark times nothing."""
 SECONDS, FRAMES = 4, 5
 PROCESSOR = """
 def pytest_benchmark_update_machine_info(config, machine_info):
@@ -60,7 +60,7 @@ def test_a_kernel(benchmark):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """Times frames by pytest-benchmark, with a clock that tells how long they took."""
+    """Times frames by pytest-benchmark, with a scripted clock."""
     folder = tmp_path_factory.mktemp("benchmarks")
     (folder / "test_timed.py").write_text(TIMED)
     (folder / "conftest.py").write_text(PROCESSOR)
@@ -91,7 +91,7 @@ def judged(base: Path, head: Path, *options: str, status: int = 0) -> dict[str, 
     """Judgement and reason of each finding."""
     found = json.loads(compare(base, head, *options, "--json", status=status))
     assert {one["gate"] for one in found["findings"]} == {"time"}
-    return {one["trial"]: (one["judgement"], one["told"]) for one in found["findings"]}
+    return {one["trial"]: (one["judgement"], one["message"]) for one in found["findings"]}
 
 
 def edited(path: Path, folder: Path, change) -> Path:
@@ -127,9 +127,9 @@ def test_the_same_times_are_no_alarm(base) -> None:
 
 def test_a_planted_slowdown_is_found_and_fails_the_time_gate(base, run) -> None:
     slower = run(0.2)
-    ((judgement, told),) = judged(base, slower, status=1).values()
+    ((judgement, message),) = judged(base, slower, status=1).values()
     assert judgement == "worse"
-    assert told.startswith("2.00 (2.00-2.00) times the base (plank_tower-5 0.100, was 0.050;")
+    assert message.startswith("2.00 (2.00-2.00) times the base (plank_tower-5 0.100, was 0.050;")
     assert "1 alarm: 1 by time" in compare(base, slower, status=1)
     compare(base, slower, "--fail-on", "outcome", status=0)
     assert [judgement for judgement, _ in judged(slower, base).values()] == ["better"]
@@ -167,14 +167,14 @@ def test_a_missing_pair_is_told_and_the_rest_is_judged(base, tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         (lambda one: one["machine_info"].update(cpu={"brand_raw": "P2"}), "on P2, was on P1"),
-        (lambda one: one["machine_info"].update(cpu={}), "on which processor it ran was not kept"),
+        (lambda one: one["machine_info"].update(cpu={}), "its processor is unknown"),
     ],
 )
-def test_times_of_another_processor_are_not_compared(base, tmp_path, change, told) -> None:
-    assert set(judged(base, edited(base, tmp_path, change)).values()) == {("open", told)}
+def test_times_of_another_processor_are_not_compared(base, tmp_path, change, message) -> None:
+    assert set(judged(base, edited(base, tmp_path, change)).values()) == {("open", message)}
 
 
 def test_another_version_of_the_engine_is_compared_only_if_asked_for(base, tmp_path) -> None:
@@ -183,8 +183,8 @@ def test_another_version_of_the_engine_is_compared_only_if_asked_for(base, tmp_p
             one["extra_info"]["version"] = "2.0"
 
     newer = edited(base, tmp_path, renew)
-    told = "bullet 2.0, was 1.0 (--across-versions compares them)"
-    assert set(judged(base, newer).values()) == {("open", told)}
+    message = "bullet 2.0, was 1.0 (--across-versions compares them)"
+    assert set(judged(base, newer).values()) == {("open", message)}
     assert [judgement for judgement, _ in judged(base, newer, "--across-versions").values()] == ["same"]
 
 
@@ -211,24 +211,24 @@ def _rename_engine(content) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         (_drop_rounds, "saved without its rounds; save it with --benchmark-save-data"),
-        (_drop_alone, "holds no second of frames with those without beside it"),
-        (_only_kernels, "holds no frame times with the extension; 'uv run pytest --benchmark-only' makes"),
-        (lambda content: content["benchmarks"].append(steered(content)[0]), "is there twice"),
+        (_drop_alone, "holds no second of frames with and without"),
+        (_only_kernels, "holds no frame times with the extension; make such a file with"),
+        (lambda content: content["benchmarks"].append(steered(content)[0]), "occurs twice"),
         (lambda content: content.update(benchmarks=[1]), "not as pytest-benchmark writes its files"),
         (lambda content: content.update(benchmarks=1), "not as pytest-benchmark writes its files"),
         (lambda content: steered(content)[0]["stats"].update(data=[-1.0]), "benchmarks.1.stats.data.0"),
-        (_rename_engine, "no frame with the extension in common"),
+        (_rename_engine, "share no frame with the extension"),
     ],
 )
-def test_a_file_that_cannot_be_used_is_refused_with_the_reason(base, tmp_path, change, told) -> None:
+def test_a_file_that_cannot_be_used_is_refused_with_the_reason(base, tmp_path, change, message) -> None:
     bad = edited(base, tmp_path, change)
     for sides in ((base, bad), (bad, base)):
         output = compare(*sides, status=2)
         assert output.startswith("error:")
-        assert told in output
+        assert message in output
 
 
 def test_benchmarks_and_trials_are_not_mixed(base, make, tmp_path) -> None:
@@ -236,8 +236,8 @@ def test_benchmarks_and_trials_are_not_mixed(base, make, tmp_path) -> None:
     write_baseline(make.side(), trials)
     for other in (trials, tmp_path):  # a file, a folder
         for sides in ((base, other), (other, base)):
-            told = f"{base} is a file of pytest-benchmark and {other} is not: name two such files"
-            assert told in compare(*sides, status=2)
+            message = f"{base} is a file of pytest-benchmark and {other} is not: name two such files"
+            assert message in compare(*sides, status=2)
 
 
 # -- the suite's own ---------------------------------------------------------------------------------
@@ -250,7 +250,7 @@ def test_the_suites_own_benchmarks_are_run_and_saved_by_benchmark_only(tmp_path)
     (path,) = tmp_path.rglob("*.json")
     (cell,) = read_benchmarks(path).ratios
     assert str(cell) == "mujoco.game.plank_tower-5.equilibrium"
-    (told,) = [one["extra_info"] for one in steered(json.loads(path.read_text()))]
-    assert set(told["mean_ms"]) == {"engine", "readback", "core", "port"}
-    assert len(told["calibration_ms"]) == len(told["alone_ms"])
+    (message,) = [one["extra_info"] for one in steered(json.loads(path.read_text()))]
+    assert set(message["mean_ms"]) == {"engine", "readback", "core", "port"}
+    assert len(message["calibration_ms"]) == len(message["alone_ms"])
     compare(path, path, status=0)

@@ -1,4 +1,4 @@
-"""What can be compared is; the rest is told, and is neither a regression nor a pass."""
+"""What can be compared is; the rest is message, and is neither a regression nor a pass."""
 
 import json
 from pathlib import Path
@@ -30,12 +30,12 @@ def test_a_regression_alarms_both_gates(make) -> None:
 
 def test_missing_and_new_trials_are_told(make) -> None:
     both, other = make.record(), make.record(trial=ELSEWHERE, scene="four_stack-4")
-    for base, head, told in (
+    for base, head, message in (
         (make.side(both, other), make.side(both), "missing in head"),
         (make.side(both), make.side(both, other), "new: not in base"),
     ):
         found = compare_runs(base, head, NAMES)
-        assert Finding("outcome", ELSEWHERE, "open", told) in found.findings
+        assert Finding("outcome", ELSEWHERE, "open", message) in found.findings
         assert not found.alarms()
 
 
@@ -47,7 +47,7 @@ def test_runs_of_other_trials_are_refused(make) -> None:
 def test_another_version_of_the_engine_is_told_and_judged_only_if_asked_for(make) -> None:
     head = make.side(make.record(engine_version="2.0", **FELL))
     found = only(make.side(), head)
-    assert (found.judgement, found.told[:24]) == ("open", "bullet 2.0, was 1.0 (--a")
+    assert (found.judgement, found.message[:24]) == ("open", "bullet 2.0, was 1.0 (--a")
     assert only(make.side(), head, across_versions=True).judgement == "worse"
     assert only(make.side(), head, "hash", across_versions=True).judgement == "open"
 
@@ -61,7 +61,7 @@ def test_another_version_of_the_engine_is_told_and_judged_only_if_asked_for(make
     ],
 )
 def test_another_scene_under_the_same_name_is_told(make, change) -> None:
-    assert only(make.side(), make.side(make.record(**FELL | change))).told == "another scene under the same name"
+    assert only(make.side(), make.side(make.record(**FELL | change))).message == "another scene under the same name"
 
 
 def test_a_parameter_that_did_not_exist_had_its_default(make) -> None:
@@ -77,7 +77,7 @@ def test_what_the_clock_ended_is_not_judged(make) -> None:
         for sides in ((make.side(), make.side(slow)), (make.side(slow), make.side())):
             found = compare_runs(*sides, NAMES)
             assert [one.judgement for one in found.findings] == ["open"]
-            assert "stopped by its time limit" in found.findings[0].told
+            assert "stopped by its time limit" in found.findings[0].message
     assert only(make.side(), make.side(make.record(**FELL, wall_s=59.0))).judgement == "worse"
 
 

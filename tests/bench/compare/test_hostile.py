@@ -56,16 +56,16 @@ HOSTILE = {
     "unknown field": (lambda good: trial(good, __class__="os.system"), "__class__"),
     "unknown status": (lambda good: trial(good, status="won"), "status"),
     "no trial": (lambda good: edited(good, trials=[]), "trials"),
-    "trial twice": (lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2), "is there twice"),
+    "trial twice": (lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2), "occurs twice"),
     "negative share": (lambda good: edited(good, shares={"x": {"engine": 1, "readback": 1, "core": -1}}), "shares"),
-    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "each trial has all of"),
+    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "each trial needs all of"),
     "negative tolerance": (lambda good: edited(good, tolerances={"x": {"levels": -1}}), "tolerances"),
 }
 
 
 @pytest.mark.parametrize("case", HOSTILE)
 def test_a_file_that_is_no_baseline_is_refused_on_either_side(case, good, tmp_path) -> None:
-    content, told = HOSTILE[case][0](good), HOSTILE[case][1]
+    content, message = HOSTILE[case][0](good), HOSTILE[case][1]
     bad = tmp_path / "bad.json"
     bad.write_bytes(content if isinstance(content, bytes) else content.encode())
     before = sorted(tmp_path.iterdir())
@@ -73,7 +73,7 @@ def test_a_file_that_is_no_baseline_is_refused_on_either_side(case, good, tmp_pa
         output = call("compare", *sides, "--markdown", tmp_path / "m.md", "--junit", tmp_path / "j.xml", status=2)
         assert output.startswith("error:")
         assert "bad.json" in output
-        assert told in output
+        assert message in output
         assert len(output) < 1000  # no megabyte of somebody else's text on the terminal
     assert sorted(tmp_path.iterdir()) == before
 
@@ -120,13 +120,13 @@ def test_text_of_a_file_does_nothing_in_a_terminal_a_page_or_xml(make, good, tmp
     page, xml = tmp_path / "m.md", tmp_path / "j.xml"
     sides = (tmp_path / "base.json", tmp_path / "head.json")
     output = call("compare", *sides, "--markdown", page, "--junit", xml, status=1)
-    told = page.read_text()
+    message = page.read_text()
     for word in ("<img", "[link]", "](", "`x`", "@team", "\x1b", "\u202e"):
-        assert word not in told
-    assert "<img src=x> [link](http://x) [/red]" in html.unescape(told)  # and reads as it was written
+        assert word not in message
+    assert "<img src=x> [link](http://x) [/red]" in html.unescape(message)  # and reads as it was written
     assert "\x1b" not in output
     assert "\u202e" not in output
-    assert len(told) < 3000
+    assert len(message) < 3000
     assert b"\x1b" not in xml.read_bytes()
 
 
@@ -138,20 +138,20 @@ def test_a_number_of_many_digits_a_deep_nest_and_a_lone_surrogate_are_no_surpris
 
 
 @pytest.mark.parametrize(
-    ("file", "content", "told"),
+    ("file", "content", "message"),
     [
         ("trials.jsonl", "", "holds no trial yet"),
         ("trials.jsonl", "[]\n", "not a trial record"),
-        ("trials.jsonl", "{RECORD}\n{RECORD}\n", "is there twice"),
+        ("trials.jsonl", "{RECORD}\n{RECORD}\n", "occurs twice"),
         ("trials.jsonl", '{"seed": 1, {RECORD_BODY}\n', "stands twice"),
-        ("study.toml", "name = 1", "not a study"),
+        ("study.toml", "name = 1", "not the study file of a run"),
         ("study.toml", "a = " + "[" * 50_000, "not valid TOML"),
-        ("environment.json", "[]", "not an environment"),
-        ("environment.json", '{"processor": "P1"}', "not an environment"),
+        ("environment.json", "[]", "not the environment file of a run"),
+        ("environment.json", '{"processor": "P1"}', "not the environment file of a run"),
         ("frames/TRIAL.parquet", "PAR1", "not the frames of a trial"),
     ],
 )
-def test_a_results_folder_that_somebody_edited_is_refused(make, tmp_path, file, content, told) -> None:
+def test_a_results_folder_that_somebody_edited_is_refused(make, tmp_path, file, content, message) -> None:
     record = make.record(core_ms=0.1, timed_frames=100)
     line = record.model_dump_json()
     (tmp_path / "frames").mkdir()
@@ -162,5 +162,5 @@ def test_a_results_folder_that_somebody_edited_is_refused(make, tmp_path, file, 
     assert read_baseline(tmp_path).trials == [record]
     content = content.replace("{RECORD}", line).replace("{RECORD_BODY}", line[1:])
     (tmp_path / file.replace("TRIAL", record.trial)).write_text(content)
-    with pytest.raises(BaselineError, match=told):
+    with pytest.raises(BaselineError, match=message):
         read_baseline(tmp_path)

@@ -9,7 +9,7 @@ EXACT = Tolerance()
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ({"status": "collapsed", "height_levels": 2, "collapse_level": 3, "verdict": "false_collapse"}, "was right"),
         ({"height_levels": 2}, "2 of 3 levels, 3 before"),
@@ -20,11 +20,11 @@ EXACT = Tolerance()
     ],
     ids=lambda value: "" if isinstance(value, dict) else value,
 )
-def test_what_is_worse_one_way_is_better_the_other(make, change, told) -> None:
+def test_what_is_worse_one_way_is_better_the_other(make, change, message) -> None:
     base, head = make.record(), make.record(**change)
     judgement, why = judge_outcome(base, head, EXACT)
     assert judgement == "worse"
-    assert told in why
+    assert message in why
     assert judge_outcome(head, base, EXACT)[0] == "better"
 
 
@@ -58,8 +58,8 @@ def test_a_creep_that_may_be_trembling_is_no_alarm(make) -> None:
 
 def test_a_base_from_before_creep_counted_raises_no_alarm_by_it(make) -> None:
     base, head = make.record(creep_m_s=None, mean_motion_m_s=4e-6), make.record(creep_m_s=9e-6, verdict="creeps")
-    judgement, told = judge_outcome(base, head, EXACT)
-    assert (judgement, "creep of one of them is not known" in told) == ("open", True)
+    judgement, message = judge_outcome(base, head, EXACT)
+    assert (judgement, "the creep of one is unknown" in message) == ("open", True)
     assert judge_outcome(base, make.record(), EXACT)[0] == "same"
 
 

@@ -59,7 +59,7 @@ def test_the_interval_holds_the_true_ratio_as_often_as_it_says() -> None:
         (1.2, 0.01, "worse"),
         (0.8, 0.01, "better"),
         (1.05, 0.005, "same"),  # slower, but by less than counts
-        (1.2, 0.2, "open"),  # cannot tell
+        (1.2, 0.2, "open"),  # undecided
         (1.0, 0.2, "open"),
     ],
 )
@@ -69,8 +69,8 @@ def test_worse_is_only_what_is_surely_slower_by_more_than_the_least_effect(ratio
 
 
 def test_too_few_pairs_cannot_tell() -> None:
-    judgement, told = judge_times([(1.0, 2.0)] * (LEAST_PAIRS - 1), LEAST)
+    judgement, message = judge_times([(1.0, 2.0)] * (LEAST_PAIRS - 1), LEAST)
     assert judgement == "open"
-    assert "cannot tell" in told
+    assert "undecided" in message
     with pytest.raises(ValueError, match="at least 3 pairs"):
         interval([(1.0, 2.0)])

@@ -42,10 +42,10 @@ class Cluster:
         self._start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(contact))
         self._contact = ["--scheduler-file", str(contact), "--nthreads", "1", "--local-directory", str(folder)]
         deadline = time.monotonic() + 300
-        while "Scheduler at:" not in (told := (folder / "0.log").read_text()):
-            assert time.monotonic() < deadline, told
+        while "Scheduler at:" not in (output := (folder / "0.log").read_text()):
+            assert time.monotonic() < deadline, output
             time.sleep(0.1)
-        self.address = next(word for word in told.split() if word.startswith("tcp://"))
+        self.address = next(word for word in output.split() if word.startswith("tcp://"))
 
     def add_worker(self, *options: str) -> subprocess.Popen[bytes]:
         return self._start("worker", *self._contact, *options)
@@ -95,11 +95,11 @@ def test_a_cluster_that_loses_a_worker_leaves_what_this_machine_does(dask_cluste
             assert spread.poll() is None, spread.stdout.read()
             time.sleep(0.05)
         doomed.send_signal(signal.SIGKILL)
-        told = spread.communicate(timeout=600)[0]
-    assert spread.returncode == 0, told
+        output = spread.communicate(timeout=600)[0]
+    assert spread.returncode == 0, output
     with run(tmp_path, "here", "--jobs", "2") as here:
-        told = here.communicate(timeout=600)[0]
-    assert here.returncode == 0, told
+        output = here.communicate(timeout=600)[0]
+    assert here.returncode == 0, output
     from_cluster = read_records(kept)
     assert len(from_cluster) == TRIALS
     assert {record.status for record in from_cluster} <= {"completed", "collapsed"}

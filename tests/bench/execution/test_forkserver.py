@@ -1,4 +1,4 @@
-"""How a trial's process ended is told to every thread that asks."""
+"""Every thread that asks reads how a trial's process ended."""
 
 import os
 import threading
@@ -20,13 +20,13 @@ def test_two_threads_that_ask_at_once_hear_the_same_status(monkeypatch) -> None:
     process = CONTEXT.Process(target=os._exit, args=(3,))
     process.start()
     monkeypatch.setattr(forkserver, "read_signed", read_slowly)
-    told: list[int | None] = []
-    threads = [threading.Thread(target=lambda: told.append(process._popen.poll(0))) for _ in range(2)]
+    output: list[int | None] = []
+    threads = [threading.Thread(target=lambda: output.append(process._popen.poll(0))) for _ in range(2)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert told == [3, 3]
+    assert output == [3, 3]
 
 
 def test_a_trial_is_no_fork_of_this_process() -> None:

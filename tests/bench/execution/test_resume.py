@@ -37,8 +37,8 @@ def check_kills(suite, seeds: int, kills: int) -> list[TrialRecord]:
         now = read_records(suite.out / "trials.jsonl")
         assert now[: len(before)] == before
         before = now
-    told = suite.run("--jobs", "2")
-    assert f"going on: {len(before)} of {seeds} trials are already there" in told
+    output = suite.run("--jobs", "2")
+    assert f"continuing: {len(before)} of {seeds} trials are already there" in output
     records = read_records(suite.out / "trials.jsonl")
     assert records[: len(before)] == before
     assert len(records) == len({record.trial for record in records}) == seeds

@@ -8,8 +8,8 @@ from reports.records.trial import read_records
 OUTCOMES = {
     "segfault": ("crashed", "the process died of SIGSEGV: Fatal Python error: Segmentation fault"),
     "abort": ("crashed", "the process died of SIGABRT: Fatal Python error: Aborted"),
-    "exit": ("crashed", "the process ended with status 3: it said nothing"),
-    "alarm": ("crashed", "the process died of SIGALRM: it said nothing"),
+    "exit": ("crashed", "the process ended with status 3: no output"),
+    "alarm": ("crashed", "the process died of SIGALRM: no output"),
     "leak": ("out_of_memory", "MiB, above its limit of 450 MiB"),
     "raise": ("error", "RuntimeError: the solver gave up"),
     "nan": ("diverged", "poses were not finite"),
@@ -17,7 +17,7 @@ OUTCOMES = {
     "garbage": ("completed", ""),
     "game": ("completed", ""),
 }
-"""By what the engine does: how its trial ends, and what is told."""
+"""By the engine's behaviour: how its trial ends, and the message."""
 
 
 HANG = {"hang": ("timeout", "the engine hung and was stopped"), "game": ("completed", "")}
@@ -31,8 +31,8 @@ HANG = {"hang": ("timeout", "the engine hung and was stopped"), "game": ("comple
 def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite, outcomes, trial_wall_s) -> None:
     """Misdeeds and sound trials take turns; every sound one is recorded, and the harness ends with status 0."""
     rogue_suite.write_study(outcomes, seeds=2, limits={"trial_wall_s": trial_wall_s, "memory_mib": 450})
-    told = rogue_suite.run("--jobs", "2")
-    assert f"{2 * len(outcomes)} trials are kept in" in told
+    output = rogue_suite.run("--jobs", "2")
+    assert f"{2 * len(outcomes)} trials are kept in" in output
     records = read_records(rogue_suite.out / "trials.jsonl")
     assert len(records) == 2 * len(outcomes)
     for record in records:
@@ -66,4 +66,4 @@ def test_garbled_last_words_are_made_fit_to_print(tmp_path) -> None:
     log = tmp_path / "log"
     log.write_bytes(b"x\n" * 100_000 + b"\xff\x1b[31m out of contacts \n\x1b[0m\n")
     assert worker._last_words(log) == "\N{REPLACEMENT CHARACTER} out of contacts"
-    assert worker._last_words(tmp_path / "none") == "it said nothing"
+    assert worker._last_words(tmp_path / "none") == "no output"

@@ -1,4 +1,4 @@
-"""The fixed calculation that tells how steady a machine is."""
+"""The fixed calculation that measures the steadiness of a machine."""
 
 from itertools import accumulate, cycle
 

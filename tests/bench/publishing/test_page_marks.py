@@ -1,4 +1,4 @@
-"""A page tells the core that made it, and says on top if that is not the present one."""
+"""A page names the core that made it, and says at its top if that is not the present core."""
 
 import json
 from pathlib import Path
@@ -45,8 +45,10 @@ def test_a_page_of_the_present_core_has_its_digest_and_no_banner() -> None:
 
 def test_a_page_of_an_earlier_core_says_so_at_its_top() -> None:
     first, _, rest = marked(PAGE, OLD, NEW).partition("\n\n")
-    told = "Made with an earlier core (digest `0123456789ab`); not yet made again: its claims hold for that core only."
-    assert first == f"> **{told}**"
+    output = (
+        "Made with an earlier core (digest `0123456789ab`); not yet made again: its claims hold for that core only."
+    )
+    assert first == f"> **{output}**"
     assert rest == signed(PAGE, OLD)
     assert "(digest unknown)" in marked(PAGE, UNKNOWN, NEW)
     assert warning(NOT_USED, NEW) == ""

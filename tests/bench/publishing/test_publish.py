@@ -71,18 +71,18 @@ def test_tables_trials_figures_and_where_they_come_from_are_copied(run, tmp_path
 def test_results_of_an_earlier_core_are_marked_as_such(run, tmp_path) -> None:
     """It ran before the core changed: a folder that is published late."""
     write_environment(run, core="0123456789ab")
-    told = (publish("made-up", run, tmp_path / "docs") / "tables.md").read_text()
-    assert told.startswith("> **Made with an earlier core (digest `0123456789ab`); not yet made again")
-    assert told.endswith("\n\ntables.md\n\ncore: 0123456789ab\n")
+    text = (publish("made-up", run, tmp_path / "docs") / "tables.md").read_text()
+    assert text.startswith("> **Made with an earlier core (digest `0123456789ab`); not yet made again")
+    assert text.endswith("\n\ntables.md\n\ncore: 0123456789ab\n")
 
 
 @pytest.mark.parametrize("arguments", [[], ["paper", "--mark"]])
 def test_either_a_name_or_a_mark_is_asked_for(arguments: list[str]) -> None:
     app = typer.Typer()
     app.command()(main)
-    told = CliRunner().invoke(app, arguments)
-    assert told.exit_code == 2
-    assert "give the name of a publication, or --mark alone" in " ".join(told.output.split())
+    text = CliRunner().invoke(app, arguments)
+    assert text.exit_code == 2
+    assert "give the name of a publication, or --mark alone" in " ".join(text.output.split())
 
 
 def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_path) -> None:
@@ -100,7 +100,7 @@ def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_pat
 def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) -> None:
     lines = (run / "trials.jsonl").read_text().splitlines(keepends=True)
     (run / "trials.jsonl").write_text(lines[0])
-    with pytest.raises(PublishError, match=rf"lacks 1 trials: go on with uv run -m bench run \S+ --out {run}"):
+    with pytest.raises(PublishError, match=rf"lacks 1 trials: run uv run -m bench run \S+ --out {run}"):
         publish("made-up", run, tmp_path / "docs")
     assert not (tmp_path / "docs").exists()
 
@@ -108,7 +108,7 @@ def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) ->
 @pytest.mark.parametrize("changed", [{"modified": True}, {"commit": None}])
 def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
     write_environment(run, **changed)
-    with pytest.raises(PublishError, match="sources that no commit holds; commit them"):
+    with pytest.raises(PublishError, match="its sources are in no commit; commit them"):
         publish("made-up", run, tmp_path / "docs")
 
 

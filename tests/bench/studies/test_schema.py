@@ -73,8 +73,8 @@ def test_a_profile_that_only_excluded_engines_lack_is_no_error() -> None:
 def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
     trials = plan_trials(check_study(VALID | {"seeds": 3, "repeats": 2}, "test"))
     assert len(trials) == 6 * 3 * 2
-    exact, by_hand = (next(trial.build_scene() for trial in trials if trial.seed == seed) for seed in (0, 1))
-    assert exact.bricks != by_hand.bricks
+    exact, noisy = (next(trial.build_scene() for trial in trials if trial.seed == seed) for seed in (0, 1))
+    assert exact.bricks != noisy.bricks
 
 
 @pytest.mark.parametrize(

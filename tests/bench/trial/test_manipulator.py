@@ -1,4 +1,4 @@
-"""A user's hand on bricks that lie: who is told, and what becomes of the brick."""
+"""A user acts on bricks at rest: the listener's calls, and the motion of the brick."""
 
 import math
 from dataclasses import replace
@@ -15,8 +15,8 @@ from scenarios.registry import build
 FRAME_S = 1 / 60
 
 
-class Told:
-    """Writes down what an extension would be told."""
+class Recorder:
+    """Records the calls that an extension would receive."""
 
     def __init__(self) -> None:
         self.words: list[tuple[str, object]] = []
@@ -40,22 +40,22 @@ def two_planks(*after) -> Scene:
 
 
 def test_the_extension_is_told_of_a_blow_before_it_comes_and_after_it(fake_engine) -> None:
-    """Told in one frame, it wakes the brick at its end: a blow in the next one finds it awake."""
-    simulation, told = fake_engine(), Told()
-    builder = Builder(two_planks(Push(1.0, 1, (1e-3, 0, 0))), simulation, told)
+    """Notified in one frame, the extension unfreezes the brick at its end: a blow in the next frame finds it live."""
+    simulation, listener = fake_engine(), Recorder()
+    builder = Builder(two_planks(Push(1.0, 1, (1e-3, 0, 0))), simulation, listener)
     builder.act(0.0)
     builder.act(1.0 - HOLD_S - FRAME_S)
-    assert told.words == []
+    assert listener.words == []
     builder.act(1.0 - 2 * FRAME_S)
     builder.act(1.0 - FRAME_S)
-    assert (told.words, simulation.pushed) == ([("disturb", 1)], [])
+    assert (listener.words, simulation.pushed) == ([("disturb", 1)], [])
     builder.act(1.0)
-    assert (told.words, simulation.pushed) == ([("disturb", 1), ("release", 1)], [1])
+    assert (listener.words, simulation.pushed) == ([("disturb", 1), ("release", 1)], [1])
 
 
 def test_a_pulled_brick_is_in_place_wherever_the_hand_has_it_and_leaves_the_world_at_the_end(fake_engine) -> None:
     simulation = fake_engine()
-    builder = Builder(two_planks(Pull(1.0, 0, (0.1, 0.0), 0.5)), simulation, Told())
+    builder = Builder(two_planks(Pull(1.0, 0, (0.1, 0.0), 0.5)), simulation, Recorder())
     builder.act(0.0)
     builder.act(1.0)
     simulation.move(0, (0.04, 0.0, THICKNESS / 2), (1.0, 0.0, 0.0, 0.0))
@@ -77,7 +77,7 @@ def test_a_brick_may_be_dropped_from_a_height(fake_engine) -> None:
 
 
 def test_a_pull_overcomes_friction_and_keeps_its_speed() -> None:
-    """Alone on the ground, against mu = 0.45: after half a second for the hand to find its force, within 20 %."""
+    """Alone on the ground, against mu = 0.45: after half a second to find its force, within 20 %."""
     pytest.importorskip("mujoco")
     from adapters import open_engine
 
@@ -108,29 +108,29 @@ def test_a_struck_plank_slides_as_far_as_friction_lets_it(slide, end) -> None:
 
 def test_a_press_begins_and_ends_in_its_frames(fake_engine) -> None:
     """It is held 0.1 s before, so that the extension keeps it live, and let go in the end."""
-    simulation, told = fake_engine(), Told()
+    simulation, listener = fake_engine(), Recorder()
     scene = scene_of(Place(0, (lay(0, level=1),)), Press(1.0, 0, (0.5, 0.0, 0.0), 0.5))
-    builder = Builder(scene, simulation, told)
+    builder = Builder(scene, simulation, listener)
     forces = {}
     for frame in range(120):
         builder.act(frame / 60)
         simulation.step(1 / 60)
         forces[frame] = simulation.pressed.get(0, (0.0, 0.0, 0.0))[0]
     assert {frame for frame, force in forces.items() if force} == set(range(60, 90))
-    assert told.words == [("disturb", 0), ("release", 0)]
+    assert listener.words == [("disturb", 0), ("release", 0)]
     assert builder.is_done
 
 
 def test_a_tilt_turns_gravity_and_stops(fake_engine) -> None:
     """20 degrees a second for half a second about y: gravity leans by 10 degrees towards +x."""
-    simulation, told = fake_engine(), Told()
-    builder = Builder(scene_of(Place(0, (lay(0, level=1),)), Tilt(1.0, (0, 1), 20.0, 0.5)), simulation, told)
+    simulation, listener = fake_engine(), Recorder()
+    builder = Builder(scene_of(Place(0, (lay(0, level=1),)), Tilt(1.0, (0, 1), 20.0, 0.5)), simulation, listener)
     for frame in range(120):
         builder.act(frame / 60)
     lean = math.radians(10.0)
     assert simulation.world.gravity == pytest.approx((9.81 * math.sin(lean), 0.0, -9.81 * math.cos(lean)))
-    assert len(told.words) == 31
-    assert told.words[-1] == ("gravity", simulation.world.gravity)
+    assert len(listener.words) == 31
+    assert listener.words[-1] == ("gravity", simulation.world.gravity)
     assert builder.is_done
 
 

@@ -1,4 +1,4 @@
-"""Playing a scene: what is placed where and when, and how each way to end is told."""
+"""Playing a scene: where and when bricks are placed, and the record of each way to end."""
 
 import math
 
@@ -184,7 +184,7 @@ def test_sleepers_count_wakes_refreezes_and_the_longest_live_time() -> None:
 
 
 def test_watching_begins_when_a_pull_is_over(fake_engine) -> None:
-    """Creep is that of the bricks that are left: while the hand pulls, one more is there."""
+    """Creep is that of the remaining bricks: during the pull there is one more."""
     bricks = (lay(0, level=1), lay(0.2, level=1))
     run = play(scene_of(Place(0.0, bricks), Pull(0.5, 0, (0.05, 0.0), 3.0)), fake_engine())
     assert run.run() == "completed"

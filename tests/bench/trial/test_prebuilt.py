@@ -43,7 +43,7 @@ def engine(fake_engine):
 
 @pytest.fixture
 def extension(monkeypatch):
-    """An extension that freezes those of the bodies that it is told to adopt of which ``freezes`` is true."""
+    """An extension that freezes the bodies to adopt for which ``freezes`` is true."""
     made = SimpleNamespace(adopted=[], freezes=lambda _: True)
 
     class Fake:

@@ -48,18 +48,18 @@ def test_it_opens_without_a_complaint_or_a_request_and_tells_every_engine(page, 
 
 def test_a_card_tells_how_its_profile_is_set_up(tmp_path) -> None:
     varied = page_of(tmp_path, [record(), record(engine="dart", profile="game@scale=10"), record(profile="tuned")])
-    told = re.findall(r'<p class="set-up">(.*?)</p>', varied.read_text(encoding="utf-8"))
-    assert told == ["one step a frame", "one step a frame; scale=10"], "nothing is known of tuned"
+    output = re.findall(r'<p class="set-up">(.*?)</p>', varied.read_text(encoding="utf-8"))
+    assert output == ["one step a frame", "one step a frame; scale=10"], "nothing is known of tuned"
 
 
 def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None:
     sides = (("stand", STANDS, "right"), ("fall", FALLS, "false_stand"))
-    glued = [
+    frozen = [
         record(scene=f"table-{n}-{side}", pair=f"table-{n}", expectation=theory, verdict=verdict)
         for n in range(2)
         for side, theory, verdict in sides
     ]
-    opened = open_page(page_of(tmp_path, glued))
+    opened = open_page(page_of(tmp_path, frozen))
     assert opened.locator(".card .headline").inner_text() == "At best 0 % of the pairs right, alone."
     assert opened.locator(".card tbody tr").inner_text().split() == ["none", *["0", "%", "100", "%"], *["0", "%"] * 3]
     assert opened.locator("#pairs table").count() == 2
@@ -110,16 +110,16 @@ def test_a_phone_needs_no_sideways_scrolling_and_the_dark_is_dark(page, open_pag
 
 
 def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
-    told = page.read_text(encoding="utf-8").partition('id="verdicts"')[0]
+    output = page.read_text(encoding="utf-8").partition('id="verdicts"')[0]
     for words in (
         "1 of 23 trials were stopped by the time limit",
         "1 of 23 trials crashed the engine&#39;s process",
         "1 of 23 trials ran out of memory",
         "1 of 23 trials were not possible on their engine",
-        "1 planned trials have no record (not yet run, or cut off): dart.game.x.none.s9.r0",
+        "1 planned trials have no record (not yet run, or interrupted): dart.game.x.none.s9.r0",
         f"Frames of 1 trials are missing or torn: {RECORDS[0].trial}",
     ):
-        assert words in told
+        assert words in output
 
 
 def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
@@ -141,15 +141,15 @@ def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_pag
 
 
 def test_one_seed_has_no_interval_and_no_survival_curve(tmp_path) -> None:
-    told = page_of(tmp_path, [fallen(9), record(policy="paper")]).read_text(encoding="utf-8")
-    assert "n = 1 build of each: no intervals" in told
-    assert "a single build of each stack has no survival curve" in told
-    assert not re.search(r"\d \[\d", told.partition("<main>")[2].partition("<script")[0])
+    output = page_of(tmp_path, [fallen(9), record(policy="paper")]).read_text(encoding="utf-8")
+    assert "n = 1 build of each: no intervals" in output
+    assert "a single build of each stack has no survival curve" in output
+    assert not re.search(r"\d \[\d", output.partition("<main>")[2].partition("<script")[0])
 
 
 def test_a_study_of_failures_alone_has_a_page_too(tmp_path) -> None:
-    told = page_of(tmp_path, [failed("crashed"), failed("unsupported", engine="pymunk")]).read_text(encoding="utf-8")
-    assert "1 of 2 trials crashed" in told
+    output = page_of(tmp_path, [failed("crashed"), failed("unsupported", engine="pymunk")]).read_text(encoding="utf-8")
+    assert "1 of 2 trials crashed" in output
 
 
 @pytest.mark.slow

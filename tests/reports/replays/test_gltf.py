@@ -39,13 +39,13 @@ def parsed(glb: bytes) -> tuple[dict, bytes]:
 
 
 def values(content: dict, binary: bytes, accessor: int) -> np.ndarray:
-    told = content["accessors"][accessor]
-    view = content["bufferViews"][told["bufferView"]]
-    kind = {5126: np.float32, 5123: np.uint16}[told["componentType"]]
-    width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[told["type"]]
-    found = np.frombuffer(binary, kind, told["count"] * width, view["byteOffset"]).reshape(-1, width)
-    assert found.min(axis=0).tolist() == pytest.approx(told["min"])
-    assert found.max(axis=0).tolist() == pytest.approx(told["max"])
+    output = content["accessors"][accessor]
+    view = content["bufferViews"][output["bufferView"]]
+    kind = {5126: np.float32, 5123: np.uint16}[output["componentType"]]
+    width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[output["type"]]
+    found = np.frombuffer(binary, kind, output["count"] * width, view["byteOffset"]).reshape(-1, width)
+    assert found.min(axis=0).tolist() == pytest.approx(output["min"])
+    assert found.max(axis=0).tolist() == pytest.approx(output["max"])
     return found
 
 

@@ -78,19 +78,19 @@ def test_policies_are_seen_from_the_same_place(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("last_words", "told"),
+    ("last_words", "output"),
     [
         ("kill -SEGV $$", "no stills: this machine has no renderer: apt-get install libegl1, or libosmesa6"),
         ("echo \"No module named 'pyvista'\" >&2; exit 1", "no stills: No module named 'pyvista': uv sync"),
         ("echo 'OSError: no space' >&2; exit 1", "no stills: OSError: no space"),
     ],
 )
-def test_why_nothing_could_be_drawn_is_told(last_words: str, told: str, tmp_path, monkeypatch) -> None:
+def test_why_nothing_could_be_drawn_is_told(last_words: str, output: str, tmp_path, monkeypatch) -> None:
     python = tmp_path / "python"
     python.write_text(f"#!/bin/sh\n{last_words}\n")
     python.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(python))
-    with pytest.raises(StillsError, match=f"^{re.escape(told)}$"):
+    with pytest.raises(StillsError, match=f"^{re.escape(output)}$"):
         write_stills(tmp_path, [[Replayed(record(), recording())]])
 
 
@@ -101,9 +101,9 @@ def study(folder: Path, count: int) -> tuple[Path, list[TrialRecord]]:
 
 def test_too_many_stills_are_drawn_only_when_asked_for(tmp_path) -> None:
     folder, records = study(tmp_path / "many", MOST_STILLS + 1)
-    told = draw_stills(folder, [[one] for one in records], however_many=False)
-    assert told.startswith(f"{MOST_STILLS + 1} stills would take minutes")
-    assert told.endswith(f"bench report {folder} --stills")
+    output = draw_stills(folder, [[one] for one in records], however_many=False)
+    assert output.startswith(f"{MOST_STILLS + 1} stills would take minutes")
+    assert output.endswith(f"bench report {folder} --stills")
     assert not (folder / "report").exists()
 
 
@@ -133,7 +133,7 @@ def test_a_page_shows_each_end_beside_the_others_and_leads_to_the_replay(tmp_pat
     cells = groups_of(records)
     [shelf] = shelves(tmp_path, cells)["four_stack"]
     assert (shelf.engine, shelf.replay) == ("bullet", "replays/four_stack.bullet.game.s0.html")
-    assert [(one.policy, one.href, one.told) for one in shelf.pictures] == [
+    assert [(one.policy, one.href, one.outcome) for one in shelf.pictures] == [
         ("none", None, "falls at 9 ✗"),
         ("paper", f"stills/{records[1].trial}.png", "30/30 ✓"),
     ]

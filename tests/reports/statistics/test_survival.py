@@ -63,10 +63,10 @@ def test_curves_and_medians_are_those_of_lifelines(case) -> None:
     assert curve.level.tolist() == case["at"]
     for ours, theirs in ((curve.standing, "standing"), (curve.low, "low"), (curve.high, "high")):
         np.testing.assert_allclose(ours, case[theirs], atol=1e-9)  # both are closed formulas in double precision
-    told = [math.inf if end is None else end for end in [case["median"], *case["median_interval"]]]
-    assert list(curve.median_interval) == told[1:]
+    output = [math.inf if end is None else end for end in [case["median"], *case["median_interval"]]]
+    assert list(curve.median_interval) == output[1:]
     if not np.isclose(curve.standing, 0.5).any():  # there lifelines' median depends on how a half is rounded
-        assert curve.median == told[0]
+        assert curve.median == output[0]
 
 
 def test_exactly_half_is_enough_for_the_median() -> None:

@@ -75,9 +75,9 @@ def test_caption_and_label_are_escaped() -> None:
 
 def test_braces_and_environments_are_balanced() -> None:
     for text in (table(), pairs()):
-        told = re.sub(r"\\[{}]", "", text)
-        assert told.count("{") == told.count("}")
-        assert re.findall(r"\\begin\{(\w+)\}", told) == re.findall(r"\\end\{(\w+)\}", told)
+        output = re.sub(r"\\[{}]", "", text)
+        assert output.count("{") == output.count("}")
+        assert re.findall(r"\\begin\{(\w+)\}", output) == re.findall(r"\\end\{(\w+)\}", output)
 
 
 def tables() -> str:

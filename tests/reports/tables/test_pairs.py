@@ -55,8 +55,8 @@ def values(one: PairRow) -> list[float]:
 def test_each_way_of_missing_a_pair_is_told_apart() -> None:
     records = [
         *both("table-1", "right", "right"),
-        *both("table-2", "right", "false_stand"),  # glue
-        *both("table-3", "false_collapse", "right"),  # jelly
+        *both("table-2", "right", "false_stand"),
+        *both("table-3", "false_collapse", "right"),
         *both("ramp-1", "false_collapse", "false_stand"),  # the wrong way round
         *both("ramp-2", "failed", "false_collapse"),  # one crashed, the other fell too early
     ]
@@ -116,9 +116,9 @@ def test_one_seed_has_no_interval_and_says_so() -> None:
     found = row(records)
     assert found.success_rates is not None
     assert (found.success_rates.right.low, found.success_rates.false_stand.high) == (None, None)
-    told = to_markdown(pair_tables(pair_rows(groups_of(records))))
-    assert "| bullet | game | none | 1/2 | 50 % | 50 % | 0 % | 0 % | - |" in told
-    assert "n = 1 build of each: no intervals" in told
+    output = to_markdown(pair_tables(pair_rows(groups_of(records))))
+    assert "| bullet | game | none | 1/2 | 50 % | 50 % | 0 % | 0 % | - |" in output
+    assert "n = 1 build of each: no intervals" in output
 
 
 def test_the_interval_of_one_pair_is_the_binomials_and_of_several_that_of_drawing_pairs() -> None:

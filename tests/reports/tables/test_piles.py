@@ -32,5 +32,5 @@ def test_what_never_rests_and_what_was_cut_off_is_marked():
 
 
 def test_nothing_is_right_or_wrong_where_theory_knows_no_answer():
-    assert "Right by theory" not in [table.title for table in study_tables([pile()])]
-    assert "Right by theory" in [table.title for table in study_tables([pile(), record()])]
+    assert "Correctness" not in [table.title for table in study_tables([pile()])]
+    assert "Correctness" in [table.title for table in study_tables([pile(), record()])]

@@ -7,8 +7,8 @@ from tests.reports.studies import record
 
 
 def repeated(repeat: int, pose_hash: str = "same", **fields) -> TrialRecord:
-    told = {"trial": f"t.r{repeat}", "repeat": repeat, "pose_hash": pose_hash, "frame_ms_p50": 1.0 + repeat, **fields}
-    return record(**{"timed_frames": 3, **told})
+    output = {"trial": f"t.r{repeat}", "repeat": repeat, "pose_hash": pose_hash, "frame_ms_p50": 1.0 + repeat, **fields}
+    return record(**{"timed_frames": 3, **output})
 
 
 def write_times(folder, repeat: int, *times_ms: float) -> None:

@@ -119,7 +119,7 @@ def test_a_mark_tells_whether_all_seeds_were_right_or_some_or_none(right, cell) 
 
 def test_a_censored_trial_marks_its_cell_as_a_lower_bound() -> None:
     cut = record(seed=1, status="timeout", verdict="undecided", height_levels=17)
-    assert outcome([cut]) == "≥17/30", "too slow to tell, which theory does not contradict"
+    assert outcome([cut]) == "≥17/30", "too slow to decide, which theory does not contradict"
     assert outcome([record(), cut]) == "≥23.5 (17-30)/30 ✓ 1/1"
 
 
@@ -136,7 +136,7 @@ def test_times_of_several_machines_stand_in_rows_of_their_own() -> None:
 
 
 def test_no_records_make_empty_tables() -> None:
-    assert "What stood" in to_markdown(study_tables([]))
+    assert "Outcomes" in to_markdown(study_tables([]))
 
 
 def test_the_csv_has_every_field_of_every_trial(tmp_path) -> None:

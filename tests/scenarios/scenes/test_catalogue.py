@@ -43,7 +43,7 @@ BY_MARGIN = {
     "incline": {"theta": 25, "half": "lower"},
     "groove": {},
 }
-"""Families with one limit that ``margin`` is told from."""
+"""Families with one limit that ``margin`` refers to."""
 
 every_scene = pytest.mark.parametrize("name", SCENES)
 
@@ -137,7 +137,7 @@ def test_bricks_of_a_plan_touch_and_do_not_overlap(name):
     assert not scene.planar or all(brick.position[1] == 0 for brick in scene.bricks)
 
 
-# -- what a real hand adds ---------------------------------------------------------------------------------------------
+# -- placement noise ---------------------------------------------------------------------------------------------------
 
 NEEDED = 10.0
 """How many times the energy of laying a brick it must take to tip a stack that must stand."""
@@ -201,7 +201,7 @@ def test_what_must_stand_outlasts_ten_times_the_energy_of_laying_its_last_brick(
 
 
 def test_a_hands_errors_do_not_change_an_answer():
-    """A hand errs by 0.9 mm and 0.9 deg at most. On a slope that is a height as well: there a plan has no seeds, and
+    """Noise is at most 0.9 mm and 0.9 deg. On a slope that is a height as well: there a plan has no seeds, and
     between two walls there is no room for any error."""
     for name, scene in QUICK.items():
         if scene.scenario not in SLOPES | {"prop_between_walls"}:

@@ -258,8 +258,8 @@ def test_exact_statics_says_what_must_happen_to_the_scene_of_a_bug_report(name, 
     assert scene.expectation.not_before_s == pytest.approx(12.0 * pace if name == "habitat_801" else 0.0)
     assert (scene.actions[0].height == 0.0) == (name in AT_ONCE)
     outcome = "Must stand" if ISSUES[name] == STAND or name == "habitat_801" else f"Must {ISSUES[name]}"
-    told = (EXAMPLES / f"issue_{name}.toml").read_text(encoding="utf-8").splitlines()[1]
-    assert told.startswith(f"# {outcome.replace('falls at', 'fall at level')}")
+    output = (EXAMPLES / f"issue_{name}.toml").read_text(encoding="utf-8").splitlines()[1]
+    assert output.startswith(f"# {outcome.replace('falls at', 'fall at level')}")
 
 
 def test_the_study_plays_all_of_them():

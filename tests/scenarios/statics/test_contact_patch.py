@@ -7,7 +7,7 @@ import pytest
 
 from scenarios.model import Brick
 from scenarios.planks import GAP, LENGTH, THICKNESS, WIDTH, lay, lean
-from scenarios.statics.contact_patch import GROUND, HAIR, TOUCH, contact_patches
+from scenarios.statics.contact_patch import GROUND, RIDGE_GAP, TOUCH, contact_patches
 
 EXACT = 1e-12  # m
 
@@ -131,7 +131,7 @@ def test_the_ridges_normal_is_a_convention(gap):
 
 def test_a_ridge_wider_than_a_hair_is_open():
     theta = 1.2
-    spread = LENGTH * math.cos(theta) + 0.51 * HAIR * THICKNESS
+    spread = LENGTH * math.cos(theta) + 0.51 * RIDGE_GAP * THICKNESS
     pair = [lean(-spread, theta=theta, toward=1, level=1), lean(spread, theta=theta, toward=-1, level=1)]
     assert between(contact_patches(pair), 0, 1) is None
 

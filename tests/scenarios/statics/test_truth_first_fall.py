@@ -50,7 +50,7 @@ def test_the_whole_four_stack_stands():
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("name", ["leaning_tower", "brick_wall", "card_house"])
 def test_a_hands_errors_do_not_change_the_answer(name, seed):
-    """Known answers lie 5 % from their limits; a hand errs by 0.9 mm at most."""
+    """Known answers lie 5 % from their limits; placement noise is 0.9 mm at most."""
     scene = build(name)
     assert first_fall(with_placement_noise(scene, seed)) == scene.expectation.level
 
@@ -120,7 +120,7 @@ def test_what_stays_open_is_in_doubt_and_never_stable(monkeypatch):
 def test_a_brick_in_the_air_falls():
     statics = equilibrium([replace(BRICK, position=(0.0, 0.0, 0.2))], World())
     assert statics.verdict == "unstable"
-    assert statics.residual == pytest.approx(1)  # a hand must carry its whole weight
+    assert statics.residual == pytest.approx(1)  # its whole weight is missing
     assert statics.mechanism[0, 2] < 0
 
 

@@ -138,7 +138,7 @@ def test_the_first_brick_whose_loss_is_seen_is_taken(name, parameters, taken):
 
 @pytest.mark.parametrize(("name", "below"), [("four_stack", 4), ("log_cabin", 2), ("pyramid", 4)])
 def test_flat_planks_with_two_supports_each_stand_on_pedestals(name, below):
-    """Without a plank of the lowest level the next one's end would sink by a thickness: nobody could tell."""
+    """Without a plank of the lowest level the next one's end would sink by a thickness, which cannot be seen."""
     parameters = {"levels": 3} if name != "pyramid" else {}
     plain, prebuilt = build(name, **parameters), build(name, built="at_once", **parameters)
     assert prebuilt.levels == plain.levels + 1
