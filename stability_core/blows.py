@@ -1,9 +1,12 @@
-"""Blows: which frozen bodies a live one is about to strike, or has struck, so hard that they would move.
+"""Blows: find the frozen bodies that a live body is about to strike, or has struck, hard enough to move them.
 
-A frozen body has infinite mass: what strikes it loses its momentum within one step, and to wake it afterwards is too
-late. So a contact that closes within the next frame counts before it touches, and the engine simulates the impact.
-Blows sideways are judged by the slide that they would cause: after a plastic impact with the striker the body has the
-speed v' = v M / (M + m) and slides by v'^2 / (2 mu g). Slides below the limit are added up.
+A frozen body has infinite mass, so a striker loses its momentum within one step, and unfreezing the body afterwards is
+too late. So a contact that closes within the next frame counts before it touches, and the engine simulates the impact.
+A sideways blow is judged by the slide that it would cause. With striker mass M and body mass m, a plastic impact gives
+
+v' = v M / (M + m),    slide = v'^2 / (2 mu g)
+
+Slides below the limit are added up.
 """
 
 from __future__ import annotations
@@ -20,13 +23,14 @@ from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 AHEAD = 1.5
-"""Frames within which a gap must close to count as a blow: one, and half of one for what accelerates."""
+"""Frames within which a gap must close to count as a blow: one, and half a frame for accelerating bodies."""
 SIDEWAYS = 0.3
-"""Vertical share of a normal up to which a blow pushes sideways: what lands on a steep face is borne from below."""
+"""Vertical share of a normal up to which a blow pushes sideways: a body that lands on a steep face is borne from
+below."""
 
 
 class Blow(NamedTuple):
-    """A contact that closes."""
+    """A closing contact."""
 
     approach: float
     """Closing speed [m/s]."""
@@ -38,7 +42,7 @@ class Blow(NamedTuple):
 
 @compiled
 def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
-    """Speed [m/s] along the ground that a frozen body has after a plastic impact; zero if the blow is downwards."""
+    """Return the horizontal speed [m/s] of a frozen body after a plastic impact; zero if the blow is downwards."""
     if abs(blow.upward) > SIDEWAYS:
         return 0.0
     share = 1.0 if striker.state == MOVING else striker.mass / (striker.mass + target.mass)
@@ -47,7 +51,7 @@ def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
 
 @compiled
 def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
-    """Note on a frozen body what a blow does to it; True if it is its first."""
+    """Note the effect of a blow on a frozen body; return True for its first blow."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
     is_hard = is_impact(blow.approach, size, limits, dt)
@@ -63,17 +67,17 @@ def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Li
 
 @compiled
 def list_struck(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, struck: IntArray) -> int:
-    """Write down the frozen bodies that a blow must wake, each once: O(n).
+    """List the frozen bodies that a blow must unfreeze, each once: O(n).
 
     Args:
         bodies: the table, tracked for this frame.
-        contacts: n of them, of rows of the table.
+        contacts: n contacts between rows of the table.
         limits: the settings.
         dt: length of a frame [s].
-        struck: written here, at least 2 n rows.
+        struck: output, at least 2 n rows.
 
     Returns:
-        How many they are.
+        Number of listed bodies.
     """
     body_a, body_b, normal = contacts.body_a, contacts.body_b, contacts.normal
     separation, relative_velocity, friction = contacts.separation, contacts.relative_velocity, contacts.friction

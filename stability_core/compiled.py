@@ -1,4 +1,4 @@
-"""How the kernels are compiled: by Numba, once, into its cache on disk."""
+"""Compile kernels by Numba, once, into its cache on disk."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ __all__ = ["NOT_KEPT", "WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 NOT_KEPT: list[str] = []
-"""Why compiled kernels cannot be kept for later processes, by kernel; empty where there is a cache."""
+"""Reasons why compiled kernels cannot be cached for later processes, by kernel; empty if there is a cache."""
 
 
 def compiled(function: Kernel, **options: Any) -> Kernel:
     """Compile ``function`` on its first call. NumPy's rules for division: x / 0 is inf, not an exception.
 
     Args:
-        function: what Numba can compile.
+        function: a function that Numba can compile.
         options: further options of Numba, such as ``fastmath``.
     """
     try:
         return cast("Kernel", njit(cache=True, error_model="numpy", **options)(function))
-    except RuntimeError as error:  # neither the package's folder nor the user's can be written
+    except RuntimeError as error:  # neither the package's folder nor the user's is writable
         NOT_KEPT.append(str(error))
         return cast("Kernel", njit(error_model="numpy", **options)(function))

@@ -1,7 +1,7 @@
-"""Compile all kernels before they are needed, and tell how long that took.
+"""Compile all kernels before they are needed, and log the time.
 
-Numba compiles a kernel when it is first called, and keeps it beside the sources, in the user's own cache, or in
-``NUMBA_CACHE_DIR``. The only module of the core that looks at a clock and at files: neither has a part in a verdict.
+Numba compiles a kernel on its first call, and caches it beside the sources, in the user's cache, or in
+``NUMBA_CACHE_DIR``. This is the only module of the core that reads a clock and files, and neither affects a verdict.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from stability_core.script import ScriptedExtension, ScriptedPort, play_script
 
 _LOG = logging.getLogger("stability_core")
 _SILENT_S = 2.0
-"""Time [s] from which compiling is worth a line."""
+"""Time [s] of compiling above which a line is logged."""
 _COMPILED: set[str] = set()
-"""Policies that are compiled in this process."""
+"""Policies compiled in this process."""
 
 
 def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> float:
-    """Compile all that a policy runs, once in a process; returns the seconds it took.
+    """Compile all kernels of a policy, once in a process; return the time [s].
 
     Args:
-        policy: its name.
-        extension_of: makes an extension of this policy that watches a port.
+        policy: name of the policy.
+        extension_of: returns an extension of this policy for a port.
     """
     if policy in _COMPILED:
         return 0.0
@@ -47,6 +47,6 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
 
 
 def _is_kept(kernel: Any) -> bool:
-    """Tell whether a kernel lies compiled in the cache on disk, of this version or of one before."""
+    """Return whether a kernel is in the cache on disk, in this version or an earlier one."""
     folder = Path(kernel.stats.cache_path or "")
     return any(folder.glob(f"*.{kernel.py_func.__qualname__}-*.nbi"))

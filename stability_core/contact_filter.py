@@ -1,7 +1,7 @@
-"""Which contacts count: fast impacts and contacts across a gap do not. And who stands on whom, by the normal.
+"""Filter contacts: drop fast impacts and gaps, and decide by the normal which body stands on which.
 
-The paper also drops pairs of which neither touches the stack. Here only bodies that touch the stack are
-ever tested, so such a pair never decides anything; it still tells what lies on a live load.
+The paper also drops pairs of which neither body touches the stack. Here only bodies that touch the stack are tested, so
+such a pair never decides anything; it still shows the bodies that lie on a live load.
 """
 
 from __future__ import annotations
@@ -23,44 +23,44 @@ CONTACT = np.dtype(
         ("point", "f8", (3,)),
         ("normal", "f8", (3,)),
         ("friction", "f8"),
-        ("force", "f8", (3,)),  # [N], zero where the engine does not tell
+        ("force", "f8", (3,)),  # [N], zero if the engine reports none
         ("level", "?"),  # load-bearing: its cone contains the vertical, and it pushes a body up
     ],
     align=True,
 )
-"""A contact that counts, as ``Contacts`` has it."""
+"""A contact that counts, with the fields of ``Contacts``."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
 BEARS = 0.1
-"""Vertical share of a normal from which on a contact bears some weight, however steep its face: friction may not hold
-there, but a brick in a wedge of two such faces lies in it."""
+"""Vertical share of a normal above which a contact bears some weight, however steep its face: friction may not hold
+there, but a brick in a wedge of two such faces rests in it."""
 _NEAR = 0.1
-"""Gap over the distance from a body's centre up to which a contact point lies on the body's surface."""
+"""Gap, over the distance from a body's centre, up to which a contact point lies on the body's surface."""
 
 
 @compiled
 def bit_of(body: int) -> np.uint64:
-    """The bit that stands for a body in a set of 64."""
+    """Return the bit of a body in a set of 64."""
     return np.uint64(1) << np.uint64((body + 1) % 64)
 
 
 @compiled
 def is_level(upward: float, friction: float, level_tilt: float) -> bool:
-    """True if a contact can carry a vertical force: its Coulomb cone contains the vertical.
+    """Return True if a contact can carry a vertical force: its Coulomb cone contains the vertical.
 
     Args:
         upward: vertical component of the unit normal.
         friction: Coulomb coefficient of the pair.
-        level_tilt: slope [rad] up to which a contact counts as level whatever its friction.
+        level_tilt: slope [rad] up to which a contact counts as level at any friction.
     """
     return bool(abs(upward) >= np.cos(max(np.arctan(friction), level_tilt)))
 
 
 @compiled
 def upper_of(body_a: int, body_b: int, upward: float) -> int:
-    """The body of a pair that its contact pushes up: it stands on the other.
+    """Return the body that its contact pushes up: it stands on the other.
 
-    Heights of centres do not tell: a tilted plank's centre lies above a block on its low end.
+    Heights of centres do not decide: a tilted plank's centre lies above a block on its low end.
 
     Args:
         body_a: first body.
@@ -72,7 +72,7 @@ def upper_of(body_a: int, body_b: int, upward: float) -> int:
 
 @compiled
 def is_moving(body: Bodies, limits: Limits) -> bool:
-    """True if a live body is faster than ``moving_speed``."""
+    """Return True if a live body is faster than ``moving_speed``."""
     return bool(body.speed > limits.moving_speed * np.sqrt(limits.gravity * body.size))
 
 
@@ -80,7 +80,7 @@ def is_moving(body: Bodies, limits: Limits) -> bool:
 def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upward: float) -> None:
     """Note a contact with ``other`` on a live body.
 
-    Penetration [m] counts where it ``stands`` on the other only. What pushes it ``upward``, by the normal, bears it.
+    Penetration [m] counts only where the body ``stands`` on the other. A contact with an ``upward`` normal bears it.
     """
     row = bodies[body]
     row.touches = row.touches or is_stack(bodies, other)
@@ -95,7 +95,7 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upw
 
 @compiled
 def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
-    """Approach and sliding speed [m/s] of a pair, (nan, 0) where the velocity is unknown."""
+    """Return approach and sliding speed [m/s] of a pair, (nan, 0) where the velocity is unknown."""
     along, total = 0.0, 0.0
     for k in range(3):
         along += velocity[k] * normal[k]
@@ -105,9 +105,9 @@ def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 
 @compiled
 def _reach(body_a: IntArray, body_b: IntArray, separation: FloatArray, row: int) -> float:
-    """How far [m] the point of a row would be from touch if its two bodies were drawn apart until none overlaps.
+    """Return the distance [m] of a row's point from touch if its two bodies were drawn apart until none overlaps.
 
-    Engines list the points of a pair one after the other: the rows next to this one are looked through.
+    Engines list the points of a pair in sequence, so only neighbouring rows are read.
     """
     deepest = 0.0
     for step in (-1, 1):
@@ -121,9 +121,9 @@ def _reach(body_a: IntArray, body_b: IntArray, separation: FloatArray, row: int)
 
 @compiled
 def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
-    """Note how far from its centre each body is touched: the size that all lengths are measured by.
+    """Note how far from its centre each body is touched: its size, the unit of all lengths.
 
-    A point across a gap of more than ``_NEAR`` of that distance tells nothing.
+    A point across a gap of more than ``_NEAR`` of that distance is ignored.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, separation = contacts.point, contacts.separation
@@ -142,7 +142,7 @@ def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
 
 @compiled
 def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
-    """The size [m] of the smaller body of a pair; the ground has none."""
+    """Return the size [m] of the smaller body of a pair; the ground has none."""
     if body_a == GROUND:
         return float(bodies[body_b].size)
     if body_b == GROUND:
@@ -152,26 +152,27 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """True if a pair of this ``size`` [m] meets faster than bricks that are laid: at the speed ``approach`` [m/s]."""
+    """Return True if a pair of this ``size`` [m] meets at ``approach`` [m/s], faster than placed bricks do."""
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 
 
 @compiled
 def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, kept: ContactRows) -> int:
-    """Filter one frame's contacts, and note on each live body what it touches, how deep, and how fast it slides.
+    """Filter one frame's contacts; note on each live body its neighbours, its depth and its sliding speed.
 
     Args:
         bodies: the table, tracked for this frame.
-        contacts: n of them, of rows of the table.
+        contacts: n contacts between rows of the table.
         limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
             drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
-            What is not load-bearing counts only if it touches, to ``touch_gap``: friction needs pressure.
+            Contacts that are not load-bearing count only if they touch, to ``touch_gap``, because friction needs
+            pressure.
         dt: time since the last frame [s].
-        kept: the contacts that count are written here, at least n rows of ``CONTACT``.
+        kept: output, at least n rows of ``CONTACT``.
 
     Returns:
-        How many contacts count.
+        Number of contacts that count.
     """
     body_a, body_b, point, normal = contacts.body_a, contacts.body_b, contacts.point, contacts.normal
     separation, relative_velocity = contacts.separation, contacts.relative_velocity

@@ -1,4 +1,4 @@
-"""Why a body is not frozen, or what it was frozen or woken for, in words."""
+"""Explain in words why a body is not frozen, or why it was frozen or unfrozen."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from stability_core.stack import DOUBTED, FALLS, FIXED, FROZEN, MOVING, TOPPLES
 
 
 def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
-    """Say in words why a body is as it is: the first of the rules that keeps it live.
+    """Explain a body's state: the first rule that keeps it live.
 
     Args:
-        row: of ``BODY``, after an update.
+        row: a row of ``BODY``, after an update.
         settings: the tolerances.
         gravity: [m/s2], positive.
         dt: length of the latest frame [s].
-        reason: for which it was frozen or woken last; empty if it never was.
+        reason: reason of its last freezing or unfreezing; empty if there was none.
     """
     if row["state"] == FROZEN:
         return f"frozen: {reason}"
@@ -43,7 +43,7 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
 
 
 def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) -> str:
-    """The rule of rest that a body breaks; empty if it is at rest."""
+    """Return the rule of rest that a body violates; empty if it is at rest."""
     if max(row["rest_s"] - settings.rest_s, row["still_s"] - settings.still_s) >= -ROUNDING_S:
         return ""
     if not np.isfinite(row["speed"]):
@@ -67,7 +67,7 @@ def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) ->
 
 
 def _why_refused(row: Any, settings: Settings) -> str:
-    """What the policy said when it did not freeze a body at rest."""
+    """Return why the policy did not freeze a body at rest."""
     if row["refusal"] == TOPPLES:
         return "topples: its centre of mass lies outside what it stands on"
     if row["refusal"] == FALLS:

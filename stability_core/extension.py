@@ -1,4 +1,4 @@
-"""The extension: freezes what is statically stable, and wakes what no longer balances, once a frame."""
+"""The extension: once a frame, freeze statically stable bodies and unfreeze those that no longer balance."""
 
 from __future__ import annotations
 
@@ -35,33 +35,33 @@ from stability_core.world import World
 
 
 class Change(NamedTuple):
-    """What one update did."""
+    """The changes of one update."""
 
     frozen: tuple[int, ...]
     """Bodies frozen in this frame, by rising id."""
     woken: tuple[int, ...]
-    """Bodies woken in this frame, by rising id."""
+    """Bodies unfrozen in this frame, by rising id."""
     reasons: Mapping[int, str]
-    """Why, for each of them."""
+    """The reason for each of them."""
     deferred: tuple[int, ...] = ()
-    """Bodies at rest that are judged in the next frame, by rising id: the budget of this one was spent."""
+    """Bodies at rest that are judged in the next frame, because the budget of this one was spent, by rising id."""
 
 
 DRAGGED_ALONG = 3
-"""How many bodies away, from one to the next, a body is dragged along by one that a blow flings away."""
+"""Number of contacts over which a body is dragged along by a body that a blow flings away."""
 UNCHANGED = Change((), (), {})
 CLOSED = "this extension is closed: make a new StabilityExtension for the port"
 MOMENT_S = 1e-9
-"""Time [s] that passes where none does: what has moved at all since the last update is fast."""
+"""Time [s] of an update without a step: any motion since the last update counts as fast."""
 
 
 def warm_up(policy: str = "equilibrium") -> float:
-    """Compile all that ``policy`` runs, or read it from Numba's cache; returns the seconds it took.
+    """Compile all kernels of ``policy``, or read them from Numba's cache; return the time [s].
 
-    ``StabilityExtension`` does so when it is made, once in a process for each policy, so that nothing is compiled while
-    a simulation runs. Call it where the wait hurts least, such as when a container is built: compiling takes a minute
-    or two, once for each version. What takes long, and a cache that cannot be written, are told to the logger
-    ``stability_core``.
+    ``StabilityExtension`` calls it, once in a process for each policy, so that nothing is compiled while a simulation
+    runs.
+    Call it where the wait matters least, such as when a container is built: compiling takes a minute or two, once per
+    version. Long compilations, and a cache that is not writable, are reported to the logger ``stability_core``.
 
     Raises:
         UnknownNameError: if there is no such policy.
@@ -71,7 +71,7 @@ def warm_up(policy: str = "equilibrium") -> float:
 
 
 class StabilityExtension:
-    """Thomsen and Kraus' stability extension over any engine that shows contacts, sleep and mass."""
+    """The stability extension of Thomsen and Kraus, over any engine that provides contacts, sleep and mass."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class StabilityExtension:
     ) -> None:
         """Watch the world behind ``port``.
 
-        The first extension of a policy in a process compiles what it needs: see ``warm_up``.
+        The first extension of a policy in a process compiles its kernels: see ``warm_up``.
 
         Args:
             port: the engine, as the core sees it.
@@ -107,20 +107,21 @@ class StabilityExtension:
         if self.policy.gravity != strength:
             self.policy.set_gravity(strength)
         self._news: dict[int, str] = {}
-        """Rows of bodies woken by the host's words since the last update, with the reason."""
+        """Rows of bodies disturbed or unfrozen by the host since the last update, with the reason."""
         self._is_pending = False
-        """True if something changed since the last update that no contact tells of."""
+        """True if something changed since the last update that no contact shows."""
         self._leaving: list[int] = []
-        """Bodies that the host removed, until an update has taken note of them."""
+        """Bodies removed by the host since the last update."""
         self._left: frozenset[int] = frozenset()
-        """Bodies that the latest update forgot: an engine that lags a frame may still list them."""
+        """Bodies dropped in the latest update; an engine that lags a frame may still list them."""
         self._dt = math.inf
         """Length of the latest frame [s]."""
         self._is_closed = False
         self._reasons: dict[int, str] = {}
-        """For what each body was frozen or woken last."""
+        """Reason of each body's last freezing or unfreezing."""
         self.dropped = 0
-        """Rows of contacts and masses dropped so far because they name a body removed in this frame or the last."""
+        """Number of contact and mass rows dropped so far, because they name a body removed in this frame or the
+        last."""
 
     @property
     def frozen(self) -> IntArray:
@@ -133,14 +134,14 @@ class StabilityExtension:
     def gravity(self) -> tuple[float, float, float]:
         """Gravity [m/s2], in the coordinates of the port; set it whenever it changes, before ``update``.
 
-        Once it has changed by ``gravity_tilt`` or ``gravity_change`` in all, the next update judges every frozen body
-        again: O(bodies). Smaller changes add up.
+        After a total change of ``gravity_tilt`` or ``gravity_change``, the next update judges every frozen body again:
+        O(bodies). Smaller changes add up.
         """
         return self._gravity
 
     @gravity.setter
     def gravity(self, gravity: Sequence[float]) -> None:
-        """Set it.
+        """Set gravity.
 
         Raises:
             ValueError: if it is not a finite vector, or zero.
@@ -152,13 +153,13 @@ class StabilityExtension:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close."""
+        """Close the extension."""
         self.close()
 
     def close(self) -> None:
         """Unfreeze every body and refuse further use, so that another extension can take over the port.
 
-        Do nothing if it is closed already.
+        It does nothing if the extension is closed already.
         """
         if self._is_closed:
             return
@@ -172,9 +173,11 @@ class StabilityExtension:
     def wake(self, bodies: Iterable[int]) -> Change:
         """Unfreeze ``bodies`` and the frozen bodies that rest on them, at once, as an impact on them would.
 
-        Call it before an impulse or an explosion is applied, so that it moves them in the same frame. Call it also
-        where the port cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name
-        the belt. A woken body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
+        Call it before an impulse or an explosion is applied, so that it moves them in the same frame. Call it also if
+        the port
+        cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name the belt. An
+        unfrozen
+        body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -188,7 +191,7 @@ class StabilityExtension:
         return self._tell({}, woken)
 
     def disturb(self, bodies: Iterable[int]) -> None:
-        """A user holds or pushes ``bodies``: they stay live until released; what rests on them is re-examined.
+        """Keep ``bodies`` live while a user holds or pushes them, and judge the bodies that rest on them again.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -201,7 +204,7 @@ class StabilityExtension:
                 self._news[row] = "disturbed"
 
     def release(self, bodies: Iterable[int]) -> None:
-        """The user lets go: ``bodies`` may freeze again once they are at rest.
+        """Let ``bodies`` freeze again once they are at rest, because the user has released them.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -209,7 +212,7 @@ class StabilityExtension:
         self._world.graph.bodies["held"][self._world.rows_of(bodies)] = False
 
     def why(self, body: int) -> str:
-        """Say in words why a body is not frozen, such as "0.31 mm deep in its support", or what it was frozen for.
+        """Explain why a body is not frozen, such as "0.31 mm deep in its support", or why it was frozen.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -218,14 +221,16 @@ class StabilityExtension:
         return explain(row, self.settings, self.policy.gravity, self._dt, self._reasons.get(body, ""))
 
     def update(self, dt: float) -> Change:
-        """Look at the world after a step of ``dt`` seconds; freeze and wake what must be.
+        """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
 
-        Costs what the live bodies and the changes cost, whatever the number of frozen bodies; next to nothing while
-        nothing is live. Nothing changes if it raises, except that a port whose ``sleep`` or ``wake`` raised may have
-        carried out a part of the batch: the same is asked of it again in the next update.
+        The cost depends on the live bodies and the changes, not on the number of frozen bodies; it is negligible while
+        nothing
+        is live. If it raises, nothing changes, except that a port whose ``sleep`` or ``wake`` raised may have carried
+        out a
+        part of the batch: the next update repeats that batch.
 
         Raises:
-            ValueError: if dt is not positive, or the port gives malformed contacts or masses.
+            ValueError: if dt is not positive, or the port returns malformed contacts or masses.
             RuntimeError: if the extension is closed.
         """
         self._check_open()
@@ -243,18 +248,20 @@ class StabilityExtension:
         return self._settle(rows, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
-        """Judge bodies that are in place by statics, at once: freeze those that stand, without waiting for their rest.
+        """Judge bodies in place by statics, at once: freeze those that stand, without waiting for their rest.
 
-        For stacks that are there when the simulation starts, or are set down whole: call it before the first step,
-        with an engine that lists the contacts of the present poses. What cannot stand stays live, and so does what
-        moves, or slides at a contact. Policies that ask for rest alone (``at_rest``, ``pile``) adopt nothing.
+        Use it for stacks that exist when the simulation starts, or are set down whole: call it before the first step,
+        with an
+        engine that lists the contacts of the present poses. Bodies that cannot stand, move, or slide at a contact stay
+        live.
+        Policies that require rest only (``at_rest``, ``pile``) adopt nothing.
 
         Args:
-            bodies: which of the live bodies; None for all.
+            bodies: the live bodies to judge; None for all.
 
         Raises:
             KeyError: for a body that the port does not list.
-            ValueError: if the port gives malformed contacts or masses.
+            ValueError: if the port returns malformed contacts or masses.
             RuntimeError: if the extension is closed.
         """
         self._check_open()
@@ -274,7 +281,7 @@ class StabilityExtension:
             raise RuntimeError(CLOSED)
 
     def _is_in_place(self, rows: Bodies) -> BoolArray:
-        """Tell which live bodies neither move, as far as is known, nor slide at a contact, nor are held, shape (k,)."""
+        """Return which live bodies neither move, as far as known, nor slide at a contact, nor are held, shape (k,)."""
         fall_speed = np.sqrt(self._world.limits["gravity"] * rows["size"])
         moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
         slides = rows["slip"] > self.settings.rest_slip * fall_speed
@@ -282,7 +289,7 @@ class StabilityExtension:
         return in_place
 
     def _make_due(self, wanted: IntArray) -> None:
-        """Let the live bodies ``wanted`` be decided now, by every rule, shape (k,)."""
+        """Put the live bodies ``wanted``, shape (k,), on the worklist of every rule."""
         table, worklist = self._world.graph.bodies, self._world.buffers.worklist
         table["unsettled"][wanted] = False
         table["load_s"][wanted] = self.settings.load_s
@@ -291,10 +298,10 @@ class StabilityExtension:
             worklist[rule, 0], worklist[rule, 1 : 1 + len(together)] = len(together), together
 
     def _look(self, dt: float) -> tuple[int, int] | None:
-        """Take over what the port tells: how many bodies are due, and contacts kept; None if nothing is live or new.
+        """Read one frame from the port; return the worklist's length and the contacts kept, or None if nothing is live.
 
         Raises:
-            ValueError: if the port gives malformed contacts or masses.
+            ValueError: if the port returns malformed contacts or masses.
         """
         if self._gravity is not self._world.upright.gravity:
             self._follow_gravity()
@@ -315,16 +322,16 @@ class StabilityExtension:
         return worklist, kept
 
     def _follow_gravity(self) -> None:
-        """Have all judged again if gravity has changed by more than its tolerances."""
+        """Have all bodies judged again if gravity has changed by more than its tolerances."""
         if self._world.turn(self._gravity):
             self.policy.set_gravity(self._world.upright.strength)
             self._is_pending = True
 
     def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
-        """What the port gave, less the rows of bodies that were removed in this frame or the last; these are counted.
+        """Return the port's arrays without the rows of bodies removed in this frame or the last; count those rows.
 
         Raises:
-            ValueError: if arrays do not belong together.
+            ValueError: if arrays do not fit together.
         """
         check_shapes(contacts, masses)
         gone = [*self._leaving, *self._left]
@@ -337,7 +344,7 @@ class StabilityExtension:
         return contacts.chosen(stays), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _follow_frozen(self, masses: Masses) -> None:
-        """Take over what the port tells of frozen bodies: another mass is judged anew, one that has moved is live."""
+        """Follow listed frozen bodies: judge a changed mass again, and make a moved body live."""
         bodies = self._world.graph.bodies
         for row, mass, moved in self._world.frozen_listed(masses):
             if math.isinf(mass) or moved > self.settings.steady_shift * bodies["size"][row]:
@@ -349,9 +356,9 @@ class StabilityExtension:
                 self._is_pending = True
 
     def _settle(self, contacts: int, budget: float) -> Change:
-        """Let the policy freeze what is stable within its ``budget``, and wake what is not, with all that rests on it.
+        """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced ones with the bodies on them.
 
-        Each of so many ``contacts`` may lay a patch for either body, before and after that is frozen.
+        Each of ``contacts`` may need a patch for either body, before and after it freezes.
         """
         woken, self._news = self._news, {}
         for row in woken:
@@ -370,7 +377,7 @@ class StabilityExtension:
         return self._tell(frozen, woken, deferred)
 
     def _wake_struck(self, struck: IntArray, frozen: dict[int, str], woken: dict[int, str]) -> None:
-        """Wake what blows move: what they fling away drags its neighbours along, within the same engine step."""
+        """Unfreeze the bodies that blows move; bodies flung away drag their neighbours along, within the same step."""
         graph = self._world.graph
         rows = graph.bodies[struck]
         flung = struck[rows["blow"] > rows["size"]]
@@ -378,7 +385,7 @@ class StabilityExtension:
         self._wake_above(struck, "struck", frozen, woken)
 
     def _leave_moved(self, moved: IntArray, woken: dict[int, str]) -> None:
-        """Wake what rested on kinematic bodies that began to move, and what they touch; these rest on nothing."""
+        """Unfreeze the bodies on kinematic bodies that began to move, and drop these bodies' supports."""
         self._wake_above(moved, "moved by the host", {}, woken)
         graph = self._world.graph
         for row in moved.tolist():
@@ -386,7 +393,7 @@ class StabilityExtension:
                 drop_supports(graph, row)
 
     def _wake_above(self, roots: IntArray, reason: str, frozen: dict[int, str], woken: dict[int, str]) -> None:
-        """Wake the ``roots`` and what rests on them; what was frozen and woken at once never slept."""
+        """Unfreeze the ``roots`` and the bodies on them; a body frozen in the same frame never slept."""
         graph = self._world.graph
         for row in with_all_above(graph, roots).tolist():
             if graph.bodies["state"][row] == FROZEN:
@@ -396,7 +403,7 @@ class StabilityExtension:
                     woken[row] = reason if row in roots else f"rested on what was {reason}"
 
     def _tell(self, frozen: dict[int, str], woken: dict[int, str], deferred: IntArray = NOBODY) -> Change:
-        """One sleep and one wake batch for the engine; rows become ids here."""
+        """Send one sleep and one wake batch to the engine; return the change by ids."""
         later = tuple(np.sort(self._world.ids[deferred]).tolist()) if len(deferred) else ()
         if not frozen and not woken:
             return UNCHANGED._replace(deferred=later) if later else UNCHANGED
@@ -418,14 +425,14 @@ class StabilityExtension:
         return Change(tuple(asleep), tuple(awake), reasons, later)
 
     def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
-        """Return what is said of rows as said of bodies, by rising id."""
+        """Return reasons by body id, by rising id, from reasons by row."""
         if not reasons:
             return {}
         ids = self._world.ids
         return dict(sorted([(ids.item(row), reason) for row, reason in reasons.items()]))
 
     def _take_back(self, asleep: Iterable[int], woken: Mapping[int, str]) -> None:
-        """Undo a batch that the port did not carry out: what should sleep is live, what should wake is asked again."""
+        """Undo a batch that the port did not carry out: bodies to sleep are live, bodies to wake are retried."""
         table = self._world.graph.bodies
         for row in asleep:
             self._wake(row)
@@ -436,7 +443,7 @@ class StabilityExtension:
             self._is_pending = True
 
     def _wake(self, number: int) -> None:
-        """Hand a frozen body back; until it moves it goes on to load what it rests on."""
+        """Make a frozen body live; until it moves it still loads its supports."""
         row = self._world.graph.bodies[number]
         row["state"], row["unsettled"], row["leans"], row["doubt"] = LIVE, True, False, PROVEN
         row["rest_s"] = row["still_s"] = row["lean_s"] = row["steady_s"] = 0.0

@@ -1,6 +1,6 @@
 """The per-frame kernel: validate input, track live bodies, filter contacts, collect candidates.
 
-It is all that a quiet frame costs, in one compiled call.
+A quiet frame costs this one compiled call.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ from stability_core.validation import (
 
 @compiled
 def _first_repeated(bodies: Bodies, ids: IntArray) -> int:
-    """First row of a body that is listed twice, -1 if none is; notes at which ``place`` each is listed."""
+    """Return the first row of a body that is listed twice, or -1; note the ``place`` of each body in the list."""
     for i in range(len(ids)):
-        place = bodies[ids[i]].place  # perhaps left over from another list
+        place = bodies[ids[i]].place  # may be left over from another list
         if place < i and ids[place] == ids[i]:
             return i
         bodies[ids[i]].place = i
@@ -54,7 +54,7 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 @compiled
 def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
-    """A contact with the ground if the normals of all such contacts are flipped, else -1.
+    """Return a contact with the ground if the normals of all such contacts are flipped, else -1.
 
     Kinematic bodies do not count: they need not be convex, nor rest on anything.
     """
@@ -83,13 +83,13 @@ def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) 
 def _first_fault(
     bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """The first fault that shows once the listed bodies have rows, and its row.
+    """Return the first fault found once the listed bodies have rows, and its row.
 
     Args:
         bodies: the table.
-        slots: of ``Rows``.
-        named: the contacts, of ids.
-        contacts: the same, of rows: these are written.
+        slots: the slots of ``Rows``.
+        named: the contacts, by ids.
+        contacts: output, the same contacts by rows.
         masses: the listed bodies, by their rows.
     """
     row = _first_repeated(bodies, masses.body)
@@ -106,7 +106,7 @@ def _first_fault(
 
 @compiled
 def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
-    """Note the ids of the bodies that are listed for the first time."""
+    """Record the ids of the bodies listed for the first time."""
     for i in range(len(ids)):
         if bodies[rows[i]].state == ABSENT:
             bodies[rows[i]].id = ids[i]
@@ -114,7 +114,7 @@ def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
 
 @compiled
 def _take_new(bodies: Bodies, slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> None:
-    """Take their rows from the bodies that are listed for the first time, in the opposite order."""
+    """Free the rows of the bodies listed for the first time, in the opposite order."""
     new = np.empty(len(ids), np.int64)
     n = 0
     for i in range(len(ids)):
@@ -149,20 +149,20 @@ def observe(
     friction: FloatArray,
     force: FloatArray,
 ) -> tuple[int, int, int, int]:
-    """Track the live bodies, filter the contacts, and write down what must be decided.
+    """Track the live bodies, filter the contacts, and fill the worklist.
 
-    O(m + n), whatever the number of frozen bodies. The arrays come one by one: Numba takes longer to look at
-    a tuple that Python hands over than at what is in it. Within, tuples are as fast.
+    O(m + n), independent of the number of frozen bodies. The arrays are separate arguments, because Numba unpacks a
+    tuple from Python slowly (ADR-0002).
 
     Args:
         bodies: the table.
-        slots: of ``Rows``: which row each body has; bodies that are new are given one.
-        spare: of ``Rows``: the rows that are free.
-        contacts: of ``FrameBuffers``, with room for n more, written here; the same for the next four.
+        slots: the slots of ``Rows``: the row of each body; new bodies are given one.
+        spare: the free rows of ``Rows``.
+        contacts: output, of ``FrameBuffers``, with room for n more; likewise the next four.
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (4,).
-        worklist: with room for 2 n + m bodies.
+        worklist: output, with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
         body: the live bodies, shape (m,).
@@ -175,12 +175,11 @@ def observe(
         separation: signed distances [m], shape (n,).
         relative_velocity: of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
-        force: on b [N], shape (n, 3), or (0, 3) if the engine does not tell.
+        force: forces on b [N], shape (n, 3), or (0, 3) if the engine reports none.
 
     Returns:
-        A fault (FINE if there is none); its row, for NO_ROOM how many rows of bodies are missing, for FINE how many
-        frozen bodies were listed; how many bodies are listed in ``worklist``;
-        how many contacts are kept of all frames.
+        A fault (FINE if there is none); its row, or for NO_ROOM the number of missing rows, or for FINE the number of
+        listed frozen bodies; the number of bodies in ``worklist``; the number of contacts kept of all frames.
     """
     named = ContactArrays(body_a, body_b, point, normal, separation, relative_velocity, friction, force)
     listed = MassArrays(body, mass, center)

@@ -1,7 +1,6 @@
-"""The arrays of one frame, as the kernels hand them to each other: the port's, in tuples.
+"""The arrays of one frame in the port's order, as tuples for the kernels.
 
-Each look at an array through a tuple counts a reference, which takes ten times as long as a look at the array: loops
-take the arrays out of the tuple first.
+Loops take the arrays out of the tuple first, because each access through a tuple counts a reference (ADR-0002).
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
 IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 NO_FORCES = np.zeros((0, 3))
-"""In place of the contact forces of an engine that reports none."""
+"""Replaces the contact forces of an engine that reports none."""
 
 
 class ContactArrays(NamedTuple):
@@ -31,11 +30,11 @@ class ContactArrays(NamedTuple):
     separation: FloatArray
     """Signed distances [m], shape (n,)."""
     relative_velocity: FloatArray
-    """Of b against a [m/s], shape (n, 3)."""
+    """Velocity of b against a [m/s], shape (n, 3)."""
     friction: FloatArray
     """Coulomb coefficients, shape (n,)."""
     force: FloatArray
-    """On b [N], shape (n, 3), or (0, 3) if the engine reports none."""
+    """Force on b [N], shape (n, 3), or (0, 3) if the engine reports none."""
 
 
 class MassArrays(NamedTuple):
@@ -50,7 +49,7 @@ class MassArrays(NamedTuple):
 
 
 def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
-    """Return an array as the kernels are compiled for it, whatever an adapter reads; copied only if it must be."""
+    """Return an array in the layout for which the kernels are compiled; copied only if necessary."""
     contiguous = np.ascontiguousarray(array, dtype)
     return contiguous if contiguous.flags.writeable else contiguous.copy()
 

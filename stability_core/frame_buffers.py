@@ -1,7 +1,7 @@
-"""What the core has seen of late: the contacts of the last frames, and what the latest one asks to be decided.
+"""The recent history of contacts, and the worklist of the latest frame.
 
-Both are kept in arrays that live from frame to frame: to make an array and hand it from a kernel to Python takes
-as long as to filter ten contacts.
+The arrays persist from frame to frame, because returning a new array from a kernel to Python takes as long as filtering
+ten contacts (ADR-0002).
 """
 
 from __future__ import annotations
@@ -18,37 +18,37 @@ from stability_core.settings import ROUNDING_S
 from stability_core.stack import ABSENT, Bodies
 
 FRAME_S = 1 / 60
-"""Least time [s] that a dwell frame covers. Of a host at 1 kHz the last of 17 frames is kept: six of them span the true
+"""Least time [s] of a dwell frame. A host at 1 kHz keeps the last of 17 frames, so that six of them span the true
 contact area as they do at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning
-test; live bodies that lie on the stack anew, and those that do so no more; kinematic bodies that began to move, and
+test; live bodies that newly lie on the stack, and those that no longer do; kinematic bodies that began to move, and
 frozen bodies that one of them moves; frozen bodies on which a push has changed."""
 STOOD, LENGTH, NOW, TOLD = range(4)
 """Entries of ``FrameBuffers.clock``."""
 
 
 class FrameBuffers(NamedTuple):
-    """The dwell frames, of ``FRAME_S`` or of the host if that is slower, and the lists of the latest one."""
+    """The dwell frames, of ``FRAME_S`` or of a slower host's frame, and the worklist of the latest frame."""
 
     contacts: ContactRows
     """The contacts that count, as many rows of ``CONTACT`` for each frame, shape (frames x room,)."""
     sizes: IntArray
-    """How many of the rows of each frame are in use, shape (frames,)."""
+    """Number of used rows of each frame, shape (frames,)."""
     latest: IntArray
-    """The latest frame, shape (1,): frames are written in turn."""
+    """Index of the latest frame, shape (1,): frames are written in turn."""
     clock: FloatArray
-    """For how long [s] the latest frame has stood there; how long one stands at least; time since the first frame [s];
-    one if the engine tells contact forces; shape (4,)."""
+    """Age [s] of the latest frame; least time of a frame [s]; time since the first frame [s]; 1 if the engine reports
+    contact forces; shape (4,)."""
     worklist: IntArray
-    """A list of bodies in each row: how many, then their rows, shape (7, 1 + room)."""
+    """A list of bodies in each row: the number, then their rows, shape (7, 1 + room)."""
 
 
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
-    """Arrays for dwell frames of ``seconds`` in all, with ``room`` contacts and bodies each.
+    """Return arrays for dwell frames of ``seconds`` in all, with ``room`` contacts and bodies each.
 
-    What is ``known`` is taken over.
+    ``known`` arrays keep their content.
     """
     frames = max(1, math.ceil((seconds - ROUNDING_S) / FRAME_S))
     fresh = FrameBuffers(
@@ -65,7 +65,7 @@ def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) ->
 
 
 def skip_frame(buffers: FrameBuffers, dt: float) -> None:
-    """Note a frame of ``dt`` seconds in which nothing is live: it has no contacts."""
+    """Record a frame of ``dt`` seconds in which nothing is live and which has no contacts."""
     buffers.clock[NOW] += dt
     stood = buffers.clock.item(STOOD) + dt
     if stood >= FRAME_S - ROUNDING_S:
@@ -82,7 +82,7 @@ def _is_gone(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
-    """Drop the contacts of bodies that left the world, whose rows other bodies will have: O(contacts)."""
+    """Drop the contacts of bodies that left the world, whose rows are reused: O(contacts)."""
     contacts, sizes = buffers.contacts, buffers.sizes
     room = len(contacts) // len(sizes)
     for frame in range(len(sizes)):
@@ -96,7 +96,7 @@ def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
 
 @compiled
 def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) -> None:
-    """Go on to the next dwell frame, if the latest has stood for ``FRAME_S``: a faster host writes over it."""
+    """Advance to the next dwell frame, if the latest is ``FRAME_S`` old; a faster host overwrites it."""
     clock[NOW] += dt
     clock[STOOD] += dt
     clock[LENGTH] = max(dt, FRAME_S)
@@ -107,19 +107,19 @@ def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) 
 
 @compiled
 def frames_of(buffers: FrameBuffers, seconds: float) -> int:
-    """How many of the latest dwell frames lie in as many ``seconds``: at least one."""
+    """Return the number of latest dwell frames within ``seconds``: at least one."""
     frames = int(np.ceil((seconds - ROUNDING_S) / buffers.clock[LENGTH]))
     return min(max(1, frames), len(buffers.sizes))
 
 
 @compiled
 def listed(buffers: FrameBuffers, kind: int) -> IntArray:
-    """The bodies of one list of the latest frame, shape (k,)."""
+    """Return the bodies of one list of the latest frame, shape (k,)."""
     ids: IntArray = buffers.worklist[kind, 1 : 1 + buffers.worklist[kind, 0]]
     return ids
 
 
 @compiled
 def frame_before(buffers: FrameBuffers, back: int) -> int:
-    """The row of the frame ``back`` frames before the latest."""
+    """Return the row of the frame ``back`` frames before the latest."""
     return int((buffers.latest[0] - back) % len(buffers.sizes))

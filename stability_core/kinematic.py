@@ -1,13 +1,15 @@
-"""Kinematic bodies: those of infinite mass, which the host moves and no contact force does.
+"""Kinematic bodies: bodies of infinite mass, which the host moves and no contact force does.
 
-Lifts, doors, conveyor belts. A kinematic body is FIXED or MOVING:
+Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVING:
 
-- FIXED: it keeps its place. It counts as ground: bodies may freeze on it, and statics takes it for immovable.
-- MOVING: nothing may freeze on it. What rested on it wakes in the frame in which it begins to move.
+- FIXED: it keeps its place. It counts as ground: bodies may freeze on it, and it is immovable for statics.
+- MOVING: nothing may freeze on it. Bodies that rested on it unfreeze in the frame in which it begins to move.
 
-It begins to move when its centre, or its surface below a frozen body, has gone ``steady_shift`` sizes of the smallest
-body that has touched it, and is fixed again once it has kept its place for ``still_s``. The way of its surface is the
-sum of the greatest relative speeds at its contacts with frozen bodies: so turns about its centre and belts show.
+It begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes of the
+smallest
+body that has touched it, and it is FIXED again once it has kept its place for ``still_s``. The path of its surface is
+the
+sum of the greatest relative speeds at its contacts with frozen bodies, which shows turns about its centre and belts.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 @compiled
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
-    """True if a kinematic body is where it was; its place follows it while nothing has touched it yet."""
+    """Return True if a kinematic body is in its place; its place follows it while nothing has touched it."""
     moved = 0.0
     for k in range(3):
         moved += (row.center[k] - row.still_center[k]) ** 2
@@ -41,7 +43,7 @@ def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def _begin(row: Bodies) -> bool:
-    """Make a body kinematic: FIXED if it is new, else MOVING, as nothing is known of its place; True if MOVING."""
+    """Make a body kinematic: FIXED if it is new, else MOVING, because its place is unknown; return True if MOVING."""
     row.state = FIXED if row.state == ABSENT else MOVING
     row.mass = np.inf
     row.size, row.least_load, row.still_s = 0.0, np.inf, 0.0
@@ -52,7 +54,7 @@ def _begin(row: Bodies) -> bool:
 
 @compiled
 def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Tell from its centre whether a kinematic body is FIXED or MOVING; True if it has just begun to move."""
+    """Set a kinematic body FIXED or MOVING by its centre; return True if it has just begun to move."""
     if _keeps_place(row, limits, dt):
         row.still_s += dt
         if row.still_s >= limits.still_s - ROUNDING_S:
@@ -68,17 +70,17 @@ def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, moved: IntArray) -> tuple[int, int]:
-    """Take over where the host has put the kinematic bodies, and which bodies it made kinematic or let go.
+    """Follow the kinematic bodies that the host moves, makes kinematic or releases.
 
     Args:
         bodies: the table, before this frame is tracked.
         masses: m listed bodies, by their rows; kinematic ones have infinite mass.
         limits: the settings.
         dt: time since the last frame [s].
-        moved: the bodies on which nothing rests any longer are written here, at least m rows.
+        moved: output, bodies on which nothing rests any longer, at least m rows.
 
     Returns:
-        How many bodies are kinematic; and how many are written to ``moved``.
+        Number of kinematic bodies; number of bodies written to ``moved``.
     """
     ids, mass, center = masses.body, masses.mass, masses.center
     kinematic, n = 0, 0
@@ -86,14 +88,14 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
         row = bodies[ids[i]]
         was_kinematic = row.state == FIXED or row.state == MOVING
         begins = False
-        if np.isinf(mass[i]) and row.state != FROZEN:  # a frozen one is handed back first
+        if np.isinf(mass[i]) and row.state != FROZEN:  # a frozen body is made live first
             kinematic += 1
             begins = not was_kinematic and _begin(row)
             for k in range(3):
                 row.center[k] = center[i, k]
             begins = _follow(row, limits, dt) or begins
         elif was_kinematic:
-            row.state = ABSENT  # tracked from now on, as a body that is seen for the first time
+            row.state = ABSENT  # tracked from now on as a new body
             begins = True
         if begins:
             moved[n] = ids[i]
@@ -103,18 +105,18 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
 
 @compiled
 def list_carried(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, moved: IntArray, n: int) -> int:
-    """Note what touches the kinematic bodies; list the frozen bodies that one of them moves: O(contacts).
+    """Note the contacts of the kinematic bodies; list the frozen bodies that one of them moves: O(contacts).
 
     Args:
         bodies: the table, with sizes noted.
-        contacts: c of them, of rows of the table.
+        contacts: c contacts between rows of the table.
         limits: the settings.
         dt: time since the last frame [s].
-        moved: the bodies are written here after the first ``n``, at least c rows more.
-        n: how many are there already.
+        moved: output after the first ``n`` rows, at least c rows more.
+        n: number of rows already used.
 
     Returns:
-        How many are written to ``moved`` in all.
+        Number of bodies in ``moved``.
     """
     body_a, body_b, normal = contacts.body_a, contacts.body_b, contacts.normal
     separation, relative_velocity = contacts.separation, contacts.relative_velocity

@@ -1,7 +1,8 @@
 """Leaning stability (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body that stands on one contact and leans on another.
 
-Kept as the paper has it, with its known weakness: it assumes that the friction at the upper contact holds
-as much weight as it can, so between 50 and 65 degrees it accepts an inverted V that must slip.
+The rule is the paper's, with its known weakness: it assumes that friction at the upper contact holds as much weight as
+it
+can, so between 50 and 65 degrees it accepts an inverted V that must slip.
 """
 
 from __future__ import annotations
@@ -31,13 +32,13 @@ def _length(a: FloatArray) -> float:
 
 @compiled
 def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArray, contact: FloatArray) -> FloatArray:
-    """The force [N], (3,), with which gravity, turning the body about its pivot, acts on the other contact.
+    """Return the force [N], (3,), on the other contact that results from gravity's torque about the pivot.
 
     T = (C_stack - P_pivot) x G (Eq. 3). The force is perpendicular to the lever r = C_contact - P_pivot, along
     T x r, so that |F| = |T| / |r| (Eq. 5 with sin(theta) = 1).
 
     Args:
-        weight: gravitational force G on the body and all it carries [N], shape (3,).
+        weight: gravitational force G on the body and its loads [N], shape (3,).
         center: where it acts [m], shape (3,).
         pivot: pivot point [m], shape (3,).
         contact: centre of the other contact area [m], shape (3,).
@@ -52,13 +53,13 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
 
 @compiled
 def split_force(force: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A force [N] on a contact, split into (normal force, sliding force), each (3,).
+    """Return a force [N] on a contact, split into (normal force, sliding force), each (3,).
 
-    The normal force is the projection onto the inverted normal, nil where the force pulls away; the sliding
+    The normal force is the projection onto the inverted normal, zero where the force pulls away; the sliding
     force is the rest, F_sliding = F - F_normal.
 
     Args:
-        force: with which the body acts on the contact [N], shape (3,).
+        force: force of the body on the contact [N], shape (3,).
         normal: unit normal towards the body, shape (3,).
     """
     normal_force = normal * min(0.0, _dot(force, normal))
@@ -74,7 +75,7 @@ def holds_on_pivot(
     pivot_normal: FloatArray,
     pivot_friction: float,
 ) -> bool:
-    """True if the pivot does not slip under what the other contact leaves to it (Eqs 6 and 7).
+    """Return True if the pivot does not slip under the load that the other contact leaves to it (Eqs 6 and 7).
 
     |F_friction| = mu |F_normal| against the sliding direction (Eq. 6), and
     F_pivot = -F_normal + G - F_friction (Eq. 7). Stable iff friction at the pivot exceeds its sliding force.
@@ -98,11 +99,11 @@ def holds_on_pivot(
 
 @compiled
 def leans_stably(graph: Graph, body: int, gravity: float) -> bool:
-    """The paper's leaning test for a body with its stack data carried; False unless it has two leaning contacts.
+    """Return the result of the paper's leaning test for a body with its stack data; False unless two contacts lean.
 
     Args:
         graph: the stack.
-        body: a body whose patches are laid.
+        body: a body whose patches are built.
         gravity: gravitational acceleration [m/s2], positive.
     """
     if count_patches(graph, body) != 2:

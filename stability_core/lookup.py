@@ -1,4 +1,4 @@
-"""The one error for a name that does not exist: it names the nearest match and every allowed name."""
+"""The error for an unknown name, which lists the nearest match and every allowed name."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ Item = TypeVar("Item")
 
 
 class UnknownNameError(LookupError):
-    """A name that is in no table; the message names the fix."""
+    """A name that is in no table; the message lists the allowed names."""
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:
-    """The error for ``name``, which is no ``kind``: nearest match first, then all allowed names."""
+    """Return the error for ``name``, which is not a known ``kind``: nearest match first, then all allowed names."""
     names = list(allowed)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."
@@ -22,7 +22,7 @@ def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameErr
 
 
 def look_up(kind: str, name: str, table: Mapping[str, Item]) -> Item:
-    """The entry ``name`` of ``table``.
+    """Return the entry ``name`` of ``table``.
 
     Raises:
         UnknownNameError: if there is no such entry.

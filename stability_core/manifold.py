@@ -1,8 +1,8 @@
-"""Contact manifolds: the points of a pair over the dwell frames, united into contact patches.
+"""Contact manifolds: unite the points of a pair over the dwell frames into contact patches.
 
-One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points, then, tilted by
-micrometres, 1 or 2. The hull of the points seen over some frames is the true contact area. A pair that touches in
-several faces (two walls of one ground, a bracket) has a patch for each: points belong together by their normals.
+One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points, then, tilted by micrometres, 1 or 2.
+The hull of the points of some frames is the true contact area. A pair that touches in several faces (two walls of one
+ground, a bracket) has a patch for each, because points are grouped by their normals.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ from stability_core.upright import turned
 ENOUGH_VERTICES = 4
 """Vertices that are always kept: a box stands on four."""
 NEGLIGIBLE = 1e-3
-"""Share of a patch's area below which a vertex does not count: the points of several frames tremble, and each costs."""
+"""Share of a patch's area below which a vertex is dropped: the points of several frames tremble, and each costs
+time."""
 _LOAD, _FILED = -1, -2
-"""Beside SUPPORT and LEAN: the other body stands on this one; the contact is in a patch already."""
+"""Kinds beside SUPPORT and LEAN: the other body stands on this one; the contact is already in a patch."""
 
 
 @compiled
@@ -48,9 +49,9 @@ def _twice_area(hull: FloatArray) -> float:
 
 @compiled
 def _thinned(hull: FloatArray) -> FloatArray:
-    """The hull (k, 3) with fewer vertices: those go first whose loss costs the least area.
+    """Return the hull (k, 3) with fewer vertices; vertices whose loss costs the least area go first.
 
-    Not more than MAX_VERTICES stay, and of more than four none that adds less than ``NEGLIGIBLE`` of the area.
+    At most MAX_VERTICES stay; of more than four, vertices that add less than ``NEGLIGIBLE`` of the area go.
     """
     size = len(hull)
     negligible = NEGLIGIBLE * _twice_area(hull) if size > ENOUGH_VERTICES else 0.0
@@ -71,9 +72,9 @@ def _thinned(hull: FloatArray) -> FloatArray:
 
 @compiled
 def shape_patch(patch: Patches, points: FloatArray) -> None:
-    """Write the hull of the contact points (k, 3) into a patch whose kind and normal are known, with all that follows.
+    """Write the hull of the contact points (k, 3), and its derived fields, into a patch with known kind and normal.
 
-    The hull of a load-bearing patch is taken in plan, that of a steep one in its own plane.
+    The hull of a load-bearing patch is taken in plan, the hull of a steep patch in its own plane.
     """
     if patch.kind == SUPPORT:
         hull = _thinned(convex_hull(points))
@@ -98,7 +99,7 @@ def shape_patch(patch: Patches, points: FloatArray) -> None:
 
 @compiled
 def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, other: int, kind: int) -> None:
-    """One patch of ``body`` on ``other`` from the contacts ``rows``."""
+    """Build one patch of ``body`` on ``other`` from the contacts ``rows``."""
     points = np.empty((len(rows), 3))
     patch = link(graph, body, other, kind)
     x, y, z = 0.0, 0.0, 0.0
@@ -119,7 +120,7 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
 
 @compiled
 def _kind_for(contact: ContactRows, body: int) -> int:
-    """SUPPORT if ``body`` stands on the other here, LEAN if it leans, _LOAD if the other stands on ``body``."""
+    """Return SUPPORT if ``body`` stands on the other, LEAN if it leans, _LOAD if the other stands on ``body``."""
     if not contact.level:
         return LEAN
     return SUPPORT if upper_of(contact.body_a, contact.body_b, contact.normal[2]) == body else _LOAD
@@ -127,7 +128,7 @@ def _kind_for(contact: ContactRows, body: int) -> int:
 
 @compiled
 def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) -> bool:
-    """True if two contacts of one pair have the same normal, to ``face_angle`` [rad]."""
+    """Return True if two contacts of one pair have the same normal, to ``face_angle`` [rad]."""
     sign = 1.0 if first.body_a == second.body_a else -1.0
     cosine = 0.0
     for k in range(3):
@@ -137,18 +138,19 @@ def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) ->
 
 @compiled
 def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, face_angle: float) -> None:
-    """Lay the patches of ``body`` anew: on all that it stands on or leans against in ``contacts``.
+    """Rebuild the patches of ``body`` on all bodies that it stands on or leans against in ``contacts``.
 
-    A frozen body keeps its patches, so it gets them on the stack only (ground and frozen bodies); frozen
-    bodies that stand on it get theirs on it as well.
+    A frozen body keeps its patches, so it gets patches on the stack only (ground and frozen bodies); frozen bodies that
+    stand
+    on it get patches on it as well.
     O(rows times neighbours), whatever the height of the stack.
 
     Args:
         graph: with at least as many spare patches as there are rows.
         contacts: rows of ``CONTACT``.
-        mine: which of them touch the body, shape (n,).
+        mine: the contacts that touch the body, shape (n,).
         body: a body id.
-        face_angle: by how much [rad] normals of one face may differ.
+        face_angle: greatest angle [rad] between normals of one face.
     """
     drop_supports(graph, body)
     bodies, row = graph.bodies, graph.bodies[body]
@@ -183,10 +185,10 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
 
 @compiled
 def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int) -> tuple[IntArray, IntArray]:
-    """The contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
+    """Return the contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
 
     Returns:
-        Where the rows of each body begin in the list, shape (k + 1,); the list of rows of ``buffers.contacts``.
+        Start of each body's rows in the list, shape (k + 1,); the list of rows of ``buffers.contacts``.
     """
     bodies, contacts, sizes = graph.bodies, buffers.contacts, buffers.sizes
     k, room = len(ids), len(contacts) // len(sizes)
@@ -202,7 +204,7 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
             for body in (contacts[row].body_a, contacts[row].body_b):
                 if body == GROUND:
                     continue
-                place = bodies[body].place  # perhaps left over from another list
+                place = bodies[body].place  # may be left over from another list
                 if place < k and ids[place] == body:
                     rows[found], owner[found] = row, place
                     start[place + 1] += 1
@@ -219,7 +221,7 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
 
 @compiled
 def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
-    """``lay_patches`` for each of ``ids`` from the last ``frames`` frames, and note for which pose they were laid."""
+    """Call ``lay_patches`` for each of ``ids`` with the last ``frames`` frames, and note the pose."""
     if len(ids) == 0:
         return
     start, rows = _contacts_of(graph, buffers, ids, frames)
@@ -235,14 +237,14 @@ def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, fac
 
 @compiled
 def lift(graph: Graph, body: int) -> None:
-    """Forget the patches of a live body that no longer lies on what is below it."""
+    """Remove the patches of a live body that no longer lies on the bodies below."""
     drop_supports(graph, body)
     graph.bodies[body].is_load = False
 
 
 @compiled
 def supports_as_bits(graph: Graph, body: int) -> np.uint64:
-    """The bodies on which ``body`` stands by its patches, as a set of 64 bits by id."""
+    """Return the bodies on which ``body`` stands by its patches, as a set of 64 bits by id."""
     patches = graph.patches
     bits = np.uint64(0)
     at = graph.bodies[body].first_support

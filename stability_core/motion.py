@@ -1,4 +1,4 @@
-"""How the live bodies move: speeds, and for how long each has been at rest."""
+"""Motion of the live bodies: their speeds, and how long each has been at rest."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from stability_core.stack import ABSENT, DOUBTED, FALLS, FROZEN, LIVE, NOT_REFUS
 
 @compiled
 def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
-    """Take over mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
+    """Read mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
 
-    A body seen for the first time has no speed yet: it counts as infinitely fast. Kinematic bodies are followed by
+    A new body has no speed yet and counts as infinitely fast. Kinematic bodies are followed by
     ``kinematic.follow_host``.
 
     Returns:
-        How many frozen bodies are listed as well.
+        Number of frozen bodies in the list.
     """
     ids, mass, center = masses.body, masses.mass, masses.center
     frozen = 0
@@ -65,7 +65,7 @@ def _squared_distance(a: FloatArray, b: FloatArray) -> float:
 
 @compiled
 def _turns(body: Bodies, limits: Limits) -> bool:
-    """True in a frame in which a body on kinematic ones has turned with them by ``steady_shift`` [rad] in all.
+    """Return True in a frame in which a body on kinematic ones has turned with them by ``steady_shift`` [rad] in all.
 
     Its centre may keep its place meanwhile, and its contacts do not slide.
     """
@@ -87,7 +87,7 @@ def _turns(body: Bodies, limits: Limits) -> bool:
 
 @compiled
 def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool, dt: float) -> None:
-    """Measure for how long a live body has kept its place: at all, and among the same neighbours."""
+    """Measure how long a live body has kept its place: in all, and among the same neighbours."""
     shift = limits.steady_shift * body.size
     if (
         not turns
@@ -103,7 +103,7 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool,
     has_lost = False
     body.lately |= body.neighbours
     body.lately_s += dt
-    if body.lately_s >= limits.rest_s - ROUNDING_S:  # a contact that trembles is not lost
+    if body.lately_s >= limits.rest_s - ROUNDING_S:  # so that a trembling contact is not lost
         has_lost = (body.steady_neighbours & ~body.lately) != 0
         body.lately, body.lately_s = body.neighbours, 0.0
     has_gained = (body.neighbours & ~body.steady_neighbours) != 0
@@ -119,7 +119,7 @@ def _time_in_place(body: Bodies, limits: Limits, fall_speed: float, turns: bool,
 
 @compiled
 def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> None:
-    """Measure for how long each live body has been at rest, by each of the three rules, and has kept its place.
+    """Measure how long each live body has been at rest, by each of the three rules, and has kept its place.
 
     The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support. A body that
     touches nothing has no size yet, so that no speed is slow.
@@ -154,7 +154,7 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
 
 @compiled
 def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool, deferred: bool) -> bool:
-    """True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later.
+    """Return True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later.
 
     With ``rarely``, the times between double. If the body was ``deferred``, true in any frame from then on.
     """
@@ -169,9 +169,9 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 
 @compiled
 def _patience(body: Bodies, limits: Limits) -> float:
-    """For how long [s] a body must be at rest in addition: ``calm_s`` after the second wake, and twice that each time.
+    """Return the additional rest time [s] of a body: ``calm_s`` after the second wake, doubled after each further wake.
 
-    What was woken again and again in its place lies in a pile that still moves.
+    A body that is woken repeatedly in its place lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0
@@ -182,19 +182,20 @@ def _patience(body: Bodies, limits: Limits) -> float:
 def list_due(
     bodies: Bodies, ids: IntArray, limits: Limits, dt: float, at_rest: IntArray, leaning: IntArray
 ) -> tuple[int, int]:
-    """Write down the bodies whose stability must be decided now; returns how many.
+    """List the bodies whose stability must be decided now; return their number.
 
-    A body that was deferred is asked in the next frame, one that was refused after ``rest_s`` more. While it keeps its
-    place, and its neighbours theirs, one that would fall is asked after 2, 4, 8 times that, and one in doubt not before
-    ``doubt_s``: solves are dear.
+    A deferred body is tested in the next frame, a refused one after another ``rest_s``. While it and its neighbours
+    keep
+    their places, a body that would fall is tested after 2, 4, 8 times that, and a body in doubt not before ``doubt_s``,
+    because solves are expensive.
 
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
         limits: the settings.
         dt: time since the last frame [s].
-        at_rest: those at rest are written here, at least m rows.
-        leaning: those at rest by the rule for leaning are written here, at least m rows.
+        at_rest: output, bodies at rest, at least m rows.
+        leaning: output, bodies at rest by the rule for leaning, at least m rows.
     """
     n, m = 0, 0
     for i in range(len(ids)):
@@ -223,14 +224,14 @@ def list_due(
 def list_shifted_loads(
     bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
 ) -> tuple[int, int]:
-    """Write down the live bodies whose patches no longer tell what they rest on; returns how many.
+    """List the live bodies whose patches no longer show their supports; return their number.
 
     Args:
         bodies: the table.
         ids: the live bodies, shape (m,).
         limits: the settings.
-        lying: those that lie on the stack anew are written here, at least m rows.
-        gone: those that lie on it no more are written here, at least m rows.
+        lying: output, bodies that newly lie on the stack, at least m rows.
+        gone: output, bodies that no longer lie on it, at least m rows.
     """
     n, m = 0, 0
     for i in range(len(ids)):

@@ -13,14 +13,14 @@ from stability_core.port import FloatArray, IntArray
 
 @compiled
 def _turn(points: FloatArray, a: int, b: int, c: int) -> float:
-    """Twice the signed area of the plan triangle of rows a, b, c; positive if it turns left."""
+    """Return twice the signed area of the plan triangle of rows a, b, c; positive for a left turn."""
     ax, ay = points[a, 0], points[a, 1]
     return float((points[b, 0] - ax) * (points[c, 1] - ay) - (points[b, 1] - ay) * (points[c, 0] - ax))
 
 
 @compiled
 def _ranked_in_plan(points: FloatArray) -> IntArray:
-    """The rows by x, then y, without repetitions (insertion sort: manifolds are short, and an index is soon moved)."""
+    """Return the rows by x, then y, without repetitions (insertion sort, because manifolds are short)."""
     ranked = np.empty(len(points), np.int64)
     size = 0
     for row in range(len(points)):
@@ -41,7 +41,7 @@ def _ranked_in_plan(points: FloatArray) -> IntArray:
 
 @compiled
 def _hull_rows(points: FloatArray) -> IntArray:
-    """The rows of ``convex_hull``, shape (k,)."""
+    """Return the rows of ``convex_hull``, shape (k,)."""
     ranked = _ranked_in_plan(points)
     n = len(ranked)
     if n < 3:
@@ -64,9 +64,9 @@ def _hull_rows(points: FloatArray) -> IntArray:
 
 @compiled
 def convex_hull(points: FloatArray) -> FloatArray:
-    """Vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain).
+    """Return the vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain).
 
-    O(n^2) at worst, by the sort.
+    O(n^2) at worst, because of the sort.
     """
     rows = _hull_rows(points)
     hull = np.empty((len(rows), 3))
@@ -78,7 +78,7 @@ def convex_hull(points: FloatArray) -> FloatArray:
 
 @compiled
 def _foot(x: float, y: float, a: FloatArray, b: FloatArray) -> float:
-    """Where the point nearest to (x, y) lies on the way from a (0) to b (1)."""
+    """Return the parameter, 0 at a and 1 at b, of the point of the segment nearest to (x, y)."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length2 = dx * dx + dy * dy
     if length2 > 0.0:
@@ -94,7 +94,7 @@ def _distance_to_segment(x: float, y: float, a: FloatArray, b: FloatArray) -> fl
 
 @compiled
 def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
-    """The point on the border of the hull (n, 3), n > 0, that is nearest to (x, y) in plan."""
+    """Return the point on the border of the hull (n, 3), n > 0, that is nearest to (x, y) in plan."""
     least, near_x, near_y = np.inf, x, y
     for i in range(len(hull)):
         a, b = hull[i], hull[(i + 1) % len(hull)]
@@ -107,7 +107,7 @@ def nearest_point(hull: FloatArray, x: float, y: float) -> tuple[float, float]:
 
 @compiled
 def is_inside(hull: FloatArray, x: float, y: float) -> bool:
-    """True if (x, y) lies in the hull (n, 3) or on its border; a point or a line has no inside."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line has no inside."""
     n = len(hull)
     for i in range(n):
         ax, ay = hull[i, 0], hull[i, 1]
@@ -119,13 +119,13 @@ def is_inside(hull: FloatArray, x: float, y: float) -> bool:
 
 @compiled
 def lies_on(hull: FloatArray, x: float, y: float) -> bool:
-    """True if (x, y) lies in the hull (n, 3) or on its border, which is all that a point or a line has."""
+    """Return True if (x, y) lies in the hull (n, 3) or on its border; a point or a line is its own border."""
     return is_inside(hull, x, y) if len(hull) > 2 else bool(inside_distance(hull, x, y) == 0.0)
 
 
 @compiled
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
-    """Distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
+    """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 
     The vertical ray test: a ray from the centre of mass hits the contact area iff this is >= 0.
     No points: minus infinity. A point or a line has no inside.
@@ -141,7 +141,7 @@ def inside_distance(hull: FloatArray, x: float, y: float) -> float:
 
 @compiled
 def width(hull: FloatArray) -> float:
-    """Least width [m] of the hull in plan; zero for a point or a line."""
+    """Return the least width [m] of the hull in plan; zero for a point or a line."""
     n = len(hull)
     if n < 3:
         return 0.0
@@ -158,7 +158,7 @@ def width(hull: FloatArray) -> float:
 
 @compiled
 def centroid(hull: FloatArray) -> tuple[float, float, float]:
-    """Area centroid of the hull in plan, at the mean height of its vertices; of a line, its middle."""
+    """Return the area centroid of the hull in plan, at the mean height of its vertices; for a line, its middle."""
     n = len(hull)
     x, y, z = 0.0, 0.0, 0.0
     for i in range(n):

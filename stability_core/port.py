@@ -1,8 +1,9 @@
-"""What the core sees of a physics engine: contacts, sleep and mass. Nothing else.
+"""The core's view of a physics engine: contacts, sleep and mass, and nothing else.
 
-SI units, float64, struct of arrays, in the coordinates of the engine: gravity tells which way is up. Body ids are
-integers from 0, never reused, however large: memory follows the bodies that live. "Sleep" means an exact freeze: a
-frozen body does not move at all, whatever hits it.
+SI units, float64, struct of arrays, in the coordinates of the engine: gravity defines the vertical. Body ids are
+integers
+from 0, never reused, of any size: memory grows with the number of bodies that live. "Sleep" means an exact freeze: a
+frozen body does not move at all, even if it is hit.
 """
 
 from __future__ import annotations
@@ -19,19 +20,20 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 GROUND = -1
-"""The id of everything that never moves and was never spawned: floor, table, walls.
+"""Id of everything that never moves and was never spawned: floor, table, walls.
 
-What the host will ever move (a lift, a door, a conveyor belt) is a body with an id of its own and infinite mass, see
-``Masses``. Should a part of the ground start to move all the same, list it as such a body from then on, and name the
-bodies that rest on it to ``StabilityExtension.wake``.
+A body that the host will ever move (a lift, a door, a conveyor belt) has its own id and infinite mass, see ``Masses``.
+If
+a part of the ground starts to move all the same, list it as such a body from then on, and name the bodies that rest on
+it to ``StabilityExtension.wake``.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """The contact points of one frame, one row a point; every contact that touches a live body.
+    """The contact points of one frame, one row per point: every contact that touches a live body.
 
-    NaN is allowed in ``separation`` and ``relative_velocity`` only, where an engine cannot tell.
+    NaN is allowed in ``separation`` and ``relative_velocity`` only, if an engine does not report them.
     """
 
     body_a: IntArray
@@ -39,23 +41,23 @@ class Contacts:
     body_b: IntArray
     """Second body of the pair, shape (n,)."""
     point: FloatArray
-    """Contact points [m], shape (n, 3)."""
+    """Contact points [m] in the coordinates of the engine, shape (n, 3)."""
     normal: FloatArray
     """Unit normals pointing from body a to body b, shape (n, 3)."""
     separation: FloatArray
     """Signed distance [m], shape (n,); negative is penetration."""
     relative_velocity: FloatArray
-    """Velocity [m/s] of b against a at the point before the solver stops it, shape (n, 3): that of the
-    fastest approach over the frame's substeps."""
+    """Velocity [m/s] of b against a at the point before the solver stops it, shape (n, 3): the fastest approach over
+    the frame's substeps."""
     friction: FloatArray
     """Coulomb coefficient of the pair, shape (n,)."""
     force: FloatArray | None = None
-    """Force [N] that acts on body b at each point, mean over the frame's substeps, shape (n, 3); the opposite acts on
-    body a. Zero at points that are listed but do not touch. None where the engine does not tell."""
+    """Force [N] on body b at each point, mean over the frame's substeps, shape (n, 3); the opposite force acts on body
+    a. Zero at points that are listed but do not touch. None if the engine reports no forces."""
 
     @classmethod
     def empty(cls) -> Contacts:
-        """No contact at all."""
+        """Return an empty set of contacts."""
         ids, scalars, vectors = np.empty(0, np.int64), np.empty(0), np.empty((0, 3))
         return cls(ids, ids, vectors, vectors, scalars, vectors, scalars)
 
@@ -72,13 +74,16 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    Frozen bodies may be left out: they do not move, and the core remembers them. One that is listed is followed: if it
-    has moved it is live from then on, and if its mass has changed the stack is judged with that.
+    Frozen bodies may be left out, because they do not move and the core remembers them. A listed frozen body is
+    followed: if
+    it has moved it is live from then on, and if its mass has changed the stack is judged with the new mass.
 
     A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that its
-    movement is seen. While it keeps its place it counts as ground; when it begins to move, all that rests on it wakes.
-    One that moves in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
-    (``Contacts.relative_velocity``); where the engine lists none, name it to ``StabilityExtension.wake``.
+    motion
+    is seen. While it keeps its place it counts as ground; when it begins to move, all bodies on it unfreeze. A body
+    that moves
+    in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
+    (``Contacts.relative_velocity``); if the engine lists none, name it to ``StabilityExtension.wake``.
     """
 
     body: IntArray
@@ -92,14 +97,14 @@ class Masses:
 
 
 class StabilityPort(Protocol):
-    """The four calls through which the core knows and steers an engine."""
+    """The four calls through which the core reads and controls an engine."""
 
     def contacts(self) -> Contacts:
-        """Every contact that touches a live body after the latest step."""
+        """Return every contact that touches a live body after the latest step."""
         ...
 
     def masses(self) -> Masses:
-        """The live bodies as they are after the latest step."""
+        """Return the live bodies as they are after the latest step."""
         ...
 
     def sleep(self, bodies: Sequence[int]) -> None:
@@ -107,5 +112,5 @@ class StabilityPort(Protocol):
         ...
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Hand frozen bodies back to the engine, at rest, with the mass they had."""
+        """Return frozen bodies to the engine, at rest, with their former mass."""
         ...

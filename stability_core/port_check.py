@@ -1,4 +1,4 @@
-"""Hold a port of your own to what the core relies on, with messages that name the fix."""
+"""Check a user's own port against the promises that the core relies on; messages name the fix."""
 
 from __future__ import annotations
 
@@ -26,35 +26,36 @@ from stability_core.validation import (
 APART = 0.1
 """Separation, over the distance from a body's centre to the contact, that no contact of a resting body has."""
 STOPPED = 1e-3
-"""Share of its size that a body at rest may move in a frame."""
+"""Share of its size that a body at rest may move per frame."""
 SAME = 1e-6
-"""Share of its size, or of its mass, by which a sleeping body may change: a rounding of single precision."""
+"""Share of its size, or of its mass, by which a frozen body may change: a rounding of single precision."""
 ASLEEP = 10
-"""Frames for which a body sleeps in the check: in free fall it would move by 14 cm."""
+"""Frames for which a body is frozen in the check: in free fall it would move by 14 cm."""
 
 Step: TypeAlias = Callable[[], object]
 
 
 class PortError(ValueError):
-    """A port breaks a promise; the message says which, what was seen, and what to change."""
+    """A port that breaks a promise; the message states the promise, the observation and the fix."""
 
 
 def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
-    """Check a port on a simulation of your own: that arrays fit, normals and separations have their sign, sleep holds.
+    """Check a port on your own simulation: array shapes, signs of normals and separations, and exact freezing.
 
     The simulation is stepped, and must come to rest with a body on the ground, or on anything else that never moves.
-    That body is put to sleep for a while, and woken.
+    That
+    body is frozen for a while, and unfrozen.
 
     Args:
-        port: the port, which no extension watches.
+        port: the port, without an extension.
         step: advances the simulation by one frame.
-        frames: number of frames in which something comes to rest.
+        frames: number of frames within which a body comes to rest.
 
     Returns:
-        What was checked, and what could not be seen: one line each.
+        The checked promises, and those that could not be observed: one line each.
 
     Raises:
-        PortError: at the first promise that is broken.
+        PortError: at the first broken promise.
     """
     for frame in range(frames):
         before = port.masses() if frame == frames - 1 else None
@@ -103,13 +104,13 @@ def _check_arrays(contacts: Contacts, masses: Masses, frame: int) -> None:
 
 
 def _on_ground(contacts: Contacts, body: int) -> IntArray:
-    """The rows of a body's contacts with the ground, shape (k,)."""
+    """Return the rows of a body's contacts with the ground, shape (k,)."""
     a, b = contacts.body_a, contacts.body_b
     return np.flatnonzero(((a == body) & (b == GROUND)) | ((a == GROUND) & (b == body)))
 
 
 def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> tuple[int, float]:
-    """The body that moves least among those that touch the ground, and its distance [m] to its contacts there.
+    """Return the body that moves least among those on the ground, and its distance [m] to its contacts there.
 
     Raises:
         PortError: if none touches the ground, or none is at rest.
@@ -166,7 +167,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
         raise PortError(f"masses() does not list body {body}, which is live, if it is called twice")
     lines = []
     port.sleep((body,))
-    port.sleep((body,))  # asleep already: must do nothing
+    port.sleep((body,))  # frozen already: must do nothing
     for _ in range(ASLEEP):
         step()
         seen = _row_of(port.masses(), body)
@@ -196,7 +197,7 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
 
 
 def _row_of(masses: Masses, body: int) -> tuple[float, FloatArray] | None:
-    """Mass [kg] and centre of mass [m], (3,), of a body that is listed."""
+    """Return mass [kg] and centre of mass [m], (3,), of a listed body."""
     rows = np.flatnonzero(masses.body == body)
     return (
         None if len(rows) == 0 else (float(masses.mass[rows[0]]), np.array(masses.center_of_mass[rows[0]], np.float64))

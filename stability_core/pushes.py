@@ -1,8 +1,10 @@
-"""Pushes: the contact forces with which live bodies press on frozen ones other than by lying on them.
+"""Pushes: contact forces of live bodies on frozen ones beyond their weight.
 
-What lies on a stack presses with its weight, which statics knows. A hand, a motor or a robot that leans on a stack
-presses with a force that only the engine knows: where it tells contact forces, those count that act at side faces, and
-all those of bodies that the user holds or the host moves. A mean over ``load_s`` is taken: a bump is no push.
+A body that lies on a stack presses with its weight, which statics knows. A motor, a robot or a user that leans on a
+stack
+presses with a force that only the engine knows. If the engine reports contact forces, those at side faces count, and
+all
+forces of bodies that the user holds or the host moves. The mean over ``load_s`` is used, so that a bump is no push.
 """
 
 from __future__ import annotations
@@ -16,12 +18,12 @@ from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
-"""Change of a push, over the body's weight and that push, from which on its balance is looked at again."""
+"""Change of a push, over the body's weight and that push, at which its balance is judged again."""
 
 
 @compiled
 def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
-    """True if what a body exerts at a contact with a frozen one is a push: it does not just lie there."""
+    """Return True if a body's force at a contact with a frozen body is a push, beyond lying there."""
     if pusher == GROUND:
         return False
     row = bodies[pusher]
@@ -34,7 +36,7 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 
 @compiled
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
-    """Make room for the share ``weight`` of the present frame in the mean; a push of long ago is forgotten."""
+    """Make room for the share ``weight`` of the present frame in the mean; drop a push of long ago."""
     if now - row.pushed_s > limits.load_s:
         row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now
@@ -43,9 +45,9 @@ def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
 
 @compiled
 def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
-    """True if a push has changed since the balance of the body was last looked at, or lasts since then.
+    """Return True if a push has changed since the body's balance was last judged, or has lasted since then.
 
-    What has not lasted for ``load_s`` may be the bump of a body that has just arrived.
+    A force shorter than ``load_s`` may be the bump of a body that has just arrived.
     """
     if now - row.push_began_s < limits.load_s - ROUNDING_S:
         return False
@@ -64,18 +66,18 @@ def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
 
 @compiled
 def list_pushed(bodies: Bodies, contacts: ContactRows, limits: Limits, now: float, dt: float, pushed: IntArray) -> int:
-    """Write down the frozen bodies on which a push has changed, or lasts: O(n).
+    """List the frozen bodies on which a push has changed, or lasts: O(n).
 
     Args:
         bodies: the table.
-        contacts: those of the latest frame that count, shape (n,).
+        contacts: contacts of the latest frame that count, shape (n,).
         limits: the settings.
         now: time since the first frame [s].
         dt: length of a frame [s].
-        pushed: written here, at least 2 n rows.
+        pushed: output, at least 2 n rows.
 
     Returns:
-        How many they are.
+        Number of listed bodies.
     """
     touched = 0
     for i in range(len(contacts)):

@@ -1,8 +1,9 @@
-"""Rows of the tables by body id: memory follows the bodies that live, not the greatest id.
+"""Rows of the tables by body id: memory grows with the number of bodies that live, not with the greatest id.
 
-A hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), filled by a half at most; a body that
-leaves closes the gap behind it (Algorithm R), and its row is given to a body that comes. Rows are given in the order in
-which bodies appear, by rising id within a frame: as long as none is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+A hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. A body that leaves
+closes the gap behind it (Algorithm R), and its row is reused. Rows are given in order of appearance, by rising id
+within a
+frame: as long as no body is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -16,24 +17,24 @@ from stability_core.port import GROUND, IntArray
 from stability_core.stack import NONE, sorted_ids
 
 UNKNOWN = -2
-"""Row of a body that has none."""
+"""Row of an unknown body."""
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """2^64 over the golden ratio: its multiples spread ids in sequence evenly (Fibonacci hashing)."""
 _HALF = np.uint64(32)
 
 
 class Rows(NamedTuple):
-    """Which row of ``Graph.bodies`` each body has."""
+    """The row of each body in ``Graph.bodies``."""
 
     slots: IntArray
-    """Id and row, shape (2**k, 2); the id is NONE where a slot is free."""
+    """Id and row, shape (2**k, 2); the id is NONE in a free slot."""
     spare: IntArray
     """Free rows: their number, then the rows, shape (1 + rows,); the last is given first."""
 
 
 @compiled
 def _home(slots: IntArray, body: int) -> np.int64:
-    """The slot where the search for a body begins."""
+    """Return the slot at which the search for a body starts."""
     key = np.uint64(body)
     mixed = (key ^ (key >> _HALF)) * _GOLDEN
     return np.int64((mixed >> _HALF) & np.uint64(len(slots) - 1))
@@ -41,7 +42,7 @@ def _home(slots: IntArray, body: int) -> np.int64:
 
 @compiled
 def _slot_of(slots: IntArray, body: int) -> int:
-    """The slot of a body, or the free one where it would be put."""
+    """Return the slot of a body, or the free slot for it."""
     last = len(slots) - 1
     at = _home(slots, body)
     while slots[at, 0] != body and slots[at, 0] != NONE:
@@ -51,9 +52,9 @@ def _slot_of(slots: IntArray, body: int) -> int:
 
 @compiled
 def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
-    """Write the row of each of ``ids`` (k,) into ``rows`` (k,), GROUND for the ground and UNKNOWN where it has none.
+    """Write the row of each of ``ids`` (k,) into ``rows`` (k,): GROUND for the ground, UNKNOWN without a row.
 
-    Returns the first place at which a body is unknown, -1 if none is.
+    Return the first place of an unknown body, or -1.
     """
     first = -1
     for i in range(len(ids)):
@@ -69,16 +70,16 @@ def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
 
 @compiled
 def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> int:
-    """Give a row to each of ``ids`` (k,) that has none, by rising id; its place in ``rows`` (k,) is UNKNOWN.
+    """Give a row to each of ``ids`` (k,) without one, by rising id; its place in ``rows`` (k,) is UNKNOWN.
 
-    Returns how many rows are missing: nothing is given unless there are enough.
+    Return the number of missing rows; nothing is given unless there are enough.
     """
     new = ids[rows == UNKNOWN]
     if len(new) > spare[0]:
         return int(len(new) - spare[0])
     for body in sorted_ids(new):
         at = _slot_of(slots, body)
-        if slots[at, 0] == NONE:  # else it is listed twice
+        if slots[at, 0] == NONE:  # otherwise it is listed twice
             slots[at, 0], slots[at, 1] = body, spare[spare[0]]
             spare[0] -= 1
     find_rows(slots, ids, rows)
@@ -87,7 +88,7 @@ def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -
 
 @compiled
 def take_row(slots: IntArray, spare: IntArray, body: int) -> None:
-    """Take its row from a body, if it has one; bodies behind it in the table move up."""
+    """Free the row of a body, if it has one; bodies behind it in the table move up."""
     last = len(slots) - 1
     gap = _slot_of(slots, body)
     if slots[gap, 0] == NONE:
@@ -113,7 +114,7 @@ def _copy_slots(known: IntArray, slots: IntArray) -> None:
 
 
 def rows_for(count: int, known: Rows | None = None) -> Rows:
-    """``count`` rows, with those that are ``known`` taken over; a slot table of twice as many at least."""
+    """Return a table with ``count`` rows that keeps the ``known`` ones; it has at least twice as many slots."""
     slots = np.full((1 << max(1, 2 * count - 1).bit_length(), 2), NONE, np.int64)
     old, free = (0, np.empty(0, np.int64)) if known is None else (len(known.spare) - 1, known.spare[1:])
     if known is not None:

@@ -1,6 +1,6 @@
-"""A world told by hand in which the core does all that it can do: a stack is built, struck and undermined.
+"""A scripted world that exercises all of the core: a stack is built, struck and undermined.
 
-Played once before anything is needed, it has all kernels compiled, or read from Numba's cache.
+Playing it once compiles all kernels, or reads them from Numba's cache.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from stability_core.port import GROUND, Contacts, Masses
 
 _FRAME_S = 1 / 60
 _RESTING_FRAMES = 90
-"""Enough for every body to freeze, those in doubt too."""
+"""Enough frames for every body to freeze, also those in doubt."""
 _HALF = 0.05
 """Half the edge of the cubes [m]."""
 _UP, _ASIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
@@ -50,7 +50,7 @@ _CUBES = {
     6: (2.00, 0.0, 0.55),  # one on the ground's edge, one held beside it by nothing but friction
     7: (2.10, 0.0, 0.55),
     8: (3.0, 0.0, 0.05),  # a ball
-    9: (0.1, 0.0, 0.35),  # more than the third can bear at its edge, from the middle of the script
+    9: (0.1, 0.0, 0.35),  # overloads the third at its edge, from the middle of the script
 }
 _LATE = 9
 _TOUCHES = (
@@ -80,13 +80,13 @@ class ScriptedPort:
         self._removed: list[int] = []
 
     def take_away(self, body: int) -> None:
-        """Remove a body, so that what rests on it must wake."""
+        """Remove a body, so that the bodies on it unfreeze."""
         del self.bodies[body]
         self._frozen.discard(body)
         self._removed.append(body)
 
     def contacts(self) -> Contacts:
-        """The contacts of live bodies."""
+        """Return the contacts of live bodies."""
         rows = [(touch, point) for touch in _TOUCHES if self._is_seen(touch) for point in touch.points]
         count = len(rows)
         return Contacts(
@@ -101,18 +101,18 @@ class ScriptedPort:
         )
 
     def masses(self) -> Masses:
-        """One kilogram a live cube."""
+        """Return a mass of one kilogram for each live cube."""
         live = sorted(self.bodies.keys() - self._frozen)
         removed, self._removed = self._removed, []
         centers = np.array([self.bodies[body] for body in live]).reshape(-1, 3)
         return Masses(np.array(live, np.int64), np.ones(len(live)), centers, removed)
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze."""
+        """Freeze bodies."""
         self._frozen.update(bodies)
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Let live."""
+        """Unfreeze bodies."""
         self._frozen.difference_update(bodies)
 
     def _is_seen(self, touch: _Touch) -> bool:
@@ -121,12 +121,12 @@ class ScriptedPort:
 
 
 class ScriptedExtension(Protocol):
-    """What the script asks of ``StabilityExtension``."""
+    """The methods of ``StabilityExtension`` that the script uses."""
 
     gravity: tuple[float, float, float]
 
     def update(self, dt: float) -> object:
-        """Look at the world after a step."""
+        """Read the world after a step."""
 
     def adopt(self, bodies: Iterable[int] | None = None) -> object:
         """Judge bodies at once."""
@@ -135,11 +135,11 @@ class ScriptedExtension(Protocol):
         """Hold bodies."""
 
     def release(self, bodies: Iterable[int]) -> None:
-        """Let them go."""
+        """Release bodies."""
 
 
 def play_script(extension: ScriptedExtension, port: ScriptedPort) -> None:
-    """Let an extension that watches ``port`` freeze and wake whatever there is to freeze and to wake."""
+    """Let an extension that watches ``port`` freeze and unfreeze bodies in every way."""
 
     def rest() -> None:
         for _ in range(_RESTING_FRAMES):
@@ -149,7 +149,7 @@ def play_script(extension: ScriptedExtension, port: ScriptedPort) -> None:
     rest()
     port.bodies[_LATE] = _CUBES[_LATE]
     rest()
-    port.velocity = _FAST  # what is live strikes what it touches
+    port.velocity = _FAST  # live bodies strike their neighbours
     rest()
     port.velocity = _STILL
     extension.disturb([2])

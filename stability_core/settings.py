@@ -1,9 +1,9 @@
-"""Every tolerance of the core, with its unit, its default and its reason. One set for all engines and all sizes.
+"""All tolerances of the core, each with unit, default and reason: one set for all engines and all sizes.
 
-Lengths count in sizes of a body, which the core infers from what it sees (``contact_filter.note_sizes``), and speeds in
-the square root of gravity times that size: a stack that is a hundred times larger and falls ten times more slowly is
-judged alike. Times are seconds, whatever the frame rate of the host. For the paper's plank of 117 mm the defaults are
-the metres and the metres a second that their reasons name.
+Lengths are in sizes of a body, which the core infers from its contacts (``contact_filter.note_sizes``), and speeds in
+sqrt(gravity times size), so that a stack that is a hundred times larger and falls ten times more slowly is judged
+alike. Times are seconds, at any frame rate. For the paper's plank of 117 mm the defaults are the lengths and speeds in
+their reasons.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from typing import Any, TypeAlias
 import numpy as np
 
 Limits: TypeAlias = Any
-"""One row of a structured array with the fields of ``Settings``, and ``gravity`` [m/s2]: how the kernels read them."""
+"""One row of a structured array with the fields of ``Settings``, and ``gravity`` [m/s2], for the kernels."""
 
 _PLANK = 59.8e-3
 """Size [m] of the plank for which the tolerances were found: from its centre to the corners of a face."""
 _FALL = math.sqrt(9.81 * _PLANK)
-"""Its unit of speed [m/s]."""
+"""Unit of speed [m/s] for that plank."""
 ROUNDING_S = 1e-6
-"""By how much [s] a sum of frames may fall short of a time."""
+"""Rounding error [s] of a sum of frame times."""
 
 
 def _setting(default: float, unit: str, reason: str) -> Any:
@@ -30,12 +30,12 @@ def _setting(default: float, unit: str, reason: str) -> Any:
 
 
 def _length(metres: float, reason: str) -> Any:
-    """A length, given for the plank [m]."""
+    """Return a length setting, given for the plank [m]."""
     return _setting(metres / _PLANK, "sizes", reason)
 
 
 def _speed(metres_a_second: float, reason: str) -> Any:
-    """A speed, given for the plank [m/s]."""
+    """Return a speed setting, given for the plank [m/s]."""
     return _setting(metres_a_second / _FALL, "sqrt(gravity * size)", reason)
 
 
@@ -161,13 +161,13 @@ class Settings:
 
     @property
     def longest_dwell(self) -> float:
-        """Time [s] for which contacts must be kept: that of the slowest of the three rules."""
+        """Time [s] for which contacts must be kept: the slowest of the three rules."""
         return max(self.rest_s, self.lean_s, self.load_s)
 
     def limits(self, gravity: float) -> Limits:
-        """The settings as a structured array of shape (1,), for the kernels; gravity [m/s2] is positive."""
+        """Return the settings as a structured array of shape (1,), for the kernels; gravity [m/s2] is positive."""
         return np.array([(*astuple(self), gravity)], _LIMITS)
 
 
 _LIMITS = np.dtype([*((item.name, "f8") for item in fields(Settings)), ("gravity", "f8")], align=True)
-"""One for all settings: Numba knows this very object again at once, and another that is equal field by field."""
+"""The one dtype of all settings, because Numba recognises this object at once and compares others field by field."""

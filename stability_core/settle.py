@@ -1,6 +1,6 @@
-"""What every policy does in a frame, around its own decision: patches are laid before it and after it.
+"""The steps that every policy takes in a frame, before and after its own decision.
 
-The steps are compiled, so that a policy can do all of a frame in one call.
+The steps are compiled, so that a policy can settle a frame in one call.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from stability_core.stack import FROZEN, LIVE, Graph, note_change_of_supports, s
 
 @compiled
 def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> IntArray:
-    """The bodies in this ``state`` for which ``rule`` is the strictest, by rising id, shape (k,)."""
+    """Return the bodies in this ``state`` whose strictest rule is ``rule``, by rising id, shape (k,)."""
     bodies, ids = graph.bodies, listed(buffers, rule)
     found = np.empty(len(ids), np.int64)
     n = 0
@@ -30,14 +30,14 @@ def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> In
 
 @compiled
 def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
-    """Lay the patches of all that is due, from as many frames as its rule waits for; lift those of what has gone.
+    """Build the patches of the worklist, from as many frames as its rule needs; remove patches of departed bodies.
 
-    O(contacts of the dwell frames), whatever the number of frozen bodies.
+    O(contacts of the dwell frames), independent of the number of frozen bodies.
     """
     bodies = graph.bodies
     for body in listed(buffers, GONE):
         lift(graph, body)
-    for rule in (LYING, LEANING, AT_REST):  # the strictest has the last word
+    for rule in (LYING, LEANING, AT_REST):  # the strictest rule comes last
         for body in listed(buffers, rule):
             bodies[body].rule = rule
     limit = limits[0]
@@ -48,9 +48,9 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 
 @compiled
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
-    """Lay again, on the stack alone, the patches of what was frozen; lift those laid for a test that was failed.
+    """Rebuild the patches of newly frozen bodies, on the stack alone; remove patches built for a failed test.
 
-    What touches the stack alone has them already. A body that only passes by is no load.
+    A body that touches only the stack has them already. A body in passing is no load.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):
@@ -80,7 +80,7 @@ def _lay_on_stack(graph: Graph, buffers: FrameBuffers, frozen: IntArray, frames:
 
 @compiled
 def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
-    """The ``ids`` by rising height of the centre of mass, shape (k,)."""
+    """Return the ``ids`` by rising height of the centre of mass, shape (k,)."""
     if len(ids) < 2:
         return ids
     bodies = graph.bodies
@@ -92,9 +92,9 @@ def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def write_down(row: IntArray, ids: IntArray) -> int:
-    """Write the ``ids`` into a row that Python holds; returns how many.
+    """Write the ``ids`` into a row of an array that Python holds; return their number.
 
-    To make an array and hand it from a kernel to Python takes more than a microsecond.
+    Returning a new array to Python takes more than a microsecond (ADR-0002).
     """
     for i in range(len(ids)):
         row[i] = ids[i]

@@ -1,8 +1,9 @@
 """The stack as a graph in two flat tables: bodies, and the contact patches that join them.
 
-A patch joins an upper body to what it stands on or leans against. Patches hang in two linked lists,
-one of each body's supports and one of its loads, so that a change costs what it touches, whatever the
-height of the stack. Frozen pairs keep the patch they were frozen with: engines forget such contacts.
+A patch joins an upper body to its support or leaning partner. Patches hang in two linked lists, one of each body's
+supports and one of its loads, so that a change costs as much as the touched bodies, at any height. Frozen pairs keep
+the
+patch of their freezing, because engines drop such contacts.
 """
 
 from __future__ import annotations
@@ -15,91 +16,91 @@ from stability_core.compiled import compiled
 from stability_core.port import GROUND, FloatArray, IntArray
 
 ABSENT, LIVE, FROZEN, FIXED, MOVING = range(5)
-"""A body's ``state``; FIXED and MOVING are those of kinematic bodies."""
+"""A body's ``state``; FIXED and MOVING are for kinematic bodies."""
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
-"""A body's ``doubt``: NOTED as soon as what surrounds it is recorded, so that any change is seen."""
+"""A body's ``doubt``: NOTED once its surroundings are recorded, so that any change is seen."""
 NOT_REFUSED, TOPPLES, FALLS, DOUBTED = 0, 1, 2, 3
-"""A body's ``refusal``: what the policy said when it last was not frozen."""
+"""A body's ``refusal``: the policy's reason when it was last not frozen."""
 NONE = -1
 """End of a linked list."""
 FEW = 16
-"""Ids up to which an insertion sort is the fastest."""
+"""Number of ids up to which an insertion sort is fastest."""
 MAX_VERTICES = 16
-"""Vertices kept of a contact patch; box on box gives at most 8 a frame."""
+"""Vertices kept per contact patch; box on box has at most 8 per frame."""
 
 Bodies: TypeAlias = Any
-"""Structured array of ``BODY``, one row a body: see ``rows``. In the kernels a body's number is its row."""
+"""Structured array of ``BODY``, one row per body: see ``rows``. In the kernels a body's number is its row."""
 Patches: TypeAlias = Any
-"""Structured array of ``PATCH``, one row a contact patch."""
+"""Structured array of ``PATCH``, one row per contact patch."""
 
 BODY = np.dtype(
     [
         ("state", "i1"),  # ABSENT, LIVE, FROZEN, FIXED or MOVING
-        ("id", "i8"),  # by which the port knows it
+        ("id", "i8"),  # its id at the port
         ("held", "?"),  # a user holds it: it stays live
         ("mass", "f8"),  # [kg], infinite for kinematic bodies
-        ("blow", "f8"),  # by how much the blows of the latest frame would let it slide [m]
-        ("slid", "f8"),  # the same, all that it has borne since it was frozen [m]; infinite for a hard blow
+        ("blow", "f8"),  # slide that the blows of the latest frame would cause [m]
+        ("slid", "f8"),  # sum of such slides since it was frozen [m]; infinite for a hard blow
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
         ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
         ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
-        ("swept", "f8"),  # of a kinematic body: way of its surface below frozen ones since it was still [m]
-        ("sweep", "f8"),  # likewise: the greatest speed of that in this frame [m/s]
+        ("swept", "f8"),  # of a kinematic body: path of its surface below frozen bodies since it was still [m]
+        ("sweep", "f8"),  # of a kinematic body: greatest speed of that surface in this frame [m/s]
         # the mean push of live bodies on a frozen one: see ``pushes``
         ("push", "f8", (3,)),  # [N]
-        ("push_began_s", "f8"),  # when that began [s]
-        ("pushed_s", "f8"),  # when it was last pushed [s]
-        ("push_judged", "f8", (3,)),  # the push under which its balance was last looked at [N]
-        ("push_judged_s", "f8"),  # when that was [s]
-        # how it moves and what it touches, in the latest frame
+        ("push_began_s", "f8"),  # start of the push [s]
+        ("pushed_s", "f8"),  # time of the latest push [s]
+        ("push_judged", "f8", (3,)),  # push under which its balance was last judged [N]
+        ("push_judged_s", "f8"),  # time of that judgement [s]
+        # motion and contacts in the latest frame
         ("speed", "f8"),  # of the centre of mass [m/s]
         ("slip", "f8"),  # fastest sliding at a contact [m/s]
         ("depth", "f8"),  # deepest penetration into a support [m]
-        ("depth_before", "f8"),  # the same, in the frame before [m]
+        ("depth_before", "f8"),  # deepest penetration in the frame before [m]
         ("touches", "?"),  # it touches the ground or a frozen body
         ("supported_by", "u8"),  # its supports as a set of 64 bits by id
-        ("neighbours", "u8"),  # all that it touches, likewise
-        ("frozen_neighbours", "u8"),  # those of them that are frozen, or the ground
-        # for how long [s], up to the latest frame
+        ("neighbours", "u8"),  # all bodies that it touches, likewise
+        ("frozen_neighbours", "u8"),  # the frozen ones among them, and the ground
+        # durations [s] up to the latest frame
         ("rest_s", "f8"),  # at rest by the strict rule
-        ("still_s", "f8"),  # in its place, however it trembles and however deep it lies
-        ("still_center", "f8", (3,)),  # centre of mass when that began [m]
+        ("still_s", "f8"),  # in its place, with any tremble and depth
+        ("still_center", "f8", (3,)),  # centre of mass at the start of that [m]
         ("lean_s", "f8"),  # at rest by the rule for leaning
         ("load_s", "f8"),  # slow enough to lie on its support
-        ("unsettled", "?"),  # woken, and neither seen moving nor calm for long since then
+        ("unsettled", "?"),  # woken, and since then neither seen moving nor calm for long
         ("idle_s", "f8"),  # at rest by the strict rule, whatever it touches
-        ("is_resting", "?"),  # that for as long as freezing asks for
-        ("wakes", "i8"),  # how often it was woken since it was last in flight
-        ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies that it touches, in this frame
-        ("still_normal", "f8", (3,)),  # their direction, unit, when it last turned by ``steady_shift``
-        # for how long it has kept its place among the same neighbours
+        ("is_resting", "?"),  # at rest for as long as freezing requires
+        ("wakes", "i8"),  # number of wakes since it was last in flight
+        ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies below it, in this frame
+        ("still_normal", "f8", (3,)),  # unit direction of that sum when it last turned by ``steady_shift``
+        # duration in its place among the same neighbours
         ("steady_s", "f8"),  # [s]
-        ("steady_center", "f8", (3,)),  # centre of mass when that began [m]
+        ("steady_center", "f8", (3,)),  # centre of mass at the start of that [m]
         ("steady_neighbours", "u8"),
-        ("lately", "u8"),  # all that it touched in the latest ``lately_s``
+        ("lately", "u8"),  # all bodies that it touched in the latest ``lately_s``
         ("lately_s", "f8"),  # [s]
-        # frozen though nothing proves that it stands: PROVEN, or IN_DOUBT and then NOTED
+        # doubt: PROVEN, or IN_DOUBT and then NOTED for a body frozen without a proof
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
         ("refused_among", "u8"),  # its frozen neighbours at that time
-        ("deferred", "?"),  # due, but there was no budget left to judge it: asked again in the next frame
-        # a live body that lies on the stack and whose patches stand in the graph
+        ("deferred", "?"),  # due, but without budget: judged in the next frame
+        # a live body on the stack with patches in the graph
         ("is_load", "?"),
         ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
         ("load_supported_by", "u8"),  # supports for which they were laid
-        ("provisional", "?"),  # it touches live bodies or carries some: frozen, it would have other patches
+        ("provisional", "?"),  # it touches or carries live bodies, so that its patches change when it freezes
         # scratch of one frame
-        ("rule", "i1"),  # the strictest rule by which it is looked at: AT_REST, LEANING or LYING
-        ("place", "i8"),  # its place in the list that is worked on
+        ("rule", "i1"),  # its strictest rule: AT_REST, LEANING or LYING
+        ("place", "i8"),  # its place in the current list
         # the paper's stack data
-        ("stack_mass", "f8"),  # m_stack of Eq. 2 [kg]: of the body and all that rests on it
+        ("stack_mass", "f8"),  # m_stack of Eq. 2 [kg]: of the body and all its loads
         ("stack_center", "f8", (3,)),  # C_stack of Eq. 1 [m]
         ("leans", "?"),  # frozen by the leaning test
         # the graph
         ("first_support", "i8"),
         ("first_load", "i8"),
-        ("changed", "?"),  # its balance must be looked at again: it is listed in ``Graph.changed``
+        ("changed", "?"),  # listed in ``Graph.changed``, because its balance must be judged again
     ],
     align=True,
 )
@@ -107,7 +108,7 @@ BODY = np.dtype(
 PATCH = np.dtype(
     [
         ("upper", "i8"),  # the body that stands or leans
-        ("lower", "i8"),  # what it stands on or leans against, or GROUND
+        ("lower", "i8"),  # its support or leaning partner, or GROUND
         ("kind", "i1"),  # SUPPORT if the contact can carry a vertical force, else LEAN
         ("vertices", "i8"),
         ("vertex", "f8", (MAX_VERTICES, 3)),  # hull of the contact points in plan [m], counter-clockwise
@@ -123,10 +124,9 @@ PATCH = np.dtype(
 
 
 class Graph(NamedTuple):
-    """What the kernels work on.
+    """The tables of the kernels.
 
-    Each look at a table through this tuple counts a reference, which takes ten times as long as a look at the table:
-    loops take the table out of the tuple first.
+    Loops take a table out of this tuple first, because each access through the tuple counts a reference (ADR-0002).
     """
 
     bodies: Bodies
@@ -139,32 +139,32 @@ class Graph(NamedTuple):
 
 @compiled
 def hull_of(patch: Patches) -> FloatArray:
-    """The patch's hull, shape (vertices, 3) [m]."""
+    """Return the patch's hull, shape (vertices, 3) [m]."""
     hull: FloatArray = patch.vertex[: patch.vertices]
     return hull
 
 
 @compiled
 def is_ground(bodies: Bodies, body: int) -> bool:
-    """True for the ground and for kinematic bodies that keep their place: no force moves them."""
+    """Return True for the ground and for kinematic bodies that keep their place, which no force moves."""
     return bool(body == GROUND or bodies[body].state == FIXED)
 
 
 @compiled
 def is_immovable(bodies: Bodies, body: int) -> bool:
-    """True for the ground and for kinematic bodies: no force moves them, but the host may."""
+    """Return True for the ground and for kinematic bodies, which only the host moves."""
     return bool(body == GROUND or bodies[body].state == FIXED or bodies[body].state == MOVING)
 
 
 @compiled
 def is_stack(bodies: Bodies, body: int) -> bool:
-    """True for the ground, fixed and frozen bodies: what others may be built on."""
+    """Return True for the ground, fixed and frozen bodies, on which others may freeze."""
     return bool(body == GROUND or bodies[body].state == FROZEN or bodies[body].state == FIXED)
 
 
 @compiled
 def count_patches(graph: Graph, body: int) -> int:
-    """Number of patches on which ``body`` stands or leans."""
+    """Return the number of patches on which ``body`` stands or leans."""
     patches = graph.patches
     n, at = 0, graph.bodies[body].first_support
     while at != NONE:
@@ -186,7 +186,7 @@ def note_change(graph: Graph, body: int) -> None:
 
 @compiled
 def sorted_ids(ids: IntArray) -> IntArray:
-    """A sorted copy of ``ids``, shape (k,): a few are sorted by insertion, which is much faster than a call."""
+    """Return a sorted copy of ``ids``, shape (k,); few ids are sorted by insertion, which is faster than a call."""
     if len(ids) > FEW:
         return np.sort(ids)
     ordered = np.empty(len(ids), np.int64)
@@ -201,7 +201,7 @@ def sorted_ids(ids: IntArray) -> IntArray:
 
 @compiled
 def take_changed(graph: Graph) -> IntArray:
-    """The bodies whose patches changed since the last call, by rising row, shape (k,): O(k log k), not O(bodies)."""
+    """Return the bodies whose patches changed since the last call, by rising row, shape (k,): O(k log k)."""
     bodies, listed = graph.bodies, graph.changed
     changed = sorted_ids(listed[1 : 1 + listed[0]])
     listed[0] = 0
@@ -212,7 +212,7 @@ def take_changed(graph: Graph) -> IntArray:
 
 @compiled
 def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
-    """A new patch between two bodies, hung into the lists of both; returns the row to be filled."""
+    """Add a patch between two bodies to the lists of both; return the row to be filled."""
     bodies, spare = graph.bodies, graph.spare
     at = spare[spare[0]]
     spare[0] -= 1
@@ -230,7 +230,7 @@ def link(graph: Graph, upper: int, lower: int, kind: int) -> Patches:
 
 @compiled
 def unlink(graph: Graph, at: int) -> None:
-    """Take a patch out of the lists of both bodies, and free its row."""
+    """Remove a patch from the lists of both bodies, and free its row."""
     bodies, patches, spare = graph.bodies, graph.patches, graph.spare
     upper, lower = patches[at].upper, patches[at].lower
     i = bodies[upper].first_support
@@ -256,7 +256,7 @@ def unlink(graph: Graph, at: int) -> None:
 
 @compiled
 def note_change_of_supports(graph: Graph, body: int) -> None:
-    """List ``body`` and what it stands on or leans against as changed."""
+    """List ``body`` and its supports and leaning partners as changed."""
     patches = graph.patches
     note_change(graph, body)
     at = graph.bodies[body].first_support
@@ -268,7 +268,7 @@ def note_change_of_supports(graph: Graph, body: int) -> None:
 
 @compiled
 def drop_supports(graph: Graph, body: int) -> None:
-    """Forget what ``body`` stands on and leans against."""
+    """Remove the patches on which ``body`` stands and leans."""
     row = graph.bodies[body]
     while row.first_support != NONE:
         unlink(graph, row.first_support)
@@ -276,7 +276,7 @@ def drop_supports(graph: Graph, body: int) -> None:
 
 @compiled
 def drop_loads(graph: Graph, body: int) -> None:
-    """Forget what stands on ``body`` or leans against it."""
+    """Remove the patches of the bodies that stand on ``body`` or lean against it."""
     row = graph.bodies[body]
     while row.first_load != NONE:
         unlink(graph, row.first_load)
@@ -284,7 +284,7 @@ def drop_loads(graph: Graph, body: int) -> None:
 
 @compiled
 def axes_of(normal: FloatArray) -> FloatArray:
-    """Three unit vectors, the rows of a right-handed (3, 3), of which the last is the unit ``normal``."""
+    """Return a right-handed set of three unit vectors, rows of (3, 3), whose last is the unit ``normal``."""
     axes = np.zeros((3, 3))
     least = 0
     for k in range(1, 3):
@@ -309,9 +309,9 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
-    """``roots`` and every frozen body that rests on them, directly or through others.
+    """Return ``roots`` and every frozen body that rests on them, directly or through others.
 
-    A frozen body in doubt comes along if any of its neighbours does: nothing proves that it stands without.
+    A frozen body in doubt is included if any of its neighbours is, because nothing proves that it stands without them.
     """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)
@@ -345,7 +345,7 @@ def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
 
 @compiled
 def around(graph: Graph, roots: IntArray, hops: int) -> IntArray:
-    """``roots`` and the frozen bodies that touch them, and those that touch these, ``hops`` times, shape (k,)."""
+    """Return ``roots`` and the frozen bodies within ``hops`` contacts of them, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found = np.empty(len(bodies), np.int64)
@@ -374,21 +374,21 @@ def around(graph: Graph, roots: IntArray, hops: int) -> IntArray:
 
 
 def empty_graph() -> Graph:
-    """A graph without rows."""
+    """Return a graph without bodies and patches."""
     return Graph(np.zeros(0, BODY), np.zeros(0, PATCH), np.zeros(1, np.int64), np.zeros(1, np.int64))
 
 
 def _longer(table: Any, rows: int, used: IntArray | slice) -> Any:
-    """A table with so many rows, the ``used`` ones copied: the others stay untouched memory until they are used."""
+    """Return a table with ``rows`` rows and a copy of the ``used`` ones; the others stay untouched memory."""
     longer = np.zeros(rows, table.dtype)
     longer[used] = table[used]
     return longer
 
 
 def grown(graph: Graph, bodies: int, spare: int) -> Graph:
-    """The graph with so many rows for ``bodies`` and at least ``spare`` free patches.
+    """Return the graph with ``bodies`` rows of bodies and at least ``spare`` free patches.
 
-    Tables double, so that growing costs O(1) a row in the long run.
+    Tables double, so that growing costs O(1) per row in the long run.
     """
     body_rows, patch_rows, free, changed = graph
     if bodies <= len(body_rows) and spare <= free[0]:

@@ -1,7 +1,7 @@
 """Stack mass and stack centre, carried down through the graph (Thomsen and Kraus 2015, Eqs 1-5).
 
-Each body carries itself and what the bodies above lay on it. A body on one support lays all on it; a
-body on several shares its weight by one of the paper's three merge cases.
+Each body carries itself and the loads of the bodies above. A body on one support puts its whole load on it; a body on
+several supports shares its load by one of the paper's three merge cases.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from stability_core.stack import MAX_VERTICES, NONE, SUPPORT, Graph, count_patch
 
 @compiled
 def support_polygon(graph: Graph, body: int) -> FloatArray:
-    """The combined contact area: hull (k, 3) in plan of all patches on which ``body`` stands on the stack."""
+    """Return the combined contact area: hull (k, 3) in plan of all patches on which ``body`` stands on the stack."""
     bodies, patches = graph.bodies, graph.patches
     points = np.empty((MAX_VERTICES * count_patches(graph, body), 3))
     n, at = 0, bodies[body].first_support
@@ -36,7 +36,7 @@ def support_polygon(graph: Graph, body: int) -> FloatArray:
 
 @compiled
 def pivot_of(graph: Graph, body: int) -> int:
-    """The lowest patch of a leaning body, on which it pivots; NONE if it has none."""
+    """Return the lowest patch of a leaning body, on which it pivots; NONE if it has none."""
     patches = graph.patches
     lowest, height = NONE, np.inf
     at = graph.bodies[body].first_support
@@ -49,7 +49,7 @@ def pivot_of(graph: Graph, body: int) -> int:
 
 @compiled
 def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
-    """The contact point (3,) that is closest to ``point`` in plan."""
+    """Return the contact point (3,) that is closest to ``point`` in plan."""
     best, least = 0, np.inf
     for i in range(len(hull)):
         distance = np.hypot(hull[i, 0] - point[0], hull[i, 1] - point[1])
@@ -61,7 +61,7 @@ def nearest_vertex(hull: FloatArray, point: FloatArray) -> FloatArray:
 
 @compiled
 def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact: FloatArray) -> float:
-    """m_equiv [kg]: what a body resting on two supports lays on one of them (Eqs 3-5).
+    """Return m_equiv [kg]: the load of a body with two supports on one of them (Eqs 3-5).
 
     Gravity G acts at ``center`` and turns the body about ``pivot`` on the other support,
     T = (C_stack - P_pivot) x G. A vertical force F at ``contact`` balances it:
@@ -83,12 +83,15 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
 
 @compiled
 def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
-    """What the upper body of patch ``at`` lays on the lower one: mass [kg], and where it acts: x, y, z [m].
+    """Return the load of the upper body of patch ``at`` on the lower one: mass [kg], and its point x, y, z [m].
 
-    Single branch: all of it, at C_stack. Merge branch: all on the support whose own area C_stack is in;
-    else, of two supports, the equivalent mass at the contact's centre; of more, equal shares there.
-    A leaning body stands on its pivot with all its weight, at the contact point closest to its C_stack:
-    the paper is silent on how a leaning load is carried down.
+    - Single branch: the whole load, at C_stack.
+    - Merge branch: the whole load on the support whose own area contains C_stack; else, of two supports, the equivalent
+      mass
+    at the contact's centre; of more, equal shares there.
+    - A leaning body puts its whole load on its pivot, at the contact point closest to its C_stack, because the paper
+      does not
+    say how a leaning load is carried down.
     """
     bodies, patches = graph.bodies, graph.patches
     patch = patches[at]
@@ -123,10 +126,11 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
 
 @compiled
 def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
-    """m_stack [kg] and C_stack: x, y, z [m], of a body and all that it carries (Eqs 2 and 1).
+    """Return m_stack [kg] and C_stack: x, y, z [m], of a body with all its loads (Eqs 2 and 1).
 
-    m_stack = m_obj + sum m_above, C_stack = (C_obj m_obj + sum C_above m_above) / m_stack: the paper's
-    equations for one body above, used for every body that rests on this one (split branch).
+    The paper's equations for one body above are used for every body on this one (split branch):
+
+    m_stack = m_obj + sum m_above,    C_stack = (C_obj m_obj + sum C_above m_above) / m_stack
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -143,9 +147,9 @@ def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
 
 @compiled
 def carry_down(graph: Graph, changed: IntArray) -> IntArray:
-    """Carry mass and centre down from the ``changed`` bodies; returns all bodies to look at again, (k,).
+    """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, (k,).
 
-    Highest first, so that each body is worked once; a branch ends where nothing changes any more.
+    Highest first, so that each body is updated once; a branch ends where nothing changes any more.
     O(k log k) for the k bodies in the cone below the change, whatever stands elsewhere.
     """
     bodies, patches = graph.bodies, graph.patches

@@ -1,8 +1,9 @@
-"""Turn all that the core remembers when gravity changes its direction.
+"""Turn the core's memory when gravity changes its direction.
 
-A patch keeps its points and its normal. Its kind, which of its bodies stands on the other, and its hull in plan depend
-on the direction of gravity and are derived anew: a face that carried a body may become a side, and the other way round.
-Patches of live bodies are dropped, because they are laid again from the contacts of the dwell frames.
+A patch keeps its points and its normal. Its kind, its upper body and its hull in plan depend on the direction of
+gravity
+and are derived again: a face that carried a body may become a side, and the other way round. Patches of live bodies are
+dropped, because they are rebuilt from the contacts of the dwell frames.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def _turn_vector(vector: FloatArray, turn: FloatArray) -> None:
 
 @compiled
 def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
-    """Turn all places; what a policy said of a live body, and for how long the engine held it, no longer counts."""
+    """Turn all places; drop the policy's refusals of live bodies, and the times for which the engine held them."""
     for i in range(len(bodies)):
         row = bodies[i]
         if row.state == ABSENT:
@@ -52,7 +53,7 @@ def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
 
 @compiled
 def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, level_tilt: float) -> None:
-    """Turn the contacts of the dwell frames, and tell anew which are load-bearing."""
+    """Turn the contacts of the dwell frames, and decide again which are load-bearing."""
     contacts, sizes = buffers.contacts, buffers.sizes
     room = len(contacts) // len(sizes)
     for frame in range(len(sizes)):
@@ -66,7 +67,7 @@ def _turn_contacts(bodies: Bodies, buffers: FrameBuffers, turn: FloatArray, leve
 
 @compiled
 def _patches_of_frozen(graph: Graph) -> IntArray:
-    """Drop the patches of live bodies; returns the rows of all others, shape (k,)."""
+    """Drop the patches of live bodies; return the rows of all others, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     rows = np.empty(len(patches), np.int64)
     n = 0
@@ -111,13 +112,13 @@ def _turn_patch(graph: Graph, at: int, turn: FloatArray, level_tilt: float) -> N
 
 @compiled
 def turn_memory(graph: Graph, buffers: FrameBuffers, turn: FloatArray, level_tilt: float) -> None:
-    """Turn bodies, contacts and patches, and list every frozen body as changed: O(all that is known).
+    """Turn bodies, contacts and patches, and list every frozen body as changed: O(all rows).
 
     Args:
         graph: the stack.
         buffers: the contacts of the dwell frames.
-        turn: rotation from the upright frame of before to that of now, shape (3, 3).
-        level_tilt: slope [rad] up to which a contact is load-bearing whatever its friction.
+        turn: rotation from the former upright frame to the present one, shape (3, 3).
+        level_tilt: slope [rad] up to which a contact is load-bearing at any friction.
     """
     _turn_bodies(graph.bodies, turn)
     _turn_contacts(graph.bodies, buffers, turn, level_tilt)

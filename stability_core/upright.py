@@ -1,7 +1,8 @@
-"""The upright frame, in which gravity points down the z axis: the kernels see no other.
+"""The upright frame, in which gravity points down the z axis; the kernels use no other.
 
-The port speaks the coordinates of its world. Points, normals, centres and velocities are turned at the boundary; for
-gravity (0, 0, -g) both frames are the same and nothing is turned.
+The port uses the coordinates of its world. Points, normals, centres and velocities are turned at the boundary; for
+gravity
+(0, 0, -g) both frames are the same and nothing is turned.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from stability_core.port import Contacts, FloatArray, Masses
 
 
 def rotation_to_upright(up: FloatArray) -> FloatArray:
-    """The rotation, shape (3, 3), that turns the unit vector ``up`` to z."""
+    """Return the rotation, shape (3, 3), that turns the unit vector ``up`` to z."""
     aside = np.eye(3)[0 if abs(up[0]) < 0.9 else 1]
     x = aside - (aside @ up) * up
     x /= np.linalg.norm(x)
@@ -24,7 +25,7 @@ def rotation_to_upright(up: FloatArray) -> FloatArray:
 
 @compiled
 def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
-    """The points (k, 3) in the frame of three unit vectors, the rows of ``axes``."""
+    """Return the points (k, 3) in the frame of three unit vectors, the rows of ``axes``."""
     result = np.empty_like(points)
     for i in range(len(points)):
         for k in range(3):
@@ -33,7 +34,7 @@ def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
-    """Gravity [m/s2] as three numbers.
+    """Return gravity [m/s2] as three numbers.
 
     Raises:
         ValueError: if it is not a finite vector, or zero.
@@ -49,23 +50,27 @@ class Upright:
     """One gravity, and the rotation from the world to the upright frame."""
 
     def __init__(self, gravity: tuple[float, float, float]) -> None:
-        """Args: gravity: [m/s2], finite and not zero."""
+        """Derive the upright frame.
+
+        Args:
+        gravity: [m/s2], finite and not zero.
+        """
         vector = np.array(gravity)
         self.gravity = gravity
         self.strength = float(np.linalg.norm(vector))
         self.up = -vector / self.strength
         self.is_world = gravity[0] == gravity[1] == 0.0 and gravity[2] < 0.0
-        """Whether the upright frame is that of the world."""
+        """True if the upright frame is the world's."""
         self.rotation = np.eye(3) if self.is_world else rotation_to_upright(self.up)
 
     def differs(self, gravity: tuple[float, float, float], tilt: float, share: float) -> bool:
-        """True if another gravity points elsewhere by more than ``tilt`` [rad], or is that ``share`` stronger."""
+        """Return True if the direction differs by more than ``tilt`` [rad], or the strength by more than ``share``."""
         vector = np.array(gravity)
         angle = np.arctan2(np.linalg.norm(np.cross(vector, self.up)), -(vector @ self.up))
         return bool(angle > tilt or abs(np.linalg.norm(vector) / self.strength - 1.0) > share)
 
     def turn_contacts(self, contacts: Contacts) -> Contacts:
-        """Contacts of the world in the upright frame."""
+        """Return contacts of the world in the upright frame."""
         if self.is_world:
             return contacts
         return Contacts(
@@ -80,7 +85,7 @@ class Upright:
         )
 
     def turn_masses(self, masses: Masses) -> Masses:
-        """Masses of the world in the upright frame."""
+        """Return masses of the world in the upright frame."""
         if self.is_world:
             return masses
         return Masses(masses.body, masses.mass, self._turn(masses.center_of_mass), masses.removed)

@@ -1,4 +1,4 @@
-"""Validate what the port gives: bad input is refused before it changes any state."""
+"""Validate the port's arrays: bad input is refused before it changes any state."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLI
 
 @compiled
 def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
-    """True if the arrays belong together, as ``check_shapes`` has it, at less cost a frame."""
+    """Return True if the arrays fit together, like ``check_shapes``, at less cost per frame."""
     m, n = len(masses.body), len(contacts.body_a)
     return bool(
         len(contacts.body_b) == len(contacts.separation) == len(contacts.friction) == n
@@ -30,7 +30,7 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
 
 @compiled
 def first_bad_contact(contacts: ContactArrays) -> int:
-    """First row with impossible ids, a point that is not finite, no unit normal or no friction; -1 if all are fine."""
+    """Return the first row with bad ids, a point that is not finite, no unit normal or bad friction; or -1."""
     body_a, body_b = contacts.body_a, contacts.body_b
     point, normal, friction = contacts.point, contacts.normal, contacts.friction
     for i in range(len(body_a)):
@@ -48,7 +48,7 @@ def first_bad_contact(contacts: ContactArrays) -> int:
 
 @compiled
 def first_bad_mass(masses: MassArrays) -> int:
-    """First row with an impossible id, a mass that is not positive, or a centre that is not finite; -1 if none is."""
+    """Return the first row with a bad id, a mass that is not positive, or a centre that is not finite; or -1."""
     body, mass, center = masses.body, masses.mass, masses.center
     for i in range(len(body)):
         total = center[i, 0] + center[i, 1] + center[i, 2]
@@ -60,9 +60,9 @@ def first_bad_mass(masses: MassArrays) -> int:
 
 @compiled
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
-    """True if a contact with the ground below a body's centre pushes that body down, out of its own inside.
+    """Return True if a contact with the ground below a body's centre pushes that body down, out of its own inside.
 
-    No convex body can be touched so: the normal is that from b to a.
+    No convex body can be touched like that, so the normal points from b to a.
 
     Args:
         center: centre of mass of the body [m], shape (3,).
@@ -77,10 +77,10 @@ def presses_down_from_below(center: FloatArray, point: FloatArray, normal: Float
 
 
 def check_ids(name: str, ids: object) -> None:
-    """Refuse an array of ids that are not integers: 0.5 would be taken for 0.
+    """Check that ids are integers, because 0.5 would be taken for 0.
 
     Raises:
-        ValueError: naming the array and what it must hold.
+        ValueError: naming the array and its required content.
     """
     dtype = getattr(ids, "dtype", None)
     if dtype is _IDS:
@@ -93,7 +93,7 @@ def check_ids(name: str, ids: object) -> None:
 
 
 def checked_removals(removed: Iterable[object]) -> list[int]:
-    """The ids of removed bodies as plain integers.
+    """Return the ids of removed bodies as plain integers.
 
     Raises:
         ValueError: for an id that is not an integer from 0.
@@ -110,10 +110,10 @@ def checked_removals(removed: Iterable[object]) -> list[int]:
 
 
 def check_shapes(contacts: Contacts, masses: Masses) -> None:
-    """Refuse arrays that do not belong together.
+    """Check that the arrays fit together.
 
     Raises:
-        ValueError: naming the array and the shape it must have.
+        ValueError: naming the array and its required shape.
     """
     arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
     if contacts.force is None:
@@ -138,7 +138,7 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
 
 
 def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueError:
-    """The error for a malformed row, which names what was got and what is needed."""
+    """Return the error for a malformed row, which names its content and the fix."""
     if fault == BAD_MASS:
         return ValueError(
             f"masses row {row}: body {masses.body[row]} needs an id from 0, a positive mass and a finite "

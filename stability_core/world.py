@@ -1,7 +1,7 @@
-"""What an extension remembers of its world: the stack, the latest contacts, and the row of each body.
+"""An extension's memory of its world: the stack, the latest contacts, and the row of each body.
 
-The port speaks of bodies by their ids, in the coordinates of its world; the kernels work on rows, in the upright frame.
-Both are translated here.
+The port names bodies by ids, in the coordinates of its world; the kernels use rows, in the upright frame. Both are
+translated here.
 """
 
 from __future__ import annotations
@@ -25,10 +25,15 @@ from stability_core.validation import BAD_SHAPE, FINE, NO_ROOM, check_ids, check
 
 
 class World:
-    """Tables that the kernels work on, and all that is needed to fill them from a port."""
+    """The tables of the kernels, and the state needed to fill them from a port."""
 
     def __init__(self, settings: Settings, gravity: tuple[float, float, float]) -> None:
-        """Args: settings: the tolerances; gravity: [m/s2], finite and not zero."""
+        """Create an empty world.
+
+        Args:
+        settings: the tolerances.
+        gravity: [m/s2], finite and not zero.
+        """
         self.settings = settings
         self.upright = Upright(gravity)
         self.limits = settings.limits(self.upright.strength)
@@ -39,10 +44,10 @@ class World:
         """The body of each row, shape (rows,): a view of the table."""
 
     def rows_of(self, bodies: Iterable[int]) -> IntArray:
-        """The rows of bodies that an update has seen, shape (k,).
+        """Return the rows of bodies that an update has seen, shape (k,).
 
         Raises:
-            KeyError: naming those that none has.
+            KeyError: naming the unknown bodies.
         """
         wanted = np.array([operator.index(body) for body in bodies], np.int64)
         rows = self._find(wanted)
@@ -57,10 +62,10 @@ class World:
         return rows
 
     def observe(self, contacts: Contacts, masses: Masses, dt: float) -> tuple[int, int, int]:
-        """Take over one frame; how many bodies are due, contacts kept, and frozen bodies listed.
+        """Read one frame; return the worklist's length, the contacts kept, and the frozen bodies listed.
 
         Raises:
-            ValueError: for what the port gave, if it is malformed: nothing changes.
+            ValueError: if the port's arrays are malformed; nothing changes.
         """
         check_ids("masses.body", masses.body)
         check_ids("contacts.body_a", contacts.body_a)
@@ -108,7 +113,7 @@ class World:
         return worklist, kept, row
 
     def frozen_listed(self, masses: Masses) -> list[tuple[int, float, float]]:
-        """The frozen bodies that a port lists: row, mass [kg], and how far [m] each is from where it was frozen."""
+        """Return the listed frozen bodies: row, mass [kg], and distance [m] from the frozen place."""
         rows = self._find(laid_out(masses.body, IDS))
         center = self.upright.turn_masses(masses).center_of_mass
         table = self.graph.bodies
@@ -117,12 +122,12 @@ class World:
         return list(zip(rows[places].tolist(), masses.mass[places].tolist(), moved.tolist(), strict=True))
 
     def make_room(self, patches: int) -> None:
-        """Have at least so many free rows for patches."""
+        """Provide at least ``patches`` free rows for patches."""
         if patches > self.graph.spare.item(0):
             self.graph = grown(self.graph, 0, patches)
 
     def turn(self, gravity: tuple[float, float, float]) -> bool:
-        """Turn all that is remembered, if gravity has changed by more than its tolerances; True if so."""
+        """Turn the memory, if gravity has changed by more than its tolerances; return True if so."""
         settings, before = self.settings, self.upright
         if not before.differs(gravity, settings.gravity_tilt, settings.gravity_change):
             return False
@@ -132,14 +137,14 @@ class World:
         return True
 
     def detach(self, row: int) -> None:
-        """Forget what a body rests on, and what rests on it."""
+        """Remove the supports and the loads of a body."""
         drop_supports(self.graph, row)
         drop_loads(self.graph, row)
 
     def forget(self, bodies: Sequence[int]) -> IntArray:
-        """Drop bodies that left the world; returns the rows that they had, shape (k,).
+        """Drop bodies that left the world; return their former rows, shape (k,).
 
-        One that was never seen leaves nothing behind.
+        An unknown body leaves nothing behind.
         """
         ids = np.array(bodies, np.int64)
         rows = self._find(ids)

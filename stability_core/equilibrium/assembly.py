@@ -1,4 +1,4 @@
-"""A part of the stack as a problem of statics, and how the rest of the stack acts on it."""
+"""Assemble the statics problem of a part of the stack, with the action of the rest of the stack on it."""
 
 from __future__ import annotations
 
@@ -14,47 +14,47 @@ from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.stack import NONE, SUPPORT, Graph, is_ground, is_stack
 
 ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
-"""What the rest of the stack does: nothing, as if it were not there; it presses with the kept forces; or it is as rigid
-as the ground, so that what falls falls whatever the rest does."""
+"""Action of the rest of the stack: none, as if it were absent; the kept forces; or rigid support like the ground, so
+that a body that falls does so whatever the rest does."""
 
 
 class Terms(NamedTuple):
-    """Under what terms bodies are to stand."""
+    """Conditions under which bodies must stand."""
 
     outside: int
-    """What the rest of the stack does: ABSENT_OUTSIDE, AS_BEFORE or FIXED."""
+    """Action of the rest of the stack: ABSENT_OUTSIDE, AS_BEFORE or FIXED."""
     gravity: float
     """Gravitational acceleration [m/s2], positive."""
     margin: float = 0.0
-    """By how much [sizes of the smaller body] each vertex of a patch is moved outwards."""
+    """Outward shift of each vertex of a patch [sizes of the smaller body]."""
     grip: float = 1.0
-    """By what each friction coefficient is multiplied."""
+    """Factor on each friction coefficient."""
     radius: float = 0.0
-    """By how much [sizes] a contact in a point or a line may be off: see ``Problem.slack``."""
+    """Tolerance [sizes] of a contact in a point or a line: see ``Problem.slack``."""
 
 
 class Part(NamedTuple):
-    """A problem and where its rows come from."""
+    """A problem, and the origin of its rows."""
 
     problem: Problem
-    """Its bodies are in the order of ``ids``."""
+    """The problem; its bodies are in the order of ``ids``."""
     ids: IntArray
     """The bodies, shape (n,)."""
     level: BoolArray
-    """Which contacts can carry a vertical force, shape (m,)."""
+    """Mask of the contacts that can carry a vertical force, shape (m,)."""
     patches: IntArray
-    """Rows of the patches, each of whose vertices is a contact, in this order, shape (p,)."""
+    """Rows of the patches, whose vertices are the contacts, in this order, shape (p,)."""
     size: FloatArray
     """Size of each body [m], by which moments are divided, shape (n,)."""
 
 
 @compiled
 def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> tuple[IntArray, int, IntArray]:
-    """The patches that join the bodies ``ids`` to each other, to the ground, and to the rest of the stack.
+    """Return the patches that join the bodies ``ids`` to each other, to the ground, and to the rest of the stack.
 
     Returns:
-        Rows of those whose forces are wanted, shape (p,); their number of vertices; rows of those whose forces are
-        kept, shape (q,).
+        Rows of the patches with unknown forces, shape (p,); their number of vertices; rows of the patches with kept
+        forces, shape (q,).
     """
     bodies, patches = graph.bodies, graph.patches
     found, kept = np.empty(len(patches), np.int64), np.empty(len(patches), np.int64)
@@ -88,7 +88,7 @@ def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> t
 
 @compiled
 def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: FloatArray) -> float:
-    """From a body's centre to a vertex of patch ``at``, moved outwards by ``margin`` [sizes]; returns its length."""
+    """Write the lever from a body's centre to a vertex of patch ``at``, moved out by ``margin``; return its length."""
     patch = graph.patches[at]
     outward = np.hypot(patch.vertex[vertex, 0] - patch.center[0], patch.vertex[vertex, 1] - patch.center[1])
     stretch = margin * size_of_pair(graph.bodies, patch.upper, patch.lower) / outward if outward > 0.0 else 0.0
@@ -100,12 +100,12 @@ def _lever(graph: Graph, at: int, vertex: int, margin: float, body: int, lever: 
 
 @compiled
 def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: float) -> FloatArray:
-    """One for each of the ``n`` bodies that touch in points and lines alone, zero for the others, shape (n,).
+    """Return 1 for each of the ``n`` bodies that touch only in points and lines, 0 for the others, shape (n,).
 
     Args:
         graph: the stack.
         patches: rows of the patches that touch the bodies, shape (p,).
-        index: of each body, or negative.
+        index: index of each body in the problem, or negative.
         n: number of bodies.
         radius: width [sizes] up to which a patch is a point or a line.
     """
@@ -123,7 +123,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
 def _add_kept_forces(
     graph: Graph, memory: Memory, kept: IntArray, index: IntArray, size: FloatArray, load: FloatArray
 ) -> None:
-    """Take the kept forces of the patches ``kept`` (q,) off what the other contacts must exert."""
+    """Subtract the kept forces of the patches ``kept`` (q,) from the load on the other contacts."""
     lever = np.empty(3)
     for at in kept:
         if not is_known(graph, memory, at):
@@ -140,7 +140,7 @@ def _add_kept_forces(
 
 @compiled
 def _divide(lever: FloatArray, body: IntArray, size: FloatArray) -> None:
-    """Measure levers (m, 3) in the sizes (n,) of the bodies (m,) that they belong to."""
+    """Divide levers (m, 3) by the sizes (n,) of their bodies (m,)."""
     for c in range(len(lever)):
         if body[c] >= 0:
             lever[c] /= size[body[c]]
@@ -148,13 +148,13 @@ def _divide(lever: FloatArray, body: IntArray, size: FloatArray) -> None:
 
 @compiled
 def part_of(graph: Graph, memory: Memory, ids: IntArray, terms: Terms) -> Part:
-    """The statics of the bodies ``ids``: O(bodies + patches).
+    """Return the statics of the bodies ``ids``: O(bodies + patches).
 
     Args:
         graph: the stack.
         memory: the kept forces.
         ids: the bodies, shape (n,).
-        terms: under which they are to stand.
+        terms: conditions under which they must stand.
     """
     gravity, margin, radius = terms.gravity, terms.margin, terms.radius
     n = len(ids)

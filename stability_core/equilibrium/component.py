@@ -1,4 +1,4 @@
-"""Which part of the stack a question is about: all that is joined through bodies, or only what carries a change."""
+"""Find the part of the stack that a question concerns: all connected bodies, or only those that bear a change."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from stability_core.stack import FROZEN, NONE, SUPPORT, Graph
 
 @compiled
 def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
-    """All bodies that are joined to the ``seeds`` by patches, shape (k,): O(k).
+    """Return all bodies that are joined to the ``seeds`` by patches, shape (k,): O(k).
 
     Args:
         graph: the stack.
-        seeds: where to begin, shape (n,).
+        seeds: first bodies, shape (n,).
         members: live bodies that count as if they were frozen, shape (m,).
     """
     bodies = graph.bodies
@@ -50,7 +50,7 @@ def component(graph: Graph, seeds: IntArray, members: IntArray) -> IntArray:
 
 @compiled
 def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
-    """Add a body to those ``found``, once; returns how many they are."""
+    """Add a body to ``found``, once; return the number of bodies found."""
     if reached[body]:
         return size
     reached[body] = True
@@ -60,11 +60,13 @@ def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
 
 @compiled
 def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gravity: float) -> IntArray:
-    """The bodies whose contact forces must be found anew for the ``seeds``; all other forces may stay as they are.
+    """Return the bodies whose contact forces must be solved again for the ``seeds``; all other forces may stay.
 
-    These are the seeds, all that bears them, down to the ground, and those beside or above whom no kept forces balance.
-    If new forces balance these bodies, the kept ones on their border taken as they are, then all of the stack is in
-    balance: O(bodies found).
+    These are the seeds, all bodies that bear them, down to the ground, and bodies beside or above without balancing
+    kept
+    forces. If new forces balance these bodies, with the kept forces on their border, then the whole stack is in
+    balance:
+    O(bodies found).
 
     Args:
         graph: the stack.

@@ -1,6 +1,7 @@
 """The Coulomb cone of a contact: |f_t| <= mu f_n, its projection and the derivative of that projection.
 
-Nothing is linearised: no pyramid stands in for the cone. With mu = 0 the cone is the ray along the normal, so the
+Nothing is linearised: there is no pyramid in place of the cone. With mu = 0 the cone is the ray along the normal, so
+the
 same code serves forces of a known direction.
 """
 
@@ -14,16 +15,19 @@ from stability_core.port import FloatArray
 
 @compiled
 def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: FloatArray) -> None:
-    """The point of each contact's cone that is nearest to ``z``, written to ``force``.
+    """Project ``z`` onto each contact's cone, and write the nearest point to ``force``.
 
-    With z_n = z . n, t = |z - z_n n| and e the tangent's direction: z itself inside the cone (t <= mu z_n), nought
-    inside its polar (mu t <= -z_n), else s (n + mu e) with s = (z_n + mu t) / (1 + mu^2).
+    With z_n = z . n, t = |z - z_n n| and e the direction of the tangential part:
+
+    z                                                      inside the cone, t <= mu z_n
+    0                                                      inside its polar, mu t <= -z_n
+    s (n + mu e) with s = (z_n + mu t) / (1 + mu^2)        else
 
     Args:
         z: any vectors, shape (m, 3).
         normal: unit normals, shape (m, 3).
         friction: Coulomb coefficients, shape (m,).
-        force: the result, shape (m, 3).
+        force: output, shape (m, 3).
     """
     for c in range(len(z)):
         nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
@@ -43,17 +47,17 @@ def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: Floa
 
 @compiled
 def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArray, weight: FloatArray) -> int:
-    """The derivative of one contact's projection at ``z`` as a sum of k terms weight_k u_k u_k^T.
+    """Return the derivative of one contact's projection at ``z`` as a sum of k terms weight_k u_k u_k^T.
 
-    Inside the cone it is the identity, in the polar nought. Else, with w = (n + mu e) / sqrt(1 + mu^2), it is
+    Inside the cone it is the identity, in the polar zero. Else, with w = (n + mu e) / sqrt(1 + mu^2), it is
     w w^T + (mu s / t) (n x e) (n x e)^T. The apex counts as inside, so that a start from rest sees every contact.
 
     Args:
-        z: where, shape (3,).
+        z: point of evaluation, shape (3,).
         normal: unit normal, shape (3,).
         mu: Coulomb coefficient.
-        direction: the unit vectors u_k, written to the first k rows, shape (3, 3).
-        weight: their weights, shape (3,).
+        direction: output, the unit vectors u_k in the first k rows, shape (3, 3).
+        weight: output, their weights, shape (3,).
 
     Returns:
         k, from 0 to 3.
@@ -88,7 +92,7 @@ def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArr
 def add_derivative_along(
     z: FloatArray, normal: FloatArray, friction: FloatArray, dz: FloatArray, force: FloatArray
 ) -> None:
-    """Add to each ``force`` (m, 3) what the derivative of the projection at ``z`` makes of ``dz``, all (m, 3)."""
+    """Add to each ``force`` (m, 3) the derivative of the projection at ``z`` applied to ``dz``, all (m, 3)."""
     direction, weight = np.empty((3, 3)), np.empty(3)
     for c in range(len(z)):
         for k in range(derivative(z[c], normal[c], friction[c], direction, weight)):

@@ -1,10 +1,13 @@
-"""Forces that hold a set of bodies, near others that nearly do: those of before, when one plank more is laid.
+"""Correct the forces of the frame before, which nearly hold a set of bodies, for instance after one more plank.
 
-Of all forces that balance, A f = w, inside cones K' a little narrower than Coulomb's, the nearest to f0 is
-f = P_K'(f0 + A^T y), where y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y. A step dy of Newton's method forecasts the
-forces f + P_K'' A^T dy, which balance as they are but may leave K'. As soon as they lie in the true cones they are the
-proof, and nobody asks for the minimum. What is left between K' and K makes that soon: most often at once, for the
-forces of before lie inside. Where there are no such forces nothing is proven, here or to the contrary.
+Of all forces with A f = w inside cones K' a little narrower than Coulomb's, the nearest to f0 is
+
+f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
+
+A step dy of Newton's method forecasts the forces f + P_K'' A^T dy, which balance but may leave K'. As soon as they lie
+in
+the true cones K they are the proof, and the search ends before the minimum. The room between K' and K makes that soon:
+mostly at once, because the forces of before lie inside. If there are no such forces, nothing is proven either way.
 """
 
 from __future__ import annotations
@@ -18,30 +21,30 @@ from stability_core.equilibrium.problem import BALANCED, Problem, along_contacts
 from stability_core.port import FloatArray, IntArray
 
 NARROWED = 0.97
-"""Friction of the cones aimed at, over the true one. Less would leave more room, but a pile within this of its limit
-is not held here."""
+"""Friction of the cones K', over the true friction. Less would leave more room, but a stack within this share of its
+limit is not held here."""
 RHO = 1e-9
-"""Weight of the proximal term: keeps the system regular where contacts leave a motion free."""
+"""Weight of the proximal term, which keeps the system regular where contacts leave a motion free."""
 
 
 @compiled
 def correct(
     problem: Problem, rows: IntArray, start: FloatArray, y: FloatArray, steps: int
 ) -> tuple[bool, FloatArray, FloatArray, float]:
-    """Forces in the Coulomb cones that hold all bodies, sought near ``start``.
+    """Search near ``start`` for forces in the Coulomb cones that hold all bodies.
 
     A step costs O(m) and a factorisation (see ``envelope``).
 
     Args:
         problem: n bodies and m contacts.
         rows: as for ``newton.solve``.
-        start: forces on the second bodies [N], shape (m, 3); noughts where none are known.
-        y: where the search has come to, shape (n, 6); noughts at first. It goes on from there.
-        steps: how many at most.
+        start: forces on the second bodies [N], shape (m, 3); zeros where none are known.
+        y: multipliers of the search, shape (n, 6), zeros at first; updated, so that a later call continues.
+        steps: greatest number of steps.
 
     Returns:
-        Whether they were found; the forces (m, 3), always in their cones; what they leave unbalanced, (n, 6); the
-        greatest imbalance of a body relative to the largest force on it.
+        Whether they were found; the forces (m, 3), always in their cones; the unbalanced rest, (n, 6); the greatest
+        imbalance of a body relative to the largest force on it.
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)

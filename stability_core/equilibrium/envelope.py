@@ -19,7 +19,7 @@ _summing = partial(compiled, fastmath={"reassoc", "contract"})
 
 
 class Envelope(NamedTuple):
-    """Which entries of a lower triangle are stored."""
+    """The stored entries of a lower triangle."""
 
     first: IntArray
     """First stored column of each row, shape (n,)."""
@@ -31,7 +31,7 @@ class Envelope(NamedTuple):
 
 @compiled
 def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Who touches whom, as rows of one list: (starts (n + 1,), list). A pair may be listed more than once."""
+    """Return the neighbours of each body as one list: (starts (n + 1,), list). A pair may occur more than once."""
     start = np.zeros(n + 1, np.int64)
     for fill in range(2):
         listed = np.empty(start[n] if fill else 0, np.int64)
@@ -57,7 +57,7 @@ def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, I
 
 @compiled
 def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mark: int, order: IntArray) -> int:
-    """Breadth first from ``root`` into ``order``, at each body those with the fewest neighbours first."""
+    """Write the bodies breadth first from ``root`` into ``order``, by rising number of neighbours; return the end."""
     order[0] = root
     reached[root] = mark
     size, done = 1, 0
@@ -81,9 +81,9 @@ def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mar
 
 @compiled
 def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
-    """Place of each body in reverse Cuthill-McKee order, shape (n,).
+    """Return the place of each body in reverse Cuthill-McKee order, shape (n,).
 
-    Each component begins at an end: at the last body that a walk from any of its bodies comes to.
+    Each component starts at an end: at the last body that a walk from any of its bodies reaches.
 
     Args:
         body_a: first body of each contact, from 0, or negative if it is fixed, shape (m,).
@@ -108,7 +108,7 @@ def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
 
 @compiled
 def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int) -> Envelope:
-    """The envelope of a matrix with a block of ``width`` rows a body and an entry for each touching pair."""
+    """Return the envelope of a matrix with a block of ``width`` rows per body and an entry for each touching pair."""
     n = len(place)
     first_block = np.arange(n)
     for c in range(len(body_a)):
@@ -130,9 +130,9 @@ def envelope_of(body_a: IntArray, body_b: IntArray, place: IntArray, width: int)
 def _products(
     left: FloatArray, right: FloatArray, offset: IntArray, i: int, j: int, low: int, high: int, tile: FloatArray
 ) -> None:
-    """tile[a, b] = row i + a of ``left`` times row j + b of ``right`` over the columns ``low`` to ``high``.
+    """Write the products of rows i + a of ``left`` and j + b of ``right`` over columns ``low`` to ``high`` to ``tile``.
 
-    Nine sums that share what they read.
+    The nine sums share their reads.
     """
     a0, b0 = left[offset[i] + low : offset[i] + high], right[offset[j] + low : offset[j] + high]
     a1, b1 = left[offset[i + 1] + low : offset[i + 1] + high], right[offset[j + 1] + low : offset[j + 1] + high]
@@ -204,7 +204,7 @@ def substitute(factor: FloatArray, envelope: Envelope, x: FloatArray) -> None:
 
 @compiled
 def _finish_lower(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, j: int, tile: FloatArray) -> None:
-    """L(i, j) of a tile left of the diagonal, from what is left of it: divided by U(j, j)."""
+    """Finish L(i, j) of a tile left of the diagonal: divide its rest by U(j, j)."""
     for a in range(3):
         row = offset[i + a] + j
         for b in range(3):
@@ -217,7 +217,7 @@ def _finish_lower(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int
 
 @compiled
 def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int, i: int, tile: FloatArray) -> None:
-    """U(j, i) of a tile above the diagonal."""
+    """Finish U(j, i) of a tile above the diagonal."""
     for b in range(3):
         column = offset[i + b] + j
         for a in range(3):
@@ -230,7 +230,7 @@ def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int
 
 @compiled
 def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, tile: FloatArray) -> None:
-    """L(i, i) and U(i, i) of a tile on the diagonal; the latter with its diagonal inverted."""
+    """Finish L(i, i) and U(i, i) of a tile on the diagonal; the latter with its diagonal inverted."""
     for b in range(3):
         for a in range(3):
             row, column = offset[i + a] + i, offset[i + b] + i
@@ -248,7 +248,7 @@ def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) 
     """Replace a matrix with a symmetric pattern by its factors L U, in place; L has ones on its diagonal.
 
     ``lower`` holds the lower triangle by rows, ``upper`` the upper one by columns, both with the diagonal, each in the
-    envelope; U is stored with its diagonal inverted. Nothing is pivoted: a pivot of zero spoils the answer, which the
+    envelope; U is stored with its diagonal inverted. There is no pivoting: a zero pivot spoils the result, which the
     caller sees by its residual. In tiles as ``factorize``.
     """
     first, offset = envelope.first, envelope.offset

@@ -1,7 +1,7 @@
-"""Which bodies of a snapshot roll: those that touch in points and lines alone.
+"""Find the bodies of a snapshot that roll: those that touch only in points and lines.
 
 A rigid sphere on a floor is held in one point. If that lies a billionth of its radius off the vertical, as it does in
-single precision, no force there balances the sphere. So the moment of a rolling body's weight about a point that is off
+single precision, no force there balances the sphere. So the moment of a rolling body's weight about a point off
 by ``NOISE`` times its size may stay unbalanced (``Problem.slack``).
 """
 
@@ -20,7 +20,7 @@ FACE_COSINE = 0.985
 
 @compiled
 def _has_area(point: FloatArray, rows: IntArray, tolerance: float) -> bool:
-    """True if the points of ``rows`` span more than a point or a line, to a ``tolerance`` [m]."""
+    """Return True if the points of ``rows`` span more than a point or a line, to a ``tolerance`` [m]."""
     first, longest = point[rows[0]], 0.0
     along = np.zeros(3)
     for row in rows:
@@ -79,7 +79,7 @@ def _mark_faces(
 def rolling_bodies(
     index_a: IntArray, index_b: IntArray, point: FloatArray, normal: FloatArray, size: FloatArray
 ) -> BoolArray:
-    """Find the bodies that touch in points and lines alone, shape (n,).
+    """Return which bodies touch only in points and lines, shape (n,).
 
     O(m log m) in the contacts, and O(k^2) in the points of a pair.
 
@@ -88,7 +88,7 @@ def rolling_bodies(
         index_b: second bodies, shape (m,).
         point: contact points [m], shape (m, 3).
         normal: unit normals from a to b, shape (m, 3).
-        size: of each body [m], and of the ground, which is infinite, shape (n + 1,).
+        size: size of each body [m], and of the ground, which is infinite, shape (n + 1,).
     """
     tolerance = NOISE * np.minimum(size[index_a], size[index_b])
     point, normal = np.ascontiguousarray(point, np.float64), np.ascontiguousarray(normal, np.float64)

@@ -1,4 +1,4 @@
-"""One step of Newton's method: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at z, and its line search."""
+"""One Newton step: the generalised Hessian of |P_K(z)|^2 / 2 + rho |y|^2 / 2 at z, and its line search."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from stability_core.port import FloatArray, IntArray
 
 
 class Workspace(NamedTuple):
-    """What the steps of one problem share."""
+    """Arrays shared by the steps of one problem."""
 
     rows: IntArray
-    """The components of force and moment that are not nought by themselves, shape (k,)."""
+    """Components of force and moment that may be nonzero, shape (k,)."""
     place: IntArray
     """Place of each body in the matrix, shape (n,)."""
     envelope: Envelope
@@ -25,9 +25,9 @@ class Workspace(NamedTuple):
     step: FloatArray
     """Right side and solution of the linear system, shape (n k,)."""
     dy: FloatArray
-    """The same as a motion, shape (n, 6)."""
+    """The solution as a motion, shape (n, 6)."""
     z: FloatArray
-    """Where the step begins: vectors whose projection are the forces, shape (m, 3)."""
+    """Start of the step: vectors whose projections are the forces, shape (m, 3)."""
     dz: FloatArray
     """A^T dy, shape (m, 3)."""
     trial: FloatArray
@@ -36,7 +36,7 @@ class Workspace(NamedTuple):
 
 @compiled
 def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
-    """Room for the steps of one problem: O(n + m) and the envelope. ``rows`` are a multiple of three."""
+    """Return the workspace of one problem: O(n + m) and the envelope. ``rows`` are a multiple of three."""
     n, m, width = len(problem.load), len(problem.normal), len(rows)
     place = numbering(problem.body_a, problem.body_b, n)
     envelope = envelope_of(problem.body_a, problem.body_b, place, width)
@@ -55,7 +55,7 @@ def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
 
 @compiled
 def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArray, wrench: FloatArray) -> None:
-    """The ``rows`` of the force and moment that a unit force in ``direction`` exerts at ``lever``."""
+    """Write the ``rows`` of the force and moment that a unit force in ``direction`` exerts at ``lever``."""
     for k in range(len(rows)):
         row = rows[k]
         if row < 3:
@@ -81,7 +81,7 @@ def _add_product(
 
 @compiled
 def _assemble(problem: Problem, space: Workspace, rho: float) -> None:
-    """The generalised Hessian A P_K'(z) A^T + rho 1 at ``space.z``, written to ``space.matrix``."""
+    """Write the generalised Hessian A P_K'(z) A^T + rho 1 at ``space.z`` to ``space.matrix``."""
     width, matrix, offset = len(space.rows), space.matrix, space.envelope.offset
     direction, weight = np.empty((3, 3)), np.empty(3)
     on_a, on_b = np.empty(width), np.empty(width)
@@ -114,7 +114,7 @@ def factorize_at(problem: Problem, space: Workspace, rho: float) -> None:
 
 @compiled
 def solve_for(problem: Problem, space: Workspace, right: FloatArray) -> None:
-    """The motion ``space.dy`` that answers a right side (n, 6), and ``space.dz``, by the latest factor."""
+    """Solve for a right side (n, 6) with the latest factor; write ``space.dy`` and ``space.dz``."""
     rows, place, step, dy = space.rows, space.place, space.step, space.dy
     width = len(rows)
     for i in range(len(right)):
@@ -129,7 +129,7 @@ def solve_for(problem: Problem, space: Workspace, right: FloatArray) -> None:
 
 @compiled
 def _slope(problem: Problem, z: FloatArray, dz: FloatArray, t: float, work: FloatArray, force: FloatArray) -> float:
-    """Slope of |P_K|^2 / 2 along the line z + t dz."""
+    """Return the slope of |P_K|^2 / 2 along the line z + t dz."""
     for c in range(len(z)):
         for k in range(3):
             work[c, k] = z[c, k] + t * dz[c, k]
@@ -144,9 +144,9 @@ def _slope(problem: Problem, z: FloatArray, dz: FloatArray, t: float, work: Floa
 def step_length(
     problem: Problem, space: Workspace, rho: float, y: FloatArray, center: FloatArray, force: FloatArray
 ) -> float:
-    """How far to go from ``y`` along dy: the whole way unless that overshoots, else to where the slope has nearly gone.
+    """Return the step length from ``y`` along dy: 1 unless that overshoots, else where the slope has nearly vanished.
 
-    What is minimised is |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2; its slope along the line rises with t.
+    The minimised function is |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2; its slope along the line rises with t.
     ``force`` is overwritten.
     """
     z, dz, dy, work = space.z, space.dz, space.dy, space.trial

@@ -1,8 +1,8 @@
-"""What live bodies press on the stack: loads, and not bodies of the problem.
+"""Loads of live bodies on the stack; live bodies are not bodies of the problem.
 
-Whether a live body stands does not matter. All that lie on a part of the stack are looked at together, with the stack
-below them as rigid as the ground. The forces that hold them, or hold them as far as contacts can, are their loads: a
-brick that topples presses where it turns, with no more than its weight.
+Whether a live body stands does not matter. All live bodies on a part of the stack are solved together, with the stack
+below as rigid as the ground. The forces that hold them, as far as contacts can, are their loads: a toppling brick
+presses where it turns, with no more than its weight.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
-"""Share of its weight that may be left of a live body which counts as held: an estimate leaves a thousandth."""
+"""Imbalance of a live body, over its weight, up to which it counts as held: an estimate leaves a thousandth."""
 
 
 @compiled
 def lying_on(graph: Graph, ids: IntArray) -> IntArray:
-    """The live bodies that lie on the bodies ``ids``, directly or on each other, and their like beside, shape (k,)."""
+    """Return the live bodies on the bodies ``ids``, directly or indirectly, and live bodies beside them, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found = np.empty(len(bodies), np.int64)
@@ -53,7 +53,7 @@ def lying_on(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def carriers(graph: Graph, ids: IntArray) -> IntArray:
-    """The frozen among ``ids``, and those that bear the live ones, directly or through other live ones, shape (k,)."""
+    """Return the frozen among ``ids``, and frozen bodies that bear the live ones among them, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found, waiting = np.empty(len(bodies), np.int64), np.empty(len(bodies), np.int64)
@@ -83,7 +83,7 @@ def carriers(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def is_upright(graph: Graph, live: IntArray) -> bool:
-    """True if all ``live`` bodies (k,) stand on level contacts alone: what they press is then straight down."""
+    """Return True if all ``live`` bodies (k,) stand on level contacts only, so that they press straight down."""
     for body in live:
         at = graph.bodies[body].first_support
         while at != NONE:
@@ -97,15 +97,15 @@ def is_upright(graph: Graph, live: IntArray) -> bool:
 def live_load(
     graph: Graph, memory: Memory, part: Part, live: IntArray, gravity: float, y: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """What the ``live`` bodies (k,) that lie on the bodies of ``part`` press on them: O(k) and some factorisations.
+    """Return the loads of the ``live`` bodies (k,) on the bodies of ``part``: O(k) and some factorisations.
 
     Args:
         graph: the stack.
         memory: the kept forces.
-        part: what they lie on.
-        live: all of them, shape (k,).
+        part: the part of the stack that they lie on.
+        live: the live bodies, shape (k,).
         gravity: gravitational acceleration [m/s2], positive.
-        y: where the search begins, by body; overwritten (see ``nearest_forces``).
+        y: start of the search, by body; overwritten (see ``nearest_forces``).
 
     Returns:
         Force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6); which of the live bodies
@@ -117,7 +117,7 @@ def live_load(
         return pressed, held
     above = part_of(graph, memory, live, Terms(FIXED, gravity, 0.0, 1.0, 0.0))
     problem, upright = above.problem, above.level.all()
-    if upright:  # what topples off level contacts presses straight down, and so does what stands on them
+    if upright:  # a body that topples off level contacts presses straight down, and so do the bodies on it
         problem.normal[:, :2] = 0.0
         problem.normal[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
         problem.friction[:] = 0.0
@@ -145,16 +145,16 @@ def live_load(
 
 @compiled
 def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits, everything: bool) -> FloatArray:
-    """Mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
+    """Return mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
 
     O(contacts of the latest dwell frames).
 
     Args:
         graph: the stack.
-        buffers: with contact forces as the engine tells them.
+        buffers: the dwell frames, with contact forces if the engine reports them.
         part: the bodies pressed on.
         limits: the settings, shape (1,).
-        everything: whether all live bodies count, or only their pushes (see ``pushes``).
+        everything: True to count all live bodies, False for pushes only (see ``pushes``).
     """
     pushed = np.zeros((len(part.ids), 6))
     index = np.full(len(graph.bodies), -1)

@@ -1,29 +1,31 @@
-"""Loading from zero prestress: do the contact forces that could hold the bodies arise as their weight comes on?
+"""Load a stack from zero prestress, to see whether contact forces that could hold the bodies arise by themselves.
 
 Forces inside the Coulomb cones may be a self-stress that nothing supplies: two walls "could" hold a brick between them
-if something pressed them together. So every contact is given a compliance, all loads grow from nothing, and the bodies
+if something pressed them together. So every contact gets a compliance, all loads grow from zero, and the bodies
 move until the contacts hold them. With closed gaps the problem is homogeneous of degree 1, so that one solution is the
 whole proportional path:
 
-    M u / kappa = w + A f(u)                       u (n, 6): displacements, w: loads, A f: what contacts exert
+    M u / kappa = w + A f(u)                       u (n, 6): displacements, w: loads, A f: wrenches of the contacts
     v = A^T u                                      relative displacement at a contact, v_n along its normal
     f_n = max(0, -v_n - NORMAL_NOISE |v_t|)        pressed as the contact closes
     f_t = Proj_{|f_t| <= mu f_n} (-r v_t)          r: tangential over normal stiffness
 
-M u / kappa is what is left unbalanced: u / kappa is the acceleration [g] that remains. If the bodies stand, u tends to
-a limit as kappa grows; if they fall, u grows as kappa does. Which it is tells, body by body, the sensitivity
+M u / kappa is the unbalanced rest: u / kappa is the remaining acceleration [g]. If the bodies stand, u tends to a limit
+as kappa grows; if they fall, u grows as kappa does. The sensitivity decides which, body by body:
 
     d u / d ln kappa = (A C A^T + M / kappa)^-1 M u / kappa        C: tangent of the contact law,
 
-which is u itself for what falls and u times (compliance / kappa) for what stands; the two lie decades apart. The
-bodies need no prestress if the sensitivity is small for each tangential stiffness of ``STIFFNESSES``.
+It is u itself for a body that falls and u times (compliance / kappa) for a body that stands; the two lie decades apart.
+The bodies need no prestress if the sensitivity is small for each tangential stiffness of ``STIFFNESSES``.
 
-The term NORMAL_NOISE |v_t| takes from each contact what it would close if its normal were wrong by so much: a brick
-that slides along a neighbour's side wedges itself for one sign of a normal's rounding, and falls for the other.
+The term NORMAL_NOISE |v_t| subtracts from each contact the closure that an error of its normal could cause: a brick
+that
+slides along a neighbour's side wedges itself for one sign of a normal's rounding, and falls for the other.
 
-Proof and limits: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa, so what is found to stand has
+Proof and limits: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa, so a stack that stands here
+has
 an equilibrium that arises monotonically from zero. It is one loading path (all loads in proportion) and three
-stiffnesses: whether every path ends at rest it does not tell. What only prestress holds (a hammered wedge) is refused.
+stiffnesses; other paths are not examined. A body that only prestress holds (a hammered wedge) is refused.
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
 ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
@@ -44,32 +46,33 @@ from stability_core.port import BoolArray, FloatArray, IntArray
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
 """Tangential over normal stiffness of a contact: no real ratio is known, so the verdict must not depend on it."""
 KAPPA = 1e7
-"""Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body.
-A hundred times what a tower of 100 blocks sags, and a rounding of 1e-9 of the weights in what falls."""
+"""Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body. It is
+a hundred times the sag of a tower of 100 blocks, and a rounding of 1e-9 of the weights for a falling body."""
 NORMAL_NOISE = 1e-2
-"""What a contact may close per length of slip [rad] without any effect. Engines and single precision err by 1e-3 rad in
-normals and by 1e-4 m in the points of bricks of some centimetres; three standard deviations of both."""
+"""Closure of a contact per length of slip [rad] that has no effect. Engines and single precision err by 1e-3 rad in
+normals and by 1e-4 m in the points of bricks of some centimetres; this is three standard deviations of both."""
 SENSITIVE = 0.1
-"""Sensitivity, over the displacement, from which on a body counts as not held. What stands has 1e-6 to 1e-2 (a tower of
-100 blocks, an arch of 200), what falls 0.5 to 1."""
+"""Sensitivity, over the displacement, above which a body counts as not held. Standing bodies have 1e-6 to 1e-2 (a
+tower of 100 blocks, an arch of 200), falling bodies 0.5 to 1."""
 CONVERGED = 1e-7
 """Imbalance of a body, over its own weight, at which the displacements are found."""
 WARM_STEPS, NEWTON_STEPS = 8, 40
-"""Steps from a displacement of before, and from nothing. What stands takes 3 to 20, an arch of 200 takes 30."""
+"""Most steps from an earlier displacement, and from zero. Standing stacks take 3 to 20, an arch of 200 takes 30."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
-"""Ways to ``KAPPA``: on the first, or straight to its end, Newton's method rarely fails, on the second hardly ever."""
+"""Sequences of kappa: Newton's method rarely fails on the first, or straight to its end, and hardly ever on the
+second."""
 WIDEST = 48
-"""Mean width of the matrix up to which the slowest way is gone: an arch has 12; in a heap of twenty bricks it costs a
-tenth of a second, and hardly ever tells more."""
+"""Mean width of the matrix up to which the slowest sequence is tried: an arch has 12; in a pile of twenty bricks it
+costs a tenth of a second, and hardly ever decides more."""
 STALLS = 20
-"""Steps in a row that gain little at their shortest, after which the search ends: an arch of 200 goes on after ten."""
+"""Steps in a row with little gain after which the search ends: an arch of 200 continues after ten."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
 """Share of its length by which a step must reduce the imbalance."""
 ROLLING = 1e3
-"""One over the rotation at which all the slack of a body that rolls resists it: a thousandth of what bodies sag."""
+"""Inverse of the rotation at which all the slack of a rolling body resists it: a thousandth of the sag of bodies."""
 TINY = 1e-300
-"""In place of no displacement at all."""
+"""Replaces a displacement of zero."""
 ROTATIONAL = 1.0 / 3.0
 """Moment of inertia over mass times size squared: of a rod about its middle; its value decides nothing."""
 
@@ -78,7 +81,7 @@ class Case(NamedTuple):
     """Bodies to be loaded with one ratio of stiffnesses."""
 
     problem: Problem
-    """With loads in units of their mean."""
+    """The problem, with loads in units of their mean."""
     stiffness: float
     """Tangential over normal stiffness."""
     place: IntArray
@@ -95,15 +98,15 @@ def _contact_law(
     force: FloatArray,
     tangent: FloatArray,
 ) -> None:
-    """Force on the second body at each contact, and how it falls as ``v`` grows.
+    """Evaluate the contact law: the force on the second body at each contact, and its decrease as ``v`` grows.
 
     Args:
-        problem: with m contacts.
+        problem: a problem with m contacts.
         friction: Coulomb coefficients, shape (m,).
         stiffness: tangential over normal stiffness.
         v: relative displacements of the second body against the first, shape (m, 3).
-        force: the forces, written, shape (m, 3).
-        tangent: C = -df/dv, written, shape (m, 3, 3). A contact that is neither pressed nor moved counts as sticking.
+        force: output, the forces, shape (m, 3).
+        tangent: output, C = -df/dv, shape (m, 3, 3). A contact that is neither pressed nor moved counts as sticking.
     """
     e, row, column = np.empty(3), np.empty(3), np.empty(3)
     for c in range(len(v)):
@@ -138,7 +141,7 @@ def _contact_law(
 
 @compiled
 def _wrenches(lever: FloatArray, matrix: FloatArray, right: FloatArray) -> None:
-    """``matrix`` (3, 3) times W, (3, 6), where W y is the velocity at ``lever`` under a motion y: v + w x lever."""
+    """Write ``matrix`` (3, 3) times W, (3, 6), to ``right``, where W y = v + w x lever is the velocity at ``lever``."""
     for k in range(3):
         right[k, 0], right[k, 1], right[k, 2] = matrix[k, 0], matrix[k, 1], matrix[k, 2]
         right[k, 3] = matrix[k, 2] * lever[1] - matrix[k, 1] * lever[2]
@@ -175,9 +178,9 @@ def _add_block(
 def _assemble(
     case: Case, tangent: FloatArray, inertia: FloatArray, u: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> None:
-    """A C A^T + M / kappa: its lower triangle by rows and its upper one by columns, the diagonal in both.
+    """Assemble A C A^T + M / kappa: its lower triangle by rows and its upper one by columns, the diagonal in both.
 
-    ``inertia`` (n, 6) is the diagonal M / kappa. The resistance of what rolls counts until it is spent.
+    ``inertia`` (n, 6) is the diagonal M / kappa. The resistance of a rolling body counts until it is spent.
     """
     problem, place, offset = case.problem, case.place, case.envelope.offset
     lower[:] = 0.0
@@ -206,7 +209,7 @@ def _assemble(
 
 @compiled
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """A f - w - M u / kappa, written to ``rest`` (n, 6); returns its norm, each body's over its own inertia.
+    """Write a f - w - M u / kappa to ``rest`` (n, 6); return its norm, each body's over its own inertia.
 
     A body that rolls is resisted by a moment of at most its slack.
     """
@@ -240,7 +243,7 @@ def _solve(
 
 @compiled
 def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
-    """How much of its displacement ``u`` each body would move on, ``du``, both (n, 6), if kappa grew; shape (n,)."""
+    """Return the growth ``du`` of each body's displacement ``u`` with kappa, over ``u``, both (n, 6); shape (n,)."""
     found = np.empty(len(u))
     for i in range(len(u)):
         found[i] = np.abs(du[i]).max() / max(np.abs(u[i]).max(), TINY)
@@ -249,7 +252,7 @@ def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
 
 @compiled
 def _inertia(problem: Problem) -> FloatArray:
-    """The diagonal M: the weight of each body for every component of its motion, shape (n, 6)."""
+    """Return the diagonal M: the weight of each body for every component of its motion, shape (n, 6)."""
     inertia = np.empty((len(problem.load), 6))
     for i in range(len(inertia)):
         load = problem.load[i]
@@ -260,12 +263,12 @@ def _inertia(problem: Problem) -> FloatArray:
 
 @compiled
 def _load(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
-    """Load the bodies from ``u`` (n, 6), which is moved to where they come to.
+    """Load the bodies from ``u`` (n, 6), which is moved to the solution.
 
     Semismooth Newton with halved steps, at most ``most``: O(m) and a factorisation a step.
 
     Returns:
-        Whether that was found; the sensitivity of each body over its displacement, or 1 for those that are not balanced
+        Whether it was found; the sensitivity of each body over its displacement, or 1 for bodies that are not balanced
         yet, shape (n,).
     """
     problem, friction, stiffness, envelope = case.problem, case.problem.friction, case.stiffness, case.envelope
@@ -311,9 +314,9 @@ def _load(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, Flo
 
 @compiled
 def _load_step_by_step(case: Case, u: FloatArray) -> FloatArray:
-    """``_load`` at ``KAPPA`` from ``u``; if not all is held, from nothing, by way of smaller kappas.
+    """Load at ``KAPPA`` from ``u``; if not all bodies are held, from zero, through smaller values of kappa.
 
-    What falls is told by the last way alone: a long step may end in a jam far off, where less is held than on the path.
+    Only the last sequence decides a fall: a long step may end in a distant jam, where less is held than on the path.
 
     Returns:
         The sensitivity of each body over its displacement, or 1 for those that are not balanced, shape (n,).
@@ -333,19 +336,20 @@ def _load_step_by_step(case: Case, u: FloatArray) -> FloatArray:
     if case.envelope.size > WIDEST * len(case.problem.load) * 6:
         return sensitivity
     u[:] = 0.0
-    for kappa in MANY_KAPPAS:  # where one fails the next may do
+    for kappa in MANY_KAPPAS:  # if one fails, the next may converge
         held, sensitivity = _load(case, kappa, NEWTON_STEPS, u)
     return sensitivity
 
 
 @compiled
 def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
-    """Which bodies no contact force would come to hold if all loads grew from zero, shape (n,).
+    """Return which bodies no contact force would hold if all loads grew from zero, shape (n,).
 
     Args:
         problem: n bodies, each with a weight, that have an equilibrium.
-        displacement: where to look first for what each of ``STIFFNESSES`` comes to, such as what was found for a
-            problem that is nearly the same, else zero; what is found is written, shape (3, n, 6).
+        displacement: start of the search for each of ``STIFFNESSES``, such as the solution of a similar problem, or
+            zero;
+        overwritten by the solution, shape (3, n, 6).
     """
     n = len(problem.load)
     unit = np.abs(problem.load[:, :3]).sum() / n

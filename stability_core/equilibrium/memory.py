@@ -1,7 +1,8 @@
-"""The contact forces that last held the stack: where the search for the next ones begins, and a part of the proof.
+"""The certificate: contact forces that last held the stack, and the start of the next search.
 
-What bears a change is solved anew, and the forces kept for all other bodies go on to hold those. ``is_held`` recomputes
-that from the patches as they are now. Forces that are out of date, or another patch's, fail there, and their bodies are
+Bodies that bear a change are solved again; the forces kept for all other bodies still hold those. ``is_held``
+recomputes
+that from the present patches. Forces that are out of date, or belong to another patch, fail there, and their bodies are
 solved as well.
 """
 
@@ -17,8 +18,8 @@ from stability_core.port import FloatArray, IntArray
 from stability_core.stack import MAX_VERTICES, NONE, Graph, is_stack
 
 KEPT_BALANCED = 1e-8
-"""Imbalance, relative to the largest force on a body, up to which kept forces balance it: ten times that to which they
-were solved, because sizes are measured anew."""
+"""Imbalance, relative to the largest force on a body, up to which kept forces balance it: ten times the tolerance of
+the solve, because sizes are measured again."""
 
 
 class Memory(NamedTuple):
@@ -31,7 +32,7 @@ class Memory(NamedTuple):
 
 
 def memory_for(patches: int, known: Memory | None = None) -> Memory:
-    """A table for so many rows of patches, with what is ``known`` taken over."""
+    """Return a table with ``patches`` rows that keeps the ``known`` ones."""
     fresh = Memory(np.full((patches, 3), NONE), np.zeros((patches, MAX_VERTICES, 3)))
     if known is not None:
         rows = np.flatnonzero(known.pair[:, 0] != NONE)
@@ -47,21 +48,21 @@ def _is_of(graph: Graph, at: int, pair: IntArray) -> bool:
 
 @compiled
 def is_known(graph: Graph, memory: Memory, at: int) -> bool:
-    """True if the forces kept in row ``at`` are those of the patch that lies there now."""
+    """Return True if the forces kept in row ``at`` belong to the present patch of that row."""
     return _is_of(graph, at, memory.pair[at])
 
 
 @compiled
 def carries(memory: Memory, at: int) -> bool:
-    """True if any force is kept in row ``at``."""
+    """Return True if any force is kept in row ``at``."""
     return bool(memory.force[at].any())
 
 
 @compiled
 def is_held(graph: Graph, memory: Memory, body: int, gravity: float) -> bool:
-    """True if the kept forces lie in the Coulomb cones of a frozen body's contacts and balance its weight.
+    """Return True if the kept forces lie in the Coulomb cones of a frozen body's contacts and balance its weight.
 
-    Of what touches it count the ground and frozen bodies. O(its patches).
+    Only contacts with the ground and with frozen bodies count. O(its patches).
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -101,7 +102,7 @@ def _is_in_cone(force: FloatArray, normal: FloatArray, friction: float) -> bool:
 
 @compiled
 def recall(graph: Graph, memory: Memory, patches: IntArray, contacts: int) -> FloatArray:
-    """The forces at all vertices of the ``patches`` (p,), in this order, shape (contacts, 3); noughts if unknown."""
+    """Return the forces at all vertices of the ``patches`` (p,), in order, shape (contacts, 3); zeros if unknown."""
     force = np.zeros((contacts, 3))
     c = 0
     for at in patches:
@@ -125,15 +126,15 @@ def remember(graph: Graph, memory: Memory, patches: IntArray, force: FloatArray)
 
 @compiled
 def hand_on(graph: Graph, memory: Memory, patches: IntArray, bodies: IntArray) -> None:
-    """Give the patches of ``bodies`` (k,) the forces of the same pairs, if they were laid anew in other rows since.
+    """Give the patches of ``bodies`` (k,) the forces of the same pairs, if they were rebuilt in other rows since.
 
     O(their patches times p).
 
     Args:
         graph: the stack.
-        memory: with forces kept in the rows ``patches``.
-        patches: the rows of before, shape (p,).
-        bodies: those whose patches may have been laid anew.
+        memory: forces kept in the rows ``patches``.
+        patches: the former rows, shape (p,).
+        bodies: the bodies whose patches may have been rebuilt.
     """
     pair, force = memory.pair[patches], memory.force[patches]
     for body in bodies:

@@ -1,15 +1,18 @@
-"""Contact forces that hold a set of bodies, or the motion in which they fall: one semismooth Newton method for both.
+"""Find contact forces that hold a set of bodies, or the motion in which they fall, by one semismooth Newton method.
 
-Wanted are f_c in their cones K_c with A f = w (A f: force and moment that the contacts exert on each body, w: what
-gravity asks them to hold). Of all such f the one of least norm is f = P_K(A^T y), where y minimises the convex
+Wanted are forces f_c in their cones K_c with A f = w:
 
-    |P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
+A f     force and moment that the contacts exert on each body
+w       force and moment that they must exert, because of gravity
+f       = P_K(A^T y), the solution of least norm, where y minimises the convex function
 
-P_K is the projection onto the cones; the last term, about the latest y', is a proximal point method, which copes with
-degenerate problems. What it leaves, r = w - A f = rho (y - y'), tends to nought if there are such forces, and else to
-the shortest vector between w and what the contacts can do. That vector proves it: r . w > 0, while A^T r lies in the
-polar of K, so that with -r as velocities gravity does work and no contact resists (Farkas). Before the limit A^T r
-lies there nearly; the same method finds the nearest motion that lies there truly (w = 0, y' = r).
+|P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
+
+P_K is the projection onto the cones. The last term, about the latest y', makes it a proximal point method, which copes
+with degenerate problems. The rest r = w - A f = rho (y - y') tends to zero if there are such forces, and else to the
+shortest vector between w and A K. That vector is the proof: r . w > 0, while A^T r lies in the polar of K, so that with
+velocities -r gravity does work and no contact resists (Farkas). Before the limit A^T r lies there nearly; the same
+method finds the nearest motion that lies there exactly (w = 0, y' = r).
 """
 
 from __future__ import annotations
@@ -34,33 +37,34 @@ from stability_core.port import FloatArray, IntArray
 HELD, FALLING, UNDECIDED = 0, 1, 2
 
 FIRST_RHO, LAST_RHO = 1e-3, 1e-12
-"""Weight of the proximal term against forces of weight 1: large at first, so that a pile which falls is not thrown
-far, then tenfold less at each proximal point, for tall stacks that are all but balanced."""
+"""Weight of the proximal term against forces of weight 1: large at first, so that a falling stack is not thrown far,
+then tenfold less at each proximal point, for tall stacks that are almost balanced."""
 RAY_RHO = 1e-4
-"""The same in the search for a motion that no contact resists, over the weight with which it was found."""
+"""Weight of the proximal term in the search for a motion that no contact resists, over the weight of its first
+guess."""
 STRONGEST = 1e6
-"""Equilibria are refused that need a force this many times all weight: no wedge is that stiff."""
+"""Greatest force of an equilibrium, over all weight: no real wedge is stiffer."""
 CONVERGED = 1e-14
-"""Newton's decrement, relative to what is minimised, at which a proximal point is reached."""
+"""Newton's decrement, relative to the minimised function, at which a proximal point is reached."""
 PROXIMAL_POINTS = 12
 ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
-"""Proximal points, steps and imbalance where an estimate of the forces is enough."""
+"""Proximal points, steps and imbalance for an estimate of the forces."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
-"""A pile takes 5 to 20 steps in all; one that takes more lies at the very limit."""
+"""Most steps. A stack takes 5 to 20 in all; a stack that takes more lies at its limit."""
 
 
 class Search(NamedTuple):
-    """Where a search has come to: overwritten from step to step."""
+    """State of a search, overwritten from step to step."""
 
     center: FloatArray
     """The latest proximal point y', shape (n, 6)."""
     y: FloatArray
-    """Shape (n, 6)."""
+    """Multipliers, shape (n, 6)."""
     force: FloatArray
     """P_K(A^T y), shape (m, 3)."""
     rest: FloatArray
-    """What the forces leave unbalanced, shape (n, 6)."""
+    """Unbalanced rest of the load, shape (n, 6)."""
 
 
 @compiled
@@ -94,17 +98,17 @@ def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search
 
 @compiled
 def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Forces in the cones that hold the bodies, or as much of their load as contacts can, and what they leave.
+    """Return forces in the cones that hold the bodies, or as much of their load as contacts can, and the rest.
 
     Nothing is proven: the search ends at an imbalance of ``ROUGHLY_BALANCED``.
 
     Args:
         problem: n bodies and m contacts.
         rows: as for ``solve``.
-        y: where the search begins, shape (n, 6): noughts, or what it came to for much the same problem; overwritten.
+        y: start of the search, shape (n, 6): zeros, or the result for a similar problem; overwritten.
 
     Returns:
-        The forces, shape (m, 3); what is left unbalanced, shape (n, 6).
+        The forces, shape (m, 3); the unbalanced rest, shape (n, 6).
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)
@@ -121,20 +125,20 @@ def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[Flo
 
 @compiled
 def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, FloatArray, FloatArray, float]:
-    """Forces that hold the bodies, or how they fall.
+    """Find forces that hold the bodies, or the motion in which they fall.
 
     A step costs O(m) and a factorisation (see ``envelope``).
 
     Args:
         problem: n bodies and m contacts.
-        rows: the components of force and moment that are not nought by themselves, shape (k,): all six, or
-            [2, 3, 4] where every force is vertical.
-        strongest: the force, over all weight, from which on an equilibrium counts as none (see ``STRONGEST``).
+        rows: components of force and moment that may be nonzero, shape (k,): all six, or [2, 3, 4] if every force is
+        vertical.
+        strongest: force, over all weight, above which an equilibrium counts as none (see ``STRONGEST``).
 
     Returns:
-        HELD, FALLING or UNDECIDED; the forces on the second bodies [N], (m, 3), always in their cones; what they
-        leave unbalanced, (n, 6), or the proof r if the bodies are FALLING; the greatest imbalance of a body relative
-        to the largest force on it.
+        HELD, FALLING or UNDECIDED; the forces on the second bodies [N], (m, 3), always in their cones; the unbalanced
+        rest, (n, 6), or the proof r if the bodies are FALLING; the greatest imbalance of a body relative to the largest
+        force on it.
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)
@@ -158,7 +162,7 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         worst = greatest_imbalance(problem, force, rest)
         if worst <= BALANCED:
             return HELD, force, rest, worst
-        if worst > 0.5 * before:  # it does not shrink: perhaps there are no such forces
+        if worst > 0.5 * before:  # no progress: perhaps there are no such forces
             ray[:] = rest
             for _ in range(RAY_STEPS):
                 _minimise(without_load, space, RAY_RHO * rho, 1, mechanism)

@@ -1,12 +1,12 @@
-"""Vertical forces from the top down: each body passes what it bears on to what it stands on.
+"""Pass vertical forces from the top down: each body passes its load to its supports.
 
-For stacks that stand on level contacts this finds an equilibrium in one sweep, O(contacts), where a solve of all bodies
-together from nothing takes some factorisations. Each body's share is the one of least norm among those that balance it,
+For stacks on level contacts this finds an equilibrium in one sweep, O(contacts), where a joint solve of all bodies from
+zero takes some factorisations. Each body's share is the one of least norm among those that balance it,
 
     minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0,
 
-with W and M its own weight and all that presses on it from above. Where a body must press otherwise so that one below
-it is held, such as a counterweight, the sweep fails and proves nothing.
+with W and M its own weight and all loads from above. Where a body must press differently so that a body below it is
+held, such as a counterweight, the sweep fails and proves nothing.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ALONG_A_LINE = 1e-12
 
 @compiled
 def _solve_three(matrix: FloatArray, right: FloatArray) -> None:
-    """Solve a symmetric positive definite system of three rows in place of its right side; ``matrix`` is spoilt."""
+    """Solve a positive definite system of three rows in place of its right side; ``matrix`` is overwritten."""
     for j in range(3):
         for k in range(j):
             matrix[j, j] -= matrix[j, k] ** 2
@@ -64,9 +64,9 @@ def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: F
 
 @compiled
 def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
-    """The forces (k,) of least norm, none negative, whose sums with the ``row``s (k, 3) are ``wanted`` (3,), written.
+    """Write the forces (k,) of least norm, none negative, whose sums with the ``row``s (k, 3) are ``wanted`` (3,).
 
-    What would pull is left out, the worst first, until nothing does: they need not exist.
+    Pulling forces are removed, the worst first, until none is left.
     """
     active, missing = np.ones(len(row), np.bool_), np.empty(3)
     for _ in range(len(row)):
@@ -84,11 +84,11 @@ def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
 
 @compiled
 def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    """Who stands on whom, by contacts along the vertical.
+    """Return the supports of each body, by contacts along the vertical.
 
     Returns:
-        Upper body of each contact, negative for none, (m,); the lower one, likewise; where the contacts below each
-        body begin in the list, (n + 1,); that list.
+        Upper body of each contact, negative for none, (m,); the lower one, likewise; start of each body's contacts
+        below it in the list, (n + 1,); that list.
     """
     n, m = len(problem.load), len(problem.normal)
     upper, lower = np.empty(m, np.int64), np.empty(m, np.int64)
@@ -110,7 +110,7 @@ def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]
 
 @compiled
 def _bear(problem: Problem, body: int, mine: IntArray, load: FloatArray, force: FloatArray) -> None:
-    """Write the ``force``s (m, 3) by which the contacts ``mine`` (k,) below a ``body`` bear its ``load`` (n, 6)."""
+    """Write the ``force``s (m, 3) with which the contacts ``mine`` (k,) below a ``body`` bear its ``load`` (n, 6)."""
     row, share, wanted = np.empty((len(mine), 3)), np.empty(len(mine)), np.empty(3)
     for at in range(len(mine)):
         c = mine[at]
@@ -130,7 +130,7 @@ def pass_down(problem: Problem) -> tuple[bool, FloatArray, FloatArray, float]:
         problem: n bodies and m contacts, whose normals are all vertical.
 
     Returns:
-        Whether the forces hold all bodies; the forces (m, 3); what they leave unbalanced, (n, 6); the greatest
+        Whether the forces hold all bodies; the forces (m, 3); the unbalanced rest, (n, 6); the greatest
         imbalance of a body relative to the largest force on it.
     """
     n = len(problem.load)
@@ -167,7 +167,7 @@ def pass_down(problem: Problem) -> tuple[bool, FloatArray, FloatArray, float]:
 
 @compiled
 def _pulls(problem: Problem, force: FloatArray) -> bool:
-    """True if any force (m, 3) points against its normal."""
+    """Return True if any force (m, 3) points against its normal."""
     pulls = False
     for c in range(len(force)):
         pulls |= force[c, 2] * problem.normal[c, 2] < 0.0

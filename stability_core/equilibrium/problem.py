@@ -1,6 +1,6 @@
-"""Bodies and contact points without names or units, and what proves that they stand or that they fall.
+"""Dimensionless bodies and contacts, and the proofs that they stand or fall.
 
-Both proofs are checked by recomputing them, however the forces or the motion were found.
+Both proofs are checked by recomputation, independently of how the forces or the motion were found.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ class Problem(NamedTuple):
     body_b: IntArray
     """Second body, on which the force acts; the opposite one acts on the first, shape (m,)."""
     lever_a: FloatArray
-    """From the first body's centre of mass to the contact, over that body's size, shape (m, 3)."""
+    """Lever from the first body's centre of mass to the contact, over that body's size, shape (m, 3)."""
     lever_b: FloatArray
-    """From the second body's, shape (m, 3)."""
+    """Lever from the second body's centre of mass, likewise, shape (m, 3)."""
     normal: FloatArray
     """Unit normals from a to b, shape (m, 3)."""
     friction: FloatArray
@@ -35,14 +35,14 @@ class Problem(NamedTuple):
     load: FloatArray
     """Force [N] and moment [N, over the body's size] that contacts must exert on each body, shape (n, 6)."""
     slack: FloatArray
-    """Moment [N, over the body's size] that may stay unbalanced, shape (n,): that of the weight about a contact point
-    that is off by the noise of what is measured. Zero but for bodies that touch in points and lines alone: no rigid
-    sphere balances on a point that lies beside the vertical by a rounding."""
+    """Moment [N, over the body's size] that may stay unbalanced, shape (n,): of the weight about a contact point that
+    is off by measurement noise. Zero except for bodies that touch only in points and lines, because no rigid sphere
+    balances on a point that lies beside the vertical by a rounding error."""
 
 
 @compiled
 def along_contacts(problem: Problem, motion: FloatArray, velocity: FloatArray) -> None:
-    """A^T y: velocity (m, 3) of the second body against the first at each contact, under a ``motion`` (n, 6)."""
+    """Write A^T y: the relative velocity (m, 3) of b against a at each contact, under a ``motion`` (n, 6)."""
     for c in range(len(velocity)):
         velocity[c] = 0.0
         for sign, body, lever in (
@@ -70,7 +70,7 @@ def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArr
 
 @compiled
 def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
-    """The rest w - A f, (n, 6): what the contact forces (m, 3) leave unbalanced of each body's load."""
+    """Write the rest w - A f, (n, 6): the part of each body's load that the contact forces (m, 3) leave unbalanced."""
     rest[:] = problem.load
     for c in range(len(force)):
         f = force[c]
@@ -84,7 +84,7 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
 
 @compiled
 def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
-    """The largest imbalance of a body, over the largest force on it; infinite if anything is not finite."""
+    """Return the largest imbalance of a body, over the largest force on it; infinite if anything is not finite."""
     largest = np.zeros(len(rest))
     for i in range(len(rest)):
         for k in range(6):
@@ -107,10 +107,10 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 
 @compiled
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
-    """A force that every equilibrium must exceed somewhere, over all weight: infinite for an exact Farkas ray.
+    """Return a lower bound on the greatest force of any equilibrium, over all weight; infinite for an exact Farkas ray.
 
-    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. What may stay unbalanced of w
-    is taken off r . w.
+    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. The part of w that may stay
+    unbalanced is subtracted from r . w.
     """
     along_contacts(problem, ray, work)
     project(work, problem.normal, problem.friction, force)
@@ -129,9 +129,9 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
 
 @compiled
 def islands(problem: Problem) -> IntArray:
-    """Number of the island of each body, shape (n,): contacts join bodies to islands, the ground does not.
+    """Return the number of each body's island, shape (n,): contacts join bodies to islands, the ground does not.
 
-    O(m) a sweep over the contacts, back and forth until nothing changes.
+    Each sweep over the contacts, back and forth until nothing changes, is O(m).
     """
     label = np.arange(len(problem.load))
     grows = True
@@ -148,7 +148,7 @@ def islands(problem: Problem) -> IntArray:
 
 
 def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
-    """The ``bodies``, (n,), and all that they touch."""
+    """Return the ``bodies``, (n,), and all bodies that they touch."""
     among = np.append(bodies, False)  # the last row is the ground's
     touching = among[problem.body_a] | among[problem.body_b]
     among[problem.body_a[touching]] = among[problem.body_b[touching]] = True
@@ -156,9 +156,9 @@ def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
 
 
 def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolArray]:
-    """The bodies that may move, (n,), alone, all others fixed; and which contacts are theirs, (m,).
+    """Return the problem of the bodies that may move, (n,), all others fixed, and the mask of its contacts, (m,).
 
-    What falls then falls in the whole problem as well: fixed bodies withstand more than free ones.
+    Bodies that fall there fall in the whole problem as well, because fixed bodies withstand more than free ones.
     """
     index = np.full(len(moves) + 1, -1)  # the last row is the ground's
     index[:-1][moves] = np.arange(np.count_nonzero(moves))
@@ -177,9 +177,9 @@ def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolA
 
 
 def relieved_of(problem: Problem, gone: BoolArray, force: FloatArray) -> tuple[Problem, BoolArray]:
-    """The bodies that are not ``gone``, (n,), alone, under what those do to them with the contact forces (m, 3).
+    """Return the problem of the bodies that are not ``gone``, (n,), under the contact forces (m, 3) of those.
 
-    Also returns which contacts they keep, (m,).
+    Also return the mask of the contacts they keep, (m,).
     """
     stays = np.append(~gone, True)  # the last row is the ground's
     index = np.cumsum(stays) - 1

@@ -1,9 +1,14 @@
-"""Safe regions: where more weight may be laid on a body without a look at what stands below it.
+"""Safe regions: where a body may be loaded without examining the stack below it.
 
 U(ground contact) is the whole patch. U(body) is the hull over its supports of (contact patch, cut with the U of the
-support). Proof by induction from the ground up: a weight at a point of U(body) is split among points of the patches
-that lie in the supports' own U, as forces straight down, which level contacts can bear; each is handed on in the same
-way, down to the ground. These forces, added to those of any equilibrium, stay in the Coulomb cones, which are convex.
+support). Proof by induction from the ground up:
+
+- A weight at a point of U(body) is split among points of the patches that lie in the supports' own U, as forces
+  straight
+down, which level contacts can bear.
+- Each of these is passed on in the same way, down to the ground.
+- Added to the forces of any equilibrium they stay in the Coulomb cones, which are convex.
+
 So if the stack stood before, it stands with the weight, and no force need be known.
 """
 
@@ -36,9 +41,9 @@ from stability_core.stack import (
 from stability_core.stack_mass import support_polygon
 
 ON_BORDER = 1e-9
-"""Distance [m] at which a point counts as lying on a border: rounding moves it by less."""
+"""Distance [m] at which a point counts as lying on a border: larger than rounding."""
 SAME_NORMAL = 1e-6
-"""Change of a normal's component that counts as none: a patch that is laid again from the same points has the same."""
+"""Change of a normal's component that counts as none: a patch rebuilt from the same points keeps its normal."""
 SAME_MASS = 1e-9
 """Change of a mass [kg] that counts as none."""
 
@@ -47,7 +52,7 @@ REGION = np.dtype(
     [
         ("vertices", "i8"),  # 0 where no region is known
         ("vertex", "f8", (MAX_VERTICES, 3)),  # a convex polygon in plan, counter-clockwise [m]
-        ("links", "i8"),  # what surrounded the body when it was proven to stand, or frozen in doubt
+        ("links", "i8"),  # fingerprint of its surroundings when it was proven to stand, or frozen in doubt
     ],
     align=True,
 )
@@ -57,7 +62,7 @@ Regions: TypeAlias = Any
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
-    """A table with so many rows for ``bodies``, with what is ``known`` taken over."""
+    """Return a table with rows for ``bodies`` that keeps the ``known`` ones."""
     fresh = np.zeros(bodies, REGION)
     fresh[: len(known)] = known
     return fresh
@@ -65,7 +70,7 @@ def regions_for(bodies: int, known: Regions) -> Regions:
 
 @compiled
 def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
-    """What two convex polygons (k, 3) share in plan, counter-clockwise (Sutherland and Hodgman)."""
+    """Return the intersection of two convex polygons (k, 3) in plan, counter-clockwise (Sutherland and Hodgman)."""
     room = len(subject) + len(by)  # each side of a convex polygon adds one vertex at most
     shape, kept = np.empty((room, 3)), np.empty((room, 3))
     shape[: len(subject)] = subject
@@ -92,7 +97,7 @@ def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
 
 @compiled
 def known_region(regions: Regions, body: int) -> FloatArray:
-    """U of a frozen body, shape (k, 3); empty where none is known."""
+    """Return U of a frozen body, shape (k, 3); empty where none is known."""
     row = regions[body]
     region: FloatArray = row.vertex[: row.vertices]
     return region
@@ -100,7 +105,7 @@ def known_region(regions: Regions, body: int) -> FloatArray:
 
 @compiled
 def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
-    """U of a body that stands on the stack, shape (k, 3), from the regions of its supports.
+    """Return U of a body that stands on the stack, shape (k, 3), from the regions of its supports.
 
     O(supports), whatever the height of the stack.
     """
@@ -125,7 +130,7 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 
 @compiled
 def _trait(patch: Patches, other: int, factor: int) -> int:
-    """A number for one neighbour and how it is touched: its id, the kind of contact and the normal."""
+    """Return a number for one neighbour and its contact: its id, the kind of contact and the normal."""
     total = (other + 2) * factor + patch.kind
     for k in range(3):
         total = total * 31 + int(np.rint(patch.normal[k] / SAME_NORMAL))
@@ -134,16 +139,16 @@ def _trait(patch: Patches, other: int, factor: int) -> int:
 
 @compiled
 def _id_of(bodies: Bodies, body: int) -> int:
-    """The id of a body, which no other ever has, while its row passes to others."""
+    """Return the id of a body, which is unique, while its row may be reused."""
     return int(GROUND) if body == GROUND else int(bodies[body].id)
 
 
 @compiled
 def fingerprint(graph: Graph, body: int) -> int:
-    """A number that changes with the mass of ``body`` and with what it touches, whatever the order.
+    """Return a number that changes with the mass of ``body`` and with its contacts, in any order.
 
-    Of what it touches count the ground and frozen bodies, with the normals of their contacts; for a body in doubt the
-    live ones that lie on it as well: no change at all leaves it frozen.
+    Contacts with the ground and with frozen bodies count, with their normals; for a body in doubt the live bodies on it
+    count as well, because no change at all leaves it frozen.
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -166,24 +171,24 @@ def fingerprint(graph: Graph, body: int) -> int:
 
 @compiled
 def is_unchanged(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if ``body`` is surrounded as it was when it was proven to stand, or frozen in doubt."""
+    """Return True if the surroundings of ``body`` are as when it was proven to stand, or frozen in doubt."""
     return bool(fingerprint(graph, body) == regions[body].links)
 
 
 @compiled
 def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if ``body`` is as heavy, and touches the same frozen bodies in the same way, as when it was proven to stand.
+    """Return True if ``body`` has the same mass and frozen contacts as when it was proven to stand.
 
-    Never true of a body that was frozen in doubt.
+    Never True for a body that was frozen in doubt.
     """
     return bool(graph.bodies[body].doubt == PROVEN and is_unchanged(graph, regions, body))
 
 
 @compiled
 def note_doubts(graph: Graph, regions: Regions) -> None:
-    """Record what surrounds the bodies that have just been frozen in doubt: any later change wakes them.
+    """Record the surroundings of the bodies just frozen in doubt: any later change unfreezes them.
 
-    O(bodies that changed in this frame). They have no region: nothing may be laid on them without a solve.
+    O(bodies that changed in this frame). They have no region, so nothing may be placed on them without a solve.
     """
     for body in graph.changed[1 : 1 + graph.changed[0]]:
         row = graph.bodies[body]
@@ -194,7 +199,7 @@ def note_doubts(graph: Graph, regions: Regions) -> None:
 
 @compiled
 def _supports_are_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if every frozen body below touches the same as when it was proven to stand: a region is built on theirs."""
+    """Return True if every frozen body below is unchanged since its proof, because regions build on theirs."""
     bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
@@ -207,9 +212,9 @@ def _supports_are_proven(graph: Graph, regions: Regions, body: int) -> bool:
 
 @compiled
 def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
-    """True if the stack bears ``body``: its centre of mass lies in the ``region`` (k, 3) that its supports leave to it.
+    """Return True if the stack bears ``body``: its centre of mass lies in the ``region`` (k, 3) of its supports.
 
-    False means not known.
+    False means unknown.
     """
     center = graph.bodies[body].center
     return bool(is_inside(region, center[0], center[1]) and _supports_are_proven(graph, regions, body))
@@ -217,11 +222,11 @@ def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bo
 
 @compiled
 def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
-    """True if a body topples alone, and the stack bears it as it does.
+    """Return True if a body topples alone and the stack bears its load meanwhile.
 
-    It turns about the border of its contact area and presses there, with no more than its weight, where its centre of
-    mass is nearest. If that point lies in the ``region`` (k, 3) that its supports leave to it, they bear it. False
-    means not known.
+    It turns about the border of its contact area and presses there, with no more than its weight, at the point nearest
+    to
+    its centre of mass. If that point lies in the ``region`` (k, 3) of its supports, they bear it. False means unknown.
     """
     support = support_polygon(graph, body)
     if not topples_alone(graph, body, support):
@@ -233,10 +238,10 @@ def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -
 
 @compiled
 def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) -> None:
-    """Note that ``body``, now frozen, stands, and that it may be loaded in its ``region`` (k, 3)."""
+    """Record that ``body``, now frozen, stands, and that it may be loaded in its ``region`` (k, 3)."""
     graph.bodies[body].doubt = PROVEN
     row = regions[body]
-    corners, size = row.vertex, min(len(region), MAX_VERTICES)  # fewer vertices make a smaller region, which is as safe
+    corners, size = row.vertex, min(len(region), MAX_VERTICES)  # fewer vertices make a smaller, equally safe region
     for vertex in range(size):
         for k in range(3):
             corners[vertex, k] = region[vertex, k]
@@ -245,7 +250,7 @@ def keep_proof(graph: Graph, regions: Regions, body: int, region: FloatArray) ->
 
 @compiled
 def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
-    """Note that what ``body`` rests on stands with it."""
+    """Record that the bodies below ``body`` stand with it."""
     bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
@@ -257,13 +262,15 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
 
 @compiled
 def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
-    """True if a body that nothing else holds has its centre of mass outside its contact area: friction cannot help.
+    """Return True if a body held by nothing else has its centre of mass outside its contact area.
+
+    Friction cannot help such a body.
 
     A live body at rest below it may hold it, once both are frozen together.
 
     Args:
         graph: the stack.
-        body: a body whose patches are laid.
+        body: a body whose patches are built.
         support: its combined contact area, shape (k, 3).
     """
     row, patches = graph.bodies[body], graph.patches

@@ -1,6 +1,6 @@
-"""Cheap proofs, in compiled calls: what lies in safe regions is frozen, what topples alone is refused.
+"""Cheap proofs in compiled calls: freeze bodies in safe regions, refuse bodies that topple alone.
 
-The rest is left to be solved: see ``policies.equilibrium``.
+The remaining candidates are solved: see ``policies.equilibrium``.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from stability_core.stack import FROZEN, LIVE, NONE, TOPPLES, Bodies, Graph, Pat
 from stability_core.stack_mass import support_polygon
 
 SAFE, LEFT, UNSOLVED = range(3)
-"""Rows of what ``settle_safely`` finds: frozen; to be solved as candidates; to be solved again."""
+"""Rows of the results of ``settle_safely``: frozen; to be solved as candidates; to be solved again."""
 
 
 @compiled
 def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
-    """Freeze the ``candidates``, lowest first, that lie in safe regions; returns them, and those left undecided.
+    """Freeze the ``candidates``, lowest first, that lie in safe regions; return them, and the undecided ones.
 
-    What topples alone is decided as well: it stays live.
+    A body that topples alone is decided as well: it stays live.
     """
     bodies = graph.bodies
     frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)
@@ -60,7 +60,7 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
 
 @compiled
 def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
-    """The live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
+    """Return the live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
 
     They may be frozen while they still move a little; a flat body can wait.
     """
@@ -76,7 +76,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 
 @compiled
 def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
-    """The ``candidates``, and the live bodies at rest on which they rest, directly or through others, by rising id.
+    """Return the ``candidates``, and the live bodies at rest below them, directly or indirectly, by rising id.
 
     Bodies that hold each other can only be frozen together, whichever of them came to rest first.
     """
@@ -102,21 +102,21 @@ def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
-    """Note that the ``bodies`` (k,), lowest first, stand together: regions rest on those below."""
+    """Record that the ``bodies`` (k,), lowest first, stand together; regions build on those below."""
     for body in bodies:
         keep_proof(graph, regions, body, region_of(graph, regions, body))
 
 
 @compiled
 def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
-    """True if the stack is known to bear a live body that lies on it, or that topples off it."""
+    """Return True if the stack is known to bear a live body that lies on it or topples off it."""
     region = region_of(graph, regions, body)
     return is_safe(graph, regions, body, region) or topples_off(graph, regions, body, region)
 
 
 @compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
-    """Those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
+    """Return those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
     n = 0
@@ -133,10 +133,10 @@ def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
 
 @compiled
 def finish(graph: Graph, regions: Regions, buffers: FrameBuffers, limits: Limits, unsolved: IntArray) -> int:
-    """What comes after the candidates are decided: O(1) a changed body.
+    """Finish the frame after the candidates are decided: O(1) per changed body.
 
     Returns:
-        How many bodies are written into ``unsolved``: their part of the stack must be solved again.
+        Number of bodies written to ``unsolved``: their part of the stack must be solved again.
     """
     lay_frozen(graph, buffers, limits)
     note_doubts(graph, regions)
@@ -158,14 +158,14 @@ def settle_safely(
     limits: Limits,
     found: IntArray,
 ) -> tuple[int, int, int]:
-    """The frame as far as cheap proofs go: all of it, unless a candidate is left undecided.
+    """Settle the frame as far as cheap proofs go: completely, unless a candidate is left undecided.
 
-    O(1) a body that is due, whatever the number of frozen bodies. The arrays of ``Graph`` and ``FrameBuffers`` come one
-    by one: Numba takes longer to look at two tuples than a plank takes to freeze.
+    O(1) per body on the worklist, independent of the number of frozen bodies. The arrays of ``Graph`` and
+    ``FrameBuffers`` are separate arguments, because Numba unpacks a tuple from Python slowly (ADR-0002).
 
     Returns:
-        How many bodies are written into the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
-        solved together. UNSOLVED: bodies whose part of the stack must be solved again, known if none is left.
+        Numbers of bodies written to the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
+        solved together. UNSOLVED: bodies whose part of the stack must be solved again, valid if none is LEFT.
     """
     graph = Graph(bodies, patches, spare, changed)
     buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)

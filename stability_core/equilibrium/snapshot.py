@@ -1,4 +1,4 @@
-"""Does one snapshot of the world stand? Exact statics of rigid bodies under Coulomb friction."""
+"""Decide whether one snapshot of the world stands: exact statics of rigid bodies under Coulomb friction."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from stability_core.validation import (
 )
 
 ROUNDING = 1e-12
-"""By which the cosine of a contact's slope may miss that of its angle of friction: nil friction on a level face."""
+"""Tolerance of the cosine of a contact's slope against its angle of friction: zero friction on a level face."""
 
 
 @dataclass(frozen=True, slots=True)
 class Equilibrium:
-    """What statics says of one snapshot."""
+    """The result of statics for one snapshot."""
 
     verdict: Verdict
-    """Held by ``forces`` that arise from zero; falls by ``mechanism``; or neither is proven."""
+    """Held by ``forces`` that arise from zero; falling by ``mechanism``; or neither is proven."""
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
     forces: FloatArray | None
@@ -44,7 +44,7 @@ class Equilibrium:
     """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses,
     scaled so that the fastest body has 1 m/s. None unless unstable."""
     in_doubt: BoolArray
-    """The bodies that no force would come to hold, or of which nothing was proven, shape (m,); none unless in doubt."""
+    """Bodies that no force would hold, or about which nothing was proven, shape (m,); none unless in doubt."""
 
     @property
     def stable(self) -> bool:
@@ -55,28 +55,28 @@ class Equilibrium:
 def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Equilibrium:
     """Decide whether all bodies stay at rest.
 
-    Every row of ``contacts`` counts as a touch, whatever its separation and velocity: leave out what does not touch.
+    Every row of ``contacts`` counts as touching, whatever its separation and velocity: leave out the others.
     The ground alone is fixed. The verdict does not depend on units: not on the scale of length, mass or gravity. A body
-    that touches in points and lines alone may lie off them by a millionth of its size (see ``faces``).
+    that touches only in points and lines may lie off them by a millionth of its size (see ``faces``).
 
     - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and such forces arise by themselves:
       vertical ones on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths of
       the friction as well (see ``loading``).
     - "unstable": there are no such forces; ``mechanism`` is the motion that proves it (see ``newton``). Equilibria that
       need a force of more than a million times all weight count as none.
-    - "doubt": the forces exist, but nothing makes them arise: two walls could hold a brick between them, if something
-      pressed it in. Or friction is within a tenth of what is needed. Or no proof was found.
+    - "doubt": the forces exist, but they do not arise by themselves: two walls could hold a brick between them, if
+      something
+      pressed it in. Or friction is within a tenth of the required friction. Or no proof was found.
 
-    O(n) to O(n w^2) a step for n bodies in layers of w, 5 to 20 steps; with friction 10 to 60.
+    A step takes O(n) to O(n w^2) for n bodies in layers of w; 5 to 20 steps, with friction 10 to 60.
 
     Args:
         contacts: the touching points; ``body_a`` and ``body_b`` are ``GROUND`` or listed in ``masses``.
-        masses: all bodies that must stand; ``removed`` does not matter.
+        masses: all bodies that must stand; ``removed`` is ignored.
         gravity: [m/s2], in any direction.
 
-    Raises:
-        ValueError: naming the field and the row of malformed contacts or masses, normals that all point from b to a,
-            or bad gravity.
+    ValueError: for malformed contacts or masses (the message names field and row), for normals that all point from b
+    to a, and for bad gravity.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
@@ -97,7 +97,11 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
 
 
 def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
-    """Index of both bodies of each contact in ``masses``, -1 for the ground; refuses what is malformed."""
+    """Return the index in ``masses`` of both bodies of each contact, -1 for the ground.
+
+    Raises:
+    ValueError: for malformed contacts or masses.
+    """
     check_shapes(contacts, masses)
     check_ids("contacts.body_a", contacts.body_a)
     check_ids("contacts.body_b", contacts.body_b)
@@ -131,7 +135,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Refuse normals that point from b to a: every contact with the ground would push its body down from below.
+    """Check that normals do not all point from b to a, so that the ground pushes bodies down from below.
 
     Raises:
         ValueError: naming the first such contact.
@@ -146,7 +150,7 @@ def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index
 
 
 def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray) -> FloatArray:
-    """The size of each body [m], shape (n + 1,): its longest lever. The last is the ground's, which is infinite."""
+    """Return the size of each body [m], shape (n + 1,): its longest lever. The last is the ground's: infinite."""
     size = np.zeros(len(masses.body) + 1)
     for index in (index_a, index_b):
         moves = index >= 0
@@ -160,7 +164,7 @@ def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntAr
 def _problem(
     contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, upright: FloatArray, gravity: float
 ) -> tuple[Problem, FloatArray]:
-    """The snapshot with z up and levers without dimension; and the size of each body [m], shape (n,).
+    """Return the snapshot with z up and dimensionless levers, and the size of each body [m], shape (n,).
 
     A body's size is its longest lever, so that force and moment are measured alike, whatever the unit of length.
     """
@@ -185,6 +189,6 @@ def _problem(
 
 
 def _is_level(problem: Problem) -> BoolArray:
-    """Which contacts can carry a vertical force: their cone contains the vertical."""
+    """Return which contacts can carry a vertical force: their cone contains the vertical."""
     level: BoolArray = np.abs(problem.normal[:, 2]) >= 1.0 / np.sqrt(1.0 + problem.friction**2) - ROUNDING
     return level

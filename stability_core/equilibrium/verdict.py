@@ -1,4 +1,4 @@
-"""Stable, unstable or doubt: which of the two proofs there is, and whether the forces would really arise.
+"""Decide stable, unstable or doubt: which of the two proofs exists, and whether the forces would arise.
 
 - unstable: no contact forces in the Coulomb cones hold the bodies; a mechanism proves it.
 - stable: there are such forces, and either vertical ones on load-bearing contacts suffice, or loading from zero
@@ -33,26 +33,26 @@ Answer: TypeAlias = tuple[Verdict, FloatArray | None, FloatArray, float]
 
 ALL_ROWS = np.arange(6)
 VERTICAL_ROWS = np.array([2, 3, 4])
-"""A vertical force has no part in the others: F_z, M_x, M_y."""
+"""Components of a vertical force: F_z, M_x, M_y."""
 OTHER_ROWS = np.array([0, 1, 5])
 MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
-"""One for the moments, as a factor."""
+"""Factor that selects the moments."""
 SLACK_STEPS = 8
-"""Solves for bodies that roll; a pile of spheres takes one or two."""
+"""Solves for rolling bodies; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
-"""Steps of the correction, before and after a look at the neighbours of what changed. A plank more on a card house of
-100 takes 1 to 5 steps, a load of 20 planks' weight off its centre 12."""
+"""Steps of the correction, before and after including the neighbours of the changed bodies. One more plank on a card
+house of 100 takes 1 to 5 steps, an off-centre load of 20 planks' weight 12."""
 LESS_FRICTION = 0.9
 """Share of the friction with which forces must arise as well, where they exist: of tight courses that stood when loaded
-with mu = 0.8 two kinds fell in two engines of three."""
+with mu = 0.8, two kinds fell in two engines of three."""
 FEW = 0.25
-"""Share of the bodies up to which neighbours are looked at: more would cost as much as the steps do."""
+"""Share of the bodies up to which neighbours are included: more would cost as much as the steps do."""
 MOVES = 1e-2
 """Share of the largest unbalanced force below which a body does not take part in a mechanism."""
 
 
 def takes_part(rest: FloatArray) -> BoolArray:
-    """Which bodies move in a mechanism, or are left unbalanced by a failed search, (n,), from the ``rest`` (n, 6)."""
+    """Return which bodies move in a mechanism, or stay unbalanced in a search, (n,), from the ``rest`` (n, 6)."""
     unbalanced = np.abs(rest).max(axis=1, initial=0.0)
     moves: BoolArray = unbalanced > MOVES * unbalanced.max(initial=0.0)
     return moves
@@ -65,12 +65,12 @@ def decide(
     changed: BoolArray | None = None,
     displacement: FloatArray | None = None,
 ) -> Answer:
-    """Whether what changed falls by itself; if not, correct the forces of before; only then start from scratch.
+    """Decide whether the changed bodies fall by themselves; else correct the former forces; else start from scratch.
 
-    Whether it falls is decided by the changed bodies alone. Vertical forces from the top down are tried next (see
-    ``passing_down``): they cost less than a step of the correction. That takes one to four steps for nearly all that
-    stands; while it goes on, what it leaves unbalanced is looked at as well: it may fall by itself. See ``correction``
-    and ``newton`` for a step.
+    Only the changed bodies are tested for a fall. Vertical forces from the top down are tried next (see
+    ``passing_down``),
+    because they cost less than a step of the correction. The correction takes one to four steps for nearly all standing
+    stacks; meanwhile its unbalanced bodies are tested for a fall as well. See ``correction`` and ``newton`` for a step.
 
     Args:
         problem: n bodies and m contacts, z up.
@@ -78,7 +78,7 @@ def decide(
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
         changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand, shape (n,); None
             for all.
-        displacement: where loading looks first, shape (3, n, 6), overwritten; None for nowhere (see ``loading``).
+        displacement: start of loading, shape (3, n, 6), overwritten; None for none (see ``loading``).
 
     Returns:
         The verdict; forces (m, 3) that hold the bodies, or nearly if they are "unstable", or None; a motion (n, 6) that
@@ -114,9 +114,9 @@ def decide(
 
 
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
-    """The proof that vertical forces on level contacts hold all bodies, found from the top down; None if it fails.
+    """Return the proof that vertical forces on level contacts hold all bodies; None if the sweep from the top fails.
 
-    Such forces arise by themselves: each body presses on what it stands on.
+    Such forces arise by themselves, because each body presses on its supports.
     """
     if not _is_vertical(problem.load):
         return None
@@ -129,7 +129,7 @@ def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
 
 
 def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | None:
-    """The proof that the ``changed`` bodies, (n,), fall with those nearby, further and further out; None if none."""
+    """Return the proof that the ``changed`` bodies, (n,), fall with nearby bodies; None if there is none."""
     moves = changed
     while True:
         more = with_neighbours(problem, moves)
@@ -142,7 +142,7 @@ def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | Non
 
 
 def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
-    """The proof that some of the bodies that may move, (n,), fall even if all others are fixed; None if they do not."""
+    """Return the proof that some movable bodies, (n,), fall even if all others are fixed; None if there is none."""
     if moves.all() or not moves.any():
         return None
     part, theirs = held_by_the_rest(problem, moves)
@@ -159,7 +159,7 @@ def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
 
 
 def _is_vertical(load: FloatArray) -> bool:
-    """True if no load (n, 6) asks for other than vertical forces."""
+    """Return True if no load (n, 6) asks for other than vertical forces."""
     return not load[:, OTHER_ROWS].any()
 
 
@@ -181,14 +181,14 @@ def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: Float
 def _held_within_slack(
     problem: Problem, force: FloatArray, rest: FloatArray, residual: float
 ) -> tuple[int, FloatArray, float]:
-    """Take off the moments of bodies that roll what stays unbalanced, as far as their slack allows.
+    """Subtract the unbalanced rest from the moments of rolling bodies, as far as their slack allows.
 
-    What is left is the shortest vector to what the contacts can do: it is taken off along its moments alone.
+    The rest is the shortest vector to A K; it is subtracted along its moments only.
 
     Args:
         problem: bodies of which some roll.
         force: forces (m, 3) that nearly hold them.
-        rest: what those leave unbalanced, shape (n, 6).
+        rest: the unbalanced rest, shape (n, 6).
         residual: the greatest imbalance.
 
     Returns:
@@ -212,9 +212,9 @@ def _held_within_slack(
 
 
 def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatArray, FloatArray, float]:
-    """Whether vertical forces on level contacts hold the bodies; the forces (m, 3); what they leave unbalanced.
+    """Return whether vertical forces on level contacts hold the bodies; the forces (m, 3); the unbalanced rest.
 
-    Such forces arise by themselves: each body presses on what it stands on.
+    Such forces arise by themselves, because each body presses on its supports.
     """
     verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, STRONGEST)
     forces = np.zeros((len(level), 3))
@@ -223,9 +223,9 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
 
 
 def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
-    """Stable if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else doubt.
+    """Return "stable" if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else "doubt".
 
-    Island by island: a doubt in one is none in the others.
+    Each island is decided on its own.
     """
     loose = np.zeros(len(problem.load), np.bool_)
     island_of = islands(problem)
@@ -239,7 +239,7 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
 
 
 def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
-    """Which bodies loading does not hold, shape (n,): with all of the friction, and with less if that can hold them.
+    """Return which bodies loading does not hold, shape (n,), with full friction and, if that can hold them, with less.
 
     Where there is no equilibrium with less, friction itself is at its limit, as in an inverted V: all of it decides.
     """
@@ -247,11 +247,11 @@ def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
     loose = needs_prestress(less, displacement)
     if loose.any() and solve(less, ALL_ROWS, STRONGEST)[0] != FALLING:
         return loose
-    return needs_prestress(island, displacement)  # it looks first where less friction came to
+    return needs_prestress(island, displacement)  # starts from the result for less friction
 
 
 def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
-    """The problem with the ``kept`` contacts alone, each with forces along one direction only."""
+    """Return the problem with the ``kept`` contacts alone, each with forces along one direction only."""
     return Problem(
         problem.body_a[kept],
         problem.body_b[kept],
@@ -265,7 +265,7 @@ def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
 
 
 def _verticals(problem: Problem) -> FloatArray:
-    """Up or down for each contact, as its normal points, shape (m, 3)."""
+    """Return up or down for each contact, as its normal points, shape (m, 3)."""
     vertical = np.zeros_like(problem.normal)
     vertical[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
     return vertical

@@ -1,4 +1,4 @@
-"""What may be frozen and what must be woken. A policy differs in its decision only, never in the loop."""
+"""The policies: which bodies freeze and which unfreeze. A policy differs in its decision only, never in the loop."""
 
 from __future__ import annotations
 
@@ -11,6 +11,6 @@ from stability_core.policies.paper import Paper
 from stability_core.policies.pile import Pile
 
 POLICIES: Mapping[str, type[Policy]] = {policy.name: policy for policy in (Paper, AtRest, Equilibrium, Pile)}
-"""Every policy by its name."""
+"""All policies by name."""
 
 __all__ = ["POLICIES", "AtRest", "Decision", "Equilibrium", "Paper", "Pile", "Policy"]

@@ -1,4 +1,4 @@
-"""The naive policy, the baseline to beat: freeze whatever is at rest."""
+"""The naive policy, which is the baseline: freeze every body at rest."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from stability_core.settle import lay_due, lay_frozen
 from stability_core.stack import FROZEN, NONE, Graph, take_changed
 
 CEILING = -0.5
-"""Upward component of a normal below which what it belongs to lies above the body."""
+"""Upward component of a normal below which the touching body lies above."""
 
 
 @compiled
 def _is_held(graph: Graph, body: int) -> bool:
-    """True if ``body`` touches anything below or beside it: a ceiling carries nothing."""
+    """Return True if ``body`` touches anything below or beside it: a ceiling carries nothing."""
     at = graph.bodies[body].first_support
     while at != NONE:
         if graph.patches[at].normal[2] > CEILING:
@@ -29,7 +29,7 @@ def _is_held(graph: Graph, body: int) -> bool:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
-    """Freeze all that is at rest; returns the frozen bodies that lost everything they stood on or leaned against."""
+    """Freeze all bodies at rest; return the frozen bodies that lost all their supports and leaning contacts."""
     lay_due(graph, buffers, limits)
     for body in listed(buffers, AT_REST):
         graph.bodies[body].state = FROZEN
@@ -42,15 +42,15 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
 
 
 class AtRest(Policy):
-    """Freezes every body at rest, stable or not, and keeps it so while anything is left below it.
+    """Freezes every body at rest, stable or not, and keeps it frozen while any support is left.
 
-    The weaker rule for leaning is for those who test what they freeze.
+    The weaker rule for leaning bodies is for policies that test them.
     """
 
     name = "at_rest"
     judges_statics = False
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Accept every body at rest; only what has lost everything it stood on is unbalanced. O(changes)."""
+        """Accept every body at rest; only bodies without any support left are unbalanced. O(changes)."""
         floating = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(listed(buffers, AT_REST).tolist(), "at rest"), floating)

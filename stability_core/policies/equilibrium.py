@@ -1,15 +1,16 @@
 """The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the stack with it.
 
-Cheap proofs first. What topples alone is refused, and what lies in the safe region of its supports is accepted, in
-O(1) whatever the height. Only what is left costs a solve of what bears it: leaning bodies, counterweights, lost
-supports. What falls then is what moves in the mechanism.
+Cheap proofs come first. A body that topples alone is refused, and a body in the safe region of its supports is
+accepted,
+in O(1) at any height. Only the remaining bodies are solved, with the bodies that bear them: leaning bodies,
+counterweights, lost supports. Bodies that move in the mechanism fall.
 
-A proof holds for frozen bodies alone: no certificate is kept of what stands with a live load, nor after a change of
-mass, normal or neighbour. So a live load that goes never matters where there is a proof, and one that comes is borne if
-it lies in a safe region.
+A proof holds for frozen bodies only: there is no certificate for a stack with a live load, nor after a change of mass,
+normal or neighbour. So a departing live load never matters where there is a proof, and an arriving one is borne if it
+lies in a safe region.
 
-What statics leaves in doubt (see ``verdict``) is never proven. It is frozen only after the engine itself has held it in
-place for ``doubt_s`` under the present contacts, and wakes at any change of contact, load or neighbour.
+A body that statics leaves in doubt (see ``verdict``) is never proven. It freezes only after the engine has held it in
+place for ``doubt_s`` under the present contacts, and unfreezes at any change of contact, load or neighbour.
 """
 
 from __future__ import annotations
@@ -46,56 +47,62 @@ from stability_core.stack import (
 )
 
 WAKE_GRIP = 1.02
-"""Hysteresis in friction: waking asks for a fall even with this many times the friction."""
+"""Hysteresis in friction: unfreezing requires a fall with this many times the friction."""
 UNCERTAIN = 0.2
-"""Share of the greatest load that may lack where loads are estimates: contact forces tremble by as much."""
+"""Share of the greatest load that may be missing where loads are estimates, because contact forces tremble by as
+much."""
 TOGETHER = 12
-"""Up to how many candidates are judged together within a budget: what holds each other in a pile are a few bodies, and
-a solve of fifty that lean on each other takes half a second."""
+"""Most candidates judged together within a budget: few bodies hold each other in a pile, and a solve of fifty that lean
+on each other takes half a second."""
 DEAR = 16
-"""How many bodies make a solve dear: what it leaves in doubt is not judged again within ``doubt_s``, whatever happens
-around it."""
+"""Number of bodies above which a solve is expensive: bodies that it leaves in doubt are not judged again within
+``doubt_s``, whatever changes around them."""
 FEW_TOGETHER = 16
-"""Up to how many bodies the live ones are solved together with the stack that they press on; if they stand on level
-contacts up to ``FEW_BODIES``."""
+"""Most bodies up to which live bodies are solved together with the stack below them; on level contacts
+``FEW_BODIES``."""
 FEW_BODIES = 64
-"""Up to how many bodies all of a part of the stack is solved where what bears the change does not decide."""
+"""Most bodies up to which a whole part of the stack is solved if the bodies that bear the change do not decide."""
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
-    """Return the ``ids`` (n,) that are ``among`` those wanted (n,), shape (k,)."""
+    """Return the ``ids`` (n,) selected by the mask ``among`` (n,), shape (k,)."""
     chosen: IntArray = ids[among]
     return chosen
 
 
 def _together(first: IntArray, second: IntArray) -> IntArray:
-    """Return all of two lists of bodies, each once, by rising id, shape (k,)."""
+    """Return the union of two lists of bodies, by rising id, shape (k,)."""
     both: IntArray = np.union1d(first, second)
     return both
 
 
 class Equilibrium(Policy):
-    """Freezes what provably stands, and wakes what takes part in a collapse."""
+    """Freezes bodies that provably stand, and unfreezes bodies that take part in a collapse."""
 
     name = "equilibrium"
 
     def __init__(self, gravity: float, settings: Settings) -> None:
-        """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
+        """Set gravity and tolerances.
+
+        Args:
+        gravity: gravitational acceleration [m/s2], positive.
+        settings: the tolerances.
+        """
         super().__init__(gravity, settings)
         self._regions = np.zeros(0, REGION)
         self._memory = memory_for(0)
         self._found = np.empty((3, 0), np.int64)
         self._wake_margin, self._wake_grip = settings.wake_margin, WAKE_GRIP
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
-        """Displacements to which loading last came, by body: where it looks first for the next."""
+        """Displacements of the last loading, by body: the start of the next."""
         self._solved = 0
-        """Bodies for which statics was solved in this frame."""
+        """Number of bodies solved in this frame."""
         self._not_before = np.zeros(0)
-        """Time [s] from which on a body may be judged again, by body: see ``DEAR``."""
+        """Time [s] before which a body is not judged again, by body: see ``DEAR``."""
         self._dear: list[int] = []
-        """Bodies that a dear solve has left in doubt in this frame."""
+        """Bodies left in doubt by an expensive solve in this frame."""
         self._lift = np.zeros((0, 6))
-        """Where the search for the loads of live bodies begins, by body."""
+        """Start of the search for the loads of live bodies, by body."""
 
     def set_gravity(self, gravity: float) -> None:
         """Forget proofs, regions and forces.
@@ -110,10 +117,10 @@ class Equilibrium(Policy):
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """What lies in safe regions, in one compiled call; then the rest together, less what would fall.
+        """Settle the bodies in safe regions in one compiled call; then the others together, without falling ones.
 
-        O(1) a changed body while safe regions decide, else some solves of what bears it that begin at its latest
-        forces.
+        O(1) per changed body while safe regions decide, else some solves of the bodies that bear it, which start from
+        its latest forces.
         """
         if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
@@ -153,9 +160,9 @@ class Equilibrium(Policy):
         return Decision(reasons, unbalanced, deferred)
 
     def _freeze_together(self, graph: Graph, group: IntArray) -> tuple[dict[int, str], IntArray, IntArray]:
-        """Freeze of the candidates ``group`` what stands, each part of the stack by itself, as far as the budget goes.
+        """Freeze the stable candidates of ``group``, each part of the stack by itself, within the budget.
 
-        Returns what was frozen, with the reasons; the rows of the patches that were solved; and what was deferred.
+        Return the frozen bodies with their reasons; the rows of the solved patches; and the deferred bodies.
         """
         reasons: dict[int, str] = {}
         solved = [group[:0]]
@@ -172,9 +179,9 @@ class Equilibrium(Policy):
         return reasons, np.concatenate(solved), group
 
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
-        """Return the candidates of a ``part`` that are judged together, (k,): within a budget the lowest few.
+        """Return the candidates of a ``part`` to judge together, (k,): within a budget the lowest few.
 
-        What stands on level contacts alone is cheap to judge, however much it is.
+        Bodies on level contacts only are cheap to judge, in any number.
         """
         if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
             return part
@@ -182,9 +189,9 @@ class Equilibrium(Policy):
         return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
-        """The bodies to be solved for the ``seeds``: what bears them, the rest as it was; then all, if they are few.
+        """Yield bodies to solve for the ``seeds``: those that bear them; then the whole part, if it is small.
 
-        Yields them with whether they are all.
+        The second value is True for the whole part.
         """
         near = bearing(graph, self._memory, seeds, members, self.gravity)
         whole = component(graph, seeds, members)
@@ -200,20 +207,22 @@ class Equilibrium(Policy):
         return part_of(graph, self._memory, ids, terms)
 
     def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray) -> Answer:
-        """``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
+        """Return ``decide`` for the ``problem`` of a part, starting from the kept forces and displacements."""
         self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
-        sag = np.ascontiguousarray(self._sag[:, part.ids])  # as the kernels are compiled for it
+        sag = np.ascontiguousarray(self._sag[:, part.ids])  # the layout of the kernels
         answer = decide(problem, part.level, start, changed, sag)
         self._sag[:, part.ids] = sag
         return answer
 
     def _freeze_part(self, graph: Graph, group: IntArray) -> tuple[IntArray, str, IntArray]:
-        """Freeze all of ``group``, less what would fall, until the rest stands.
+        """Freeze the bodies of ``group`` that stand: remove falling ones until the rest stands.
 
-        What statics leaves in doubt is frozen too, without a proof, once the engine has held all of it for long enough.
-        Returns what was frozen, the reason, and the rows of the patches that were solved. One to four steps of a solve
-        of what bears the group if that stands; a few of the group alone if that falls.
+        Bodies that statics leaves in doubt are frozen too, without a proof, once the engine has held all of them for
+        long enough.
+        Return the frozen bodies, the reason, and the rows of the solved patches. A standing group takes one to four
+        steps of a
+        solve of the bodies that bear it; a falling group a few steps of its own bodies.
         """
         bodies = graph.bodies
         while len(group):
@@ -248,10 +257,11 @@ class Equilibrium(Policy):
         return group[:0], "", group[:0]
 
     def _unbalanced(self, graph: Graph, buffers: FrameBuffers, unproven: IntArray) -> IntArray:
-        """The frozen bodies that move in the mechanism of a part of the stack that fell out of balance.
+        """Return the frozen bodies that move in the mechanism of an unbalanced part of the stack.
 
-        What stands with a live load is not proven to stand without it. A body that was frozen in doubt goes at any
-        change around it.
+        A stack that stands with a live load is not proven to stand without it. A body frozen in doubt unfreezes at any
+        change
+        around it.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         doubtful: IntArray = unproven[in_doubt]
@@ -268,11 +278,13 @@ class Equilibrium(Policy):
         return _together(doubtful, certain if len(certain) else seeds)
 
     def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
-        """Which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
+        """Return which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
 
-        What live bodies press if the stack is rigid is one of many ways to share their weight. Where the stack does not
-        bear it, those that do not fall themselves are solved together with it. If that does not prove that all of it
-        bears the load, what the load presses on is woken, and the rest is asked again without it.
+        The loads of live bodies on a rigid stack are one of many ways to share their weight. If the stack does not bear
+        them,
+        the live bodies that do not fall themselves are solved together with it. If that does not prove that the stack
+        bears the
+        load, the loaded bodies are unfrozen, and the rest is judged again without them.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
@@ -300,10 +312,11 @@ class Equilibrium(Policy):
         return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
-        """What ``live`` bodies (k,) press on a part, (n, 6), and which of them are known to be held, (k,).
+        """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and which of them are known to be held, (k,).
 
-        What stands on level contacts presses with its weight. Of what wedges itself in only the engine knows the force;
-        where it does not tell, see ``live_load``.
+        A body on level contacts presses with its weight. Only the engine knows the force of a wedged body; if it
+        reports no
+        forces, see ``live_load``.
         """
         told = buffers.clock.item(TOLD) > 0.0
         if told and not is_upright(graph, live):
@@ -322,7 +335,7 @@ class Equilibrium(Policy):
         joint: IntArray,
         most: int,
     ) -> IntArray | None:
-        """Which frozen bodies fall if the live bodies ``joint`` (k,) share their weight as the stack needs it.
+        """Return the frozen bodies that fall if live bodies ``joint`` (k,) share their weight as the stack needs it.
 
         All other live bodies press as estimated. None if there are more than ``most`` bodies.
         """
@@ -338,10 +351,11 @@ class Equilibrium(Policy):
         return self._moves(graph, part, problem, seeds, answer)
 
     def _moves(self, graph: Graph, part: Part, problem: Problem, seeds: IntArray, answer: Answer) -> IntArray:
-        """The frozen bodies that move in the mechanism of an ``answer``, shape (k,); if nothing is known, the seeds.
+        """Return the frozen bodies that move in an ``answer``'s mechanism, shape (k,); the seeds if nothing is known.
 
-        Live bodies may fall from what stands, or be in doubt, as may be those that the engine held before they were
-        frozen: they are taken away, and the rest must bear what they press on it.
+        Live bodies may fall from a standing stack, or be in doubt, and so may bodies that the engine held before they
+        froze:
+        they are removed, and the rest must bear their loads.
         """
         bodies, ids, level = graph.bodies, part.ids, part.level
         may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)
@@ -349,7 +363,7 @@ class Equilibrium(Policy):
         while verdict != "stable":
             falls = takes_part(rest)
             goes = falls & may_move
-            if forces is None:  # no equilibrium was found, nor a proof that there is none
+            if forces is None:  # neither an equilibrium was found, nor a proof that there is none
                 goes |= np.isin(ids, seeds) & may_move
             if goes.any() or forces is None:
                 return _chosen(ids, goes)
@@ -359,5 +373,5 @@ class Equilibrium(Policy):
         return ids[:0]
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
-        """Note that the frozen bodies ``ids`` stand together, lowest first, as regions rest on those below."""
+        """Record that the frozen bodies ``ids`` stand together, lowest first, because regions build on those below."""
         keep_proofs(graph, self._regions, ids[np.argsort(graph.bodies["center"][ids, 2], kind="stable")])

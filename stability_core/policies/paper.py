@@ -1,8 +1,8 @@
 """The policy of Thomsen and Kraus 2015: a body is stable if its centre of mass lies above its contact area.
 
-The flat test is a vertical ray from C_stack into the combined contact area; an object that does not lie
-flat may pass the leaning test instead. The overall check repeats whichever test the object passed, with
-all that has come to rest on it since.
+The flat test is a vertical ray from C_stack into the combined contact area; an object that does not lie flat may pass
+the
+leaning test instead. The overall test repeats the test that the object passed, with all its later loads.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from stability_core.stack_mass import carry_down, support_polygon
 
 @compiled
 def balances(graph: Graph, body: int, margin: float) -> bool:
-    """True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside."""
+    """Return True if C_stack lies in the combined contact area, or at most ``margin`` [sizes] outside."""
     center, support = graph.bodies[body].stack_center, support_polygon(graph, body)
     if lies_on(support, center[0], center[1]):
-        return True  # cheaper than the distance, and most often enough
+        return True  # cheaper than the distance, and usually sufficient
     outside = margin * graph.bodies[body].size
     return outside > 0.0 and bool(inside_distance(support, center[0], center[1]) >= -outside)
 
 
 @compiled
 def lies_flat(graph: Graph, body: int, flat_width: float) -> bool:
-    """True if the body stands on an area and not on an edge of at most ``flat_width`` [sizes]."""
+    """Return True if the body stands on an area wider than an edge of ``flat_width`` [sizes]."""
     return bool(width(support_polygon(graph, body)) > flat_width * graph.bodies[body].size)
 
 
 @compiled
 def leans_on_stack(graph: Graph, body: int) -> bool:
-    """True if all that a body stands on or leans against belongs to the stack."""
+    """Return True if every body below or beside ``body`` belongs to the stack."""
     bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
@@ -51,9 +51,9 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 
 @compiled
 def accept_flat(graph: Graph, candidates: IntArray) -> IntArray:
-    """Freeze the ``candidates``, lowest first, that pass the flat test; returns them, shape (k,).
+    """Freeze the ``candidates``, lowest first, that pass the flat test; return them, shape (k,).
 
-    Lowest first, so that each one sees those it stands on.
+    Lowest first, so that each candidate sees the bodies that it stands on.
     """
     accepted = np.empty(len(candidates), np.int64)
     n = 0
@@ -67,7 +67,7 @@ def accept_flat(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def accept_leaning(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
-    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; returns them, shape (k,).
+    """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return them, shape (k,).
 
     Bodies that lean on each other, as the planks of an inverted V, pass together or not at all.
     """
@@ -97,9 +97,9 @@ def accept_leaning(graph: Graph, candidates: IntArray, gravity: float, flat_widt
 
 @compiled
 def fallen_out(graph: Graph, bodies: IntArray, gravity: float, wake_margin: float) -> IntArray:
-    """The frozen among ``bodies`` that fail the overall check, shape (k,).
+    """Return the frozen among ``bodies`` that fail the overall test, shape (k,).
 
-    With hysteresis: waking asks for a centre well outside the area.
+    Hysteresis: unfreezing requires a centre well outside the area.
     """
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
@@ -120,24 +120,29 @@ def fallen_out(graph: Graph, bodies: IntArray, gravity: float, wake_margin: floa
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, gravity: float) -> tuple[IntArray, IntArray, IntArray]:
-    """One frame: (accepted as flat, accepted as leaning, frozen bodies that fail the overall check)."""
+    """Settle one frame; return (accepted by the flat test, accepted by the leaning test, failed the overall test)."""
     limit = limits[0]
+    # Contact areas
     lay_due(graph, buffers, limits)
+    # Update of the stack data below changed bodies
     concerned = carry_down(graph, take_changed(graph))
+    # New members: flat test, then leaning test
     flat = accept_flat(graph, lowest_first(graph, listed(buffers, AT_REST)))
     leaning = accept_leaning(graph, lowest_first(graph, listed(buffers, LEANING)), gravity, limit.flat_width)
     lay_frozen(graph, buffers, limits)
+    # Update of the stack data below new members
     concerned = np.concatenate((concerned, carry_down(graph, take_changed(graph))))
+    # Overall test of all affected bodies
     return flat, leaning, fallen_out(graph, np.unique(concerned), gravity, limit.wake_margin)
 
 
 class Paper(Policy):
-    """Freezes what passes the flat or the leaning test, and wakes what fails it under its load."""
+    """Freezes bodies that pass the flat or the leaning test, and unfreezes bodies that fail the overall test."""
 
     name = "paper"
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Flat stacking first, then leaning; Eqs 1-5 downward from what changed; then the overall check.
+        """Test new members, flat before leaning; update the stack data (Eqs 1-5); then run the overall test.
 
         O(k log k) for the k bodies in the cone below the changes.
         """

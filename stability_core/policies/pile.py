@@ -1,21 +1,23 @@
-"""The sleeping rule for heaps, after Hsu and Keyser 2010: what lies inside the pile sleeps, its slope stays awake.
+"""The sleeping rule for piles, after Hsu and Keyser 2010: bodies inside the pile freeze, its slope stays live.
 
-S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Theirs is that a
-pile is modelled by its shape, which an angle of repose bounds; that objects within it are deactivated, by more than
-their own momentum; and that this is meant for random piles, not for structures. How it is decided here, on contacts,
-sleep and mass alone, is our reading:
+S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Their method models
+a
+pile by its shape, bounded by an angle of repose; it deactivates objects within the pile, by more than their own
+momentum;
+and it is meant for random piles, not for structures. The decision from contacts, sleep and mass is our reading:
 
-- The heap of a body is all that sleeps and is joined to it by contacts. It stands on a base: the convex hull, in plan,
-  of its contact points on the ground.
-- Its shape is that of sand on such a base: a roof that rises from the hull's border inward, by mu a metre. The angle of
-  repose is atan(mu), of the least friction on which the body stands; theirs is chosen by the user.
-- A body lies inside if it stands on the ground, or on bodies that sleep at points below the roof.
-- It is put to sleep once it is at rest, as for every policy, and no live body that it touches moves: what still slides
-  would take it along.
-- It wakes by an impact, as for every policy, and when anything on which it stood is gone.
+- The pile of a body is the set of frozen bodies joined to it by contacts. It stands on a base: the convex hull, in
+  plan,
+of its contact points on the ground.
+- Its shape is that of sand on such a base: a roof that rises from the hull's border inward, by mu per metre. The angle
+  of
+repose is atan(mu), of the least friction on which the body stands; in their method the user chooses it.
+- A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
+- It freezes once it is at rest, as in every policy, and touches no moving live body, which would take it along.
+- It unfreezes by an impact, as in every policy, and when one of its supports is gone.
 
-Nothing is tested for balance: inside a heap the neighbours hold what would tip. A tower is steeper than any heap of
-its friction, so it never sleeps beyond its lowest planks.
+Balance is not tested: inside a pile the neighbours hold bodies that would tip. A tower is steeper than any pile of its
+friction, so it never freezes beyond its lowest planks.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Grap
 
 @compiled
 def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, limits: Limits) -> IntArray:
-    """The ``candidates`` that touch a live body faster than ``moving_speed``, shape (k,).
+    """Return the ``candidates`` that touch a live body faster than ``moving_speed``, shape (k,).
 
     O(contacts of the latest frame).
     """
@@ -48,7 +50,7 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
         for body, other in (pair, pair[::-1]):
             if body == GROUND or other == GROUND:
                 continue
-            place = graph.bodies[body].place  # perhaps left over from another list
+            place = graph.bodies[body].place  # may be left over from another list
             is_candidate = place < len(candidates) and candidates[place] == body
             if is_candidate and graph.bodies[other].state == LIVE and is_moving(graph.bodies[other], limits):
                 found[place] = True
@@ -57,7 +59,7 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
 
 @compiled
 def _heap_with(graph: Graph, root: int) -> IntArray:
-    """``root`` and all frozen bodies that contacts join to it, directly or through others: O(heap)."""
+    """Return ``root`` and all frozen bodies that contacts join to it, directly or indirectly: O(pile)."""
     reached = np.zeros(len(graph.bodies), np.bool_)
     heap = np.empty(len(graph.bodies), np.int64)
     heap[0], size, done = root, 1, 0
@@ -80,7 +82,7 @@ def _heap_with(graph: Graph, root: int) -> IntArray:
 
 @compiled
 def _base_of(graph: Graph, heap: IntArray) -> FloatArray:
-    """Convex hull, in plan, of the points [m] at which a heap stands on the ground, shape (k, 3)."""
+    """Return the convex hull, in plan, of the points [m] at which a pile stands on the ground, shape (k, 3)."""
     points = np.empty((MAX_VERTICES * len(heap), 3))
     n = 0
     for body in heap:
@@ -96,7 +98,7 @@ def _base_of(graph: Graph, heap: IntArray) -> FloatArray:
 
 @compiled
 def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
-    """True if all that ``body`` stands on is the ground, or sleeps and carries it below the roof over ``base``."""
+    """Return True if ``body`` stands only on the ground, or on frozen bodies below the roof over ``base``."""
     stands = False
     at = graph.bodies[body].first_support
     while at != NONE:
@@ -109,7 +111,7 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
         stands = True
         if not is_ground(graph.bodies, patch.lower):
             roof = patch.friction * inside_distance(base, patch.center[0], patch.center[1])
-            if not patch.center[2] - base[:, 2].mean() <= roof:  # so that a heap without a base carries nothing
+            if not patch.center[2] - base[:, 2].mean() <= roof:  # so that a pile without a base carries nothing
                 return False
     return stands
 
@@ -125,15 +127,15 @@ def _count_supports(graph: Graph, body: int) -> int:
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
-    """One frame: (bodies put to sleep, sleeping bodies that lost a support).
+    """Settle one frame; return (bodies to freeze, frozen bodies that lost a support).
 
-    O(heap) a candidate.
+    O(pile) per candidate.
 
     Args:
         graph: the stack.
-        buffers: what is due.
+        buffers: the worklist.
         limits: the settings.
-        supports: on how many contact areas each body stood when it was put to sleep, shape (bodies,); written here.
+        supports: output, number of contact areas on which each body stood when it froze, shape (bodies,).
     """
     lay_due(graph, buffers, limits)
     candidates = lowest_first(graph, listed(buffers, AT_REST))
@@ -157,23 +159,28 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
 
 
 class Pile(Policy):
-    """Puts to sleep what is at rest inside the angle of repose of its heap; a structure is none of its business."""
+    """Freezes bodies at rest inside the angle of repose of their pile; structures stay live."""
 
     name = "pile"
     judges_statics = False
 
     def __init__(self, gravity: float, settings: Settings) -> None:
-        """Args: gravity: gravitational acceleration [m/s2], positive; settings: the tolerances."""
+        """Set gravity and tolerances.
+
+        Args:
+        gravity: gravitational acceleration [m/s2], positive.
+        settings: the tolerances.
+        """
         super().__init__(gravity, settings)
         self._supports = NOBODY
 
     def set_gravity(self, gravity: float) -> None:
-        """Wake every pile: its shape was compared with the angle of repose about another vertical."""
+        """Unfreeze every pile, because its shape was compared with the angle of repose about another vertical."""
         super().set_gravity(gravity)
         self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Lowest first, so that each body sees those on which it stands asleep. O(heap) a body at rest."""
+        """Decide lowest first, so that each body sees its frozen supports. O(pile) per body at rest."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))
