@@ -1,4 +1,4 @@
-"""Thin adapters over real physics engines. An engine's package is imported in its own file only."""
+"""Thin adapters over real physics engines. An engine's package is imported in its own files only."""
 
 from adapters.base import Simulation
 from adapters.bridge.errors import PeerError

@@ -9,7 +9,7 @@ from stability_core.port import FloatArray
 
 
 def coordinates_of(position: Vector, quaternion: Quaternion) -> FloatArray:
-    """A free joint's coordinates (6,): rotation vector [rad], then position [m]."""
+    """Return a free joint's coordinates (6,): rotation vector [rad], then position [m]."""
     shorter_way = np.array(quaternion) * (1 if quaternion[0] >= 0 else -1)
     axis = shorter_way[1:]
     sine = np.linalg.norm(axis)
@@ -19,6 +19,6 @@ def coordinates_of(position: Vector, quaternion: Quaternion) -> FloatArray:
 
 
 def quaternions_of(rotation_vectors: FloatArray) -> FloatArray:
-    """Rotation vectors (n, 3) [rad] as quaternions (n, 4), (w, x, y, z)."""
+    """Return rotation vectors (n, 3) [rad] as quaternions (n, 4), (w, x, y, z)."""
     half = np.linalg.norm(rotation_vectors, axis=1, keepdims=True) / 2
     return np.hstack([np.cos(half), rotation_vectors / 2 * np.sinc(half / np.pi)])

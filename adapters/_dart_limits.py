@@ -50,7 +50,7 @@ def raise_limit(solver: Any, contacts: int) -> None:
 
 
 def _option_of(solver: Any) -> _CollisionOption | None:
-    """The solver's own option, in DART's memory; None if the C++ method is not exported."""
+    """Return the solver's own option, in DART's memory; None if the C++ method is not exported."""
     getter = getattr(ctypes.CDLL(dartpy.__file__), _GETTER, None)
     if getter is None:
         return None

@@ -163,7 +163,7 @@ class SlotModel:
 
 
 def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> str:
-    """The world as MuJoCo's XML; a profile's knob ``element.attribute`` is that attribute."""
+    """Return the world as MuJoCo's XML; a profile's knob ``element.attribute`` is that attribute."""
     timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
         "option": {"timestep": timestep, "gravity": _numbers(world.gravity)},

@@ -24,7 +24,7 @@ class BodyStates:
         self._rows = np.empty(0, np.int64)
 
     def count_rows(self) -> None:
-        """Work out where each body stands in the packed block, by id: SAPIEN's order changes as bodies come and go."""
+        """Compute the row of each body in the packed block, by id, because SAPIEN's order changes with the bodies."""
         listed = [self._bodies[component] for component in self._system.rigid_dynamic_components]
         self._rows = np.full(max(listed, default=-1) + 1, -1)
         self._rows[listed] = np.arange(len(listed))

@@ -170,7 +170,7 @@ class PymunkSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _lifted(self, arbiters: IntArray, numbers: FloatArray, state: FloatArray) -> Contacts:
-        """Contacts of these arbiters, as ``lift_contacts`` takes them."""
+        """Return contacts of these arbiters, as ``lift_contacts`` takes them."""
         reader, fixed = self._engine.reader, self._engine.fixed_rows
         is_live = np.zeros(reader.rows, np.bool_)
         is_live[list(self.bodies.live)] = True

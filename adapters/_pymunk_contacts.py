@@ -27,7 +27,7 @@ def lift_contacts(
     depths: FloatArray,
     units_per_metre: float,
 ) -> Rows:
-    """Contacts that touch a live body, in the order of our ids; each point becomes a line across the depth.
+    """Return contacts that touch a live body, in the order of our ids; each point becomes a line across the depth.
 
     Chipmunk swaps a pair's bodies from step to step: here a is always the one with the lower id. Between corners
     that coincide to the last bit it finds a normal of length zero, and no force: such a pair is left out.
@@ -94,7 +94,7 @@ def lift_contacts(
 def _fastest_approach(
     a: int, b: int, x: float, z: float, nx: float, nz: float, state: FloatArray, before: FloatArray
 ) -> tuple[float, float]:
-    """Velocity of b against a at (x, z), of that substep in which they closed in fastest along (nx, nz)."""
+    """Return velocity of b against a at (x, z), of that substep in which they closed in fastest along (nx, nz)."""
     fastest, vx, vz = np.inf, np.nan, np.nan
     for substep in range(len(before)):
         of_a, of_b = before[substep, a], before[substep, b]

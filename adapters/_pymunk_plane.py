@@ -29,12 +29,12 @@ def planar_gravity(gravity: Vector) -> tuple[float, float]:
 
 
 def moment(brick: Brick) -> float:
-    """Moment of inertia [kg mm2] about y."""
+    """Return moment of inertia [kg mm2] about y."""
     return brick.mass * (brick.size[0] ** 2 + brick.size[2] ** 2) / 12 * UNITS_PER_METRE**2
 
 
 def in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, float], float]:
-    """Position [mm] and angle [rad] in the engine's plane.
+    """Return position [mm] and angle [rad] in the engine's plane.
 
     Raises:
         ValueError: if the pose leaves the plane.
@@ -49,7 +49,7 @@ def in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, flo
 
 
 def lift(planar: FloatArray) -> FloatArray:
-    """Vectors (n, 2) of the engine's plane as vectors (n, 3)."""
+    """Return vectors (n, 2) of the engine's plane as vectors (n, 3)."""
     vectors = np.zeros((len(planar), 3))
     vectors[:, ::2] = planar
     return vectors

@@ -25,7 +25,7 @@ def settle_rotation(view: rapier3d.RigidBody) -> None:
 
 
 def _scaled_once(view: rapier3d.RigidBody) -> Quaternion | None:
-    """The quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
+    """Return the quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
     before = view.rotation.to_tuple()
     view.rotation = before  # type: ignore[assignment] # the setter takes tuples, which it scales
     after = view.rotation.to_tuple()

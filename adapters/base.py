@@ -1,4 +1,4 @@
-"""What the harness drives: ``Simulation``, whose public methods check their input once for all engines.
+"""The world that the harness drives: ``Simulation``, whose public methods check their input once for all engines.
 
 An adapter fills in the hooks of ``adapters.hooks``.
 """
@@ -63,7 +63,7 @@ class Simulation(EngineHooks):
 
     @property
     def port(self) -> EnginePort:
-        """The core's view. An engine that is never asked for it need not record what only the core reads."""
+        """The core's view. An engine whose port is never requested need not record the core's input."""
         if not self._is_observed:
             self._is_observed = True
             prepare()
@@ -71,21 +71,21 @@ class Simulation(EngineHooks):
 
     @property
     def scale(self) -> float:
-        """What an adapter's own lengths [m] must be multiplied by, such as its ground's: the profile's scale."""
+        """Factor on an adapter's own lengths [m], such as its ground's: the profile's scale."""
         return self.info.profile.scale
 
     @property
     def is_observed(self) -> bool:
-        """True once the port has been handed out: contact velocities must then be recorded."""
+        """True once the port has been requested, so that contact velocities must be recorded."""
         return self._is_observed
 
     @property
     def reads_forces(self) -> bool:
-        """True if contact forces must be recorded: the port was handed out, and engine and profile have them."""
+        """True if contact forces must be recorded: the port was requested, and engine and profile have forces."""
         return self.is_observed and self.info.profile.forces and self.capabilities.forces != "no"
 
     def spawn(self, brick: Brick) -> int:
-        """Put a brick at rest into the world, live or moved by the host; returns its id.
+        """Put a brick at rest into the world, live or moved by the host; return its id.
 
         Raises:
             ValueError: if size or mass is not positive and finite, or the pose is not finite.
@@ -111,7 +111,7 @@ class Simulation(EngineHooks):
         self.bodies.remove(body)
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body at its centre of mass with an impulse [N s]; a frozen or moved body feels nothing.
+        """Strike a body at its centre of mass with an impulse [N s]; a frozen or moved body is not affected.
 
         Raises:
             KeyError: if there is no such body.
@@ -125,7 +125,7 @@ class Simulation(EngineHooks):
     def apply_force(self, body: int, force: Vector) -> None:
         """Press on a body's centre of mass with a steady force [N], in every step until it is set to zero.
 
-        A frozen or moved body feels nothing; once a frozen one is woken the force acts on it.
+        A frozen or moved body is not affected; the force acts on a frozen body once it is unfrozen.
 
         Raises:
             KeyError: if there is no such body.
@@ -141,7 +141,7 @@ class Simulation(EngineHooks):
             self._end_force(body)
 
     def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
-        """Move a body of the host's at this velocity [m/s] and spin [rad/s], in every step until it is driven anew.
+        """Move a host-driven body at this velocity [m/s] and spin [rad/s], in every step until the next call.
 
         Raises:
             KeyError: if there is no such body, or it was not spawned with ``Brick.moved``.
@@ -158,7 +158,7 @@ class Simulation(EngineHooks):
         self.bodies.moved[body] = linear, angular
 
     def set_gravity(self, gravity: Vector) -> None:
-        """Change gravity [m/s2] for all following steps, on live bodies and on those that are woken later.
+        """Change gravity [m/s2] for all following steps, on live bodies and on those unfrozen later.
 
         Raises:
             ValueError: if it is not finite, or leaves the plane of a planar engine.
@@ -193,30 +193,30 @@ class Simulation(EngineHooks):
         - Pairs whose faces or parallel edges touch within 0.1 mm (planks; other bricks in proportion) have the corners
           of their contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of
           exactly zero, or list normals there that are rounding.
-        - Deeper overlaps and edges that cross are those that the engine finds at the present poses.
-        - Separations are measured at the present poses; relative velocities are those that the bodies have now. There
+        - Deeper overlaps and crossing edges are those that the engine finds at the present poses.
+        - Separations are measured at the present poses; relative velocities are the present ones. There
           are no forces, because no step has solved these contacts.
-        - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or woken afterwards, and
-          the moved ones, have no contacts until the next step or call.
+        - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or unfrozen
+          afterwards, and the moved ones, have no contacts until the next step or call.
 
-        No pose and no velocity changes by a bit, and the simulation goes on as if it had never been asked, unless the
-        docstring of the adapter says what changes.
+        No pose and no velocity changes by a bit, and the simulation continues as without the call, unless the docstring
+        of the adapter states a change.
         """
         self._port.find_contacts()
 
     def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """All bodies, frozen ones too, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
+        """Return all bodies, also frozen ones, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
         bodies = self.bodies.ids()
         return bodies, *self._poses(bodies)
 
     def velocities(self) -> tuple[FloatArray, FloatArray]:
-        """Linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``."""
+        """Return linear (n, 3) [m/s] and angular (n, 3) [rad/s] velocities, in the order of ``poses``."""
         return self._velocities(self.bodies.ids())
 
     def read_knobs(self) -> Mapping[str, KnobValue]:
-        """The knobs of the profile as the engine has them now, by name, of those that its interface shows.
+        """Return the engine's present values of the profile's knobs, by name, where its interface shows them.
 
-        Some are set of each body: spawn one first.
+        Some are set per body: spawn one first.
         """
         return self._read_knobs()
 
@@ -232,7 +232,7 @@ class Simulation(EngineHooks):
     # -- for adapters ------------------------------------------------------------------------------
 
     def _fixed_boxes(self) -> Iterator[tuple[int, Brick]]:
-        """The ground and the fixed boxes, which an adapter builds as it opens its world, under the ids for contacts.
+        """Yield the ground and the fixed boxes, with their contact ids, for an adapter that opens its world.
 
         Larger scenes get a larger ground.
         """
@@ -254,10 +254,10 @@ class Simulation(EngineHooks):
                 self._press(body, force)
 
     def _twin(self) -> Self:
-        """Open a second, weightless world of the engine: the same bodies under the same ids, where they are now.
+        """Open a second, weightless world of the engine: the same bodies under the same ids, at their present poses.
 
-        Live bodies are at rest there. For engines that detect contacts only as they step, or that remember having been
-        asked; the caller closes it.
+        Live bodies are at rest there. It is for engines that detect contacts only in a step, or that a query
+        changes; the caller closes it.
         """
         twin = type(self)(self._unfitted, replace(self.world, gravity=(0.0, 0.0, 0.0)), "off", self.expected)
         positions, quaternions = self._poses(self.bodies.ids())

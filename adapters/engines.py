@@ -1,4 +1,4 @@
-"""The engines: which file, class and package each one has. An engine's file is imported only when it is first used."""
+"""The engines by name: module, class and package of each. An engine's module is imported on first use."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scenarios.lookup import look_up
 
 
 class EngineEntry(Protocol):
-    """Where an engine is to be found."""
+    """The location of an engine."""
 
     @property
     def module(self) -> str:
@@ -22,7 +22,7 @@ class EngineEntry(Protocol):
 
     @property
     def remedy(self) -> str:
-        """What to do if the engine cannot be loaded."""
+        """The fix if the engine cannot be loaded."""
         ...
 
     def version(self) -> str:
@@ -41,11 +41,11 @@ class Entry:
     module: str
     simulation: str
     package: str
-    """The distribution that brings the engine, and whose version is the engine's."""
+    """The distribution that contains the engine; its version is the engine's."""
 
     @property
     def remedy(self) -> str:
-        """What to do if the engine cannot be loaded."""
+        """The fix if the engine cannot be loaded."""
         return f"install '{self.package}' with: uv sync --group engines"
 
     def version(self) -> str:
@@ -105,7 +105,7 @@ ENGINES: dict[str, EngineEntry] = {
 
 
 def engine_version(engine: str) -> str:
-    """Return the version of an engine, which stands in every record.
+    """Return the version of an engine, for records.
 
     Raises:
         UnknownNameError: if there is no such engine.

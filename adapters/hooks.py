@@ -2,8 +2,8 @@
 
 For every hook:
 
-- The caller has checked the input: ids are of bodies that exist, lengths, poses and forces are finite. Only what a
-  planar engine cannot do is for the adapter to refuse (``ValueError``).
+- The caller has checked the input: ids are of bodies that exist, lengths, poses and forces are finite. An adapter only
+  refuses input that leaves the plane of a planar engine (``ValueError``).
 - Positions [m] and quaternions (w, x, y, z) are those of centres of mass, in the scene's frame; all units are SI.
 - Arrays of ids rise. A hook that returns arrays returns one row per id, in the order of the ids, as float64. The caller
   may write into them, so that they must be copies, unless the hook's text allows views.
@@ -22,7 +22,7 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 
 class EngineHooks(ABC):
-    """What the suite asks of an engine, in the order in which every adapter fills it in."""
+    """The suite's interface to an engine, in the order in which every adapter fills it in."""
 
     engine: ClassVar[str]
     capabilities: ClassVar[Capabilities]
@@ -30,7 +30,7 @@ class EngineHooks(ABC):
     sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
     """Knobs added to every profile while the engine's own sleeping is off, native or raised."""
     iterations: ClassVar[str]
-    """Name of the knob that says how often the solver iterates, at most, in a step."""
+    """Name of the knob for the greatest number of solver iterations per step."""
 
     info: EngineInfo
     """Engine, version, profile and sleeping. Its profile is complete: it holds the knobs that its sleeping adds, and
@@ -109,9 +109,9 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _set_gravity(self, gravity: Vector) -> None:
-        """Let gravity [m/s2] act from the next step on, also on bodies that are woken later.
+        """Let gravity [m/s2] act from the next step on, also on bodies unfrozen later.
 
-        Called at any time between steps; ``world`` still holds the gravity of before.
+        Called at any time between steps; ``world`` still holds the former gravity.
         """
 
     # -- time --------------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return positions (k, 3) and quaternions (k, 4) of any bodies, frozen ones too; k may be 0."""
+        """Return positions (k, 3) and quaternions (k, 4) of any bodies, also frozen ones; k may be 0."""
 
     def _positions(self, bodies: IntArray) -> FloatArray:
         """Return the positions (k, 3) of live or moved bodies alone; overridden where they cost less than poses."""
@@ -134,7 +134,7 @@ class EngineHooks(ABC):
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return linear (k, 3) [m/s] and angular (k, 3) [rad/s] velocities of any bodies; k may be 0.
 
-        Frozen bodies have none. Those of moved bodies do not matter: see ``velocities_now``.
+        Frozen bodies have zero velocity. Values for moved bodies are ignored: see ``velocities_now``.
         """
 
     # -- called by the port ------------------------------------------------------------------------
@@ -159,7 +159,7 @@ class EngineHooks(ABC):
 
         Called between steps while a body is live, also before the first step and after bodies were frozen, woken,
         moved or removed. Normals point from a to b; the ground is ``GROUND``, fixed boxes are
-        ``contact_completion.fixed_id``; what is not known is NaN. The arrays may be views until the next step.
+        ``contact_completion.fixed_id``; unknown values are NaN. The arrays may be views until the next step.
         """
 
     @abstractmethod

@@ -1,10 +1,10 @@
-"""The core's view of a simulation: ``EnginePort``, which completes what an engine lists and keeps the books.
+"""The core's view of a simulation: ``EnginePort``, which completes the engine's contacts and tracks bodies.
 
-The engine lists contacts through its hook ``_contacts``. The port adds what an engine leaves out, the same way for
-every engine and from the boxes' geometry alone:
+The engine lists contacts through its hook ``_contacts``. The port adds missing contacts, in the same way for
+every engine and from the boxes' geometry only:
 
 1. Corners of contact areas, and pairs that nearly touch, unless the engine lists them itself (``near_contacts``).
-2. Contacts of bodies that the host moves with frozen ones: nothing moves either of them, so that no engine lists them.
+2. Contacts of host-driven bodies with frozen ones, which no engine lists because forces move neither of them.
 3. Pairs that will meet within the next frames, while any body is fast.
 
 Fixed boxes have ids of their own up to here, because their contacts are completed one by one; the core sees ``GROUND``.
@@ -30,7 +30,7 @@ MAX_REST_OVERLAP = 1e-3
 """Overlap [m] with a moved body in which a brick may have come to rest: engines leave up to 0.4 mm."""
 
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
-"""What there is to read while nothing is live, which is most of the time: no engine is asked for it."""
+"""Empty results while nothing is live, so that the engine is not queried."""
 
 
 class EnginePort:
@@ -80,7 +80,7 @@ class EnginePort:
         self._place_boxes(bodies)
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Let frozen bodies move again, from rest; waking a live body does nothing."""
+        """Unfreeze bodies, at rest; unfreezing a live body does nothing."""
         self._bodies.check_known(bodies)
         for body in bodies:
             if body in self._bodies.frozen:
@@ -99,7 +99,7 @@ class EnginePort:
         self._boxes.remove(body)
 
     def note_move(self, body: int) -> None:
-        """Take notice that the host has moved a body."""
+        """Note that the host has moved a body."""
         if self._found is not None:
             self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
         if body in self._bodies.frozen:
@@ -123,7 +123,7 @@ class EnginePort:
     # -- contacts that an engine leaves out --------------------------------------------------------
 
     def _completed(self, contacts: Contacts) -> Contacts:
-        """Add the corners and the pairs that nearly touch and that the engine did not list."""
+        """Add corners and pairs that nearly touch and are missing in the engine's list."""
         live = self._place_boxes(self._bodies.live)
         if self._bodies.moved:
             self._place_boxes(self._bodies.moved)
@@ -133,8 +133,8 @@ class EnginePort:
     def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
         """Add the contacts of ``driven`` bodies with frozen ones.
 
-        Points, normals and separations are those of the boxes where they are now, as far apart as they come within a
-        frame.
+        Points, normals and separations are those of the boxes at their present poses, within the distance that they
+        can move in a frame.
         """
         rows = self._place_boxes(driven)
         linear, angular = self._engine.velocities_now(rows)
@@ -178,7 +178,7 @@ class EnginePort:
         return replace(contacts, body_a=body_a, body_b=body_b)
 
     def _place_boxes(self, bodies: Collection[int]) -> IntArray:
-        """Write where ``bodies`` are now into the table of boxes; returns them, shape (k,)."""
+        """Write the present poses of ``bodies`` into the table of boxes; return the rows, shape (k,)."""
         rows = np.fromiter(bodies, np.int64, len(bodies))
         self._boxes.place(rows, *self._engine._poses(rows))
         return rows

@@ -1,4 +1,4 @@
-"""Descriptions of an engine: how it is set up (``Profile``), what it shows (``Capabilities``), ``EngineInfo``."""
+"""Descriptions of an engine: its set-up (``Profile``), its API (``Capabilities``), and ``EngineInfo``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ REACH_OF_SMALL = 0.5
 derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
 
 AS_SHIPPED = "as shipped"
-"""Stands for who tuned a profile that nobody tuned."""
+"""Value of ``tuned_by`` for a profile that nobody tuned."""
 
 Sleeping = Literal["off", "native", "raised"]
 """The engine's own sleeping: off, as shipped, or with its threshold raised."""
@@ -31,7 +31,7 @@ KnobValue: TypeAlias = float | int | str | bool
 
 @dataclass(frozen=True, slots=True)
 class Knob:
-    """One engine setting that differs from how the engine is shipped, and why."""
+    """One engine setting that differs from the shipped engine, with the reason."""
 
     value: KnobValue
     reason: str
@@ -42,7 +42,7 @@ class Knob:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """How an engine is set up: ``default`` as shipped, ``game`` cheap, ``tuned`` the best an expert gets."""
+    """The set-up of an engine: ``default`` as shipped, ``game`` cheap, ``tuned`` the best that an expert reaches."""
 
     name: str
     description: str
@@ -84,29 +84,28 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """What an engine's API gives to the core, as its adapter describes it; the capability table is made from these.
+    """The data that an engine's API provides, as its adapter describes it; the source of the capability table.
 
     The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. What the other fields describe shows in no array: how it works, not what it says, is
-    checked.
+    one process, ``deterministic``. The other fields describe mechanisms, whose effect is checked instead.
     """
 
     contact_points: str
-    """What is reported for one pair, such as "up to 4 points"."""
+    """Number of points reported for one pair, such as "up to 4 points"."""
     near_contacts: bool
     """True if points are listed that nearly touch; for other engines the port adds them from the boxes' geometry."""
     separation: bool
     relative_velocity: str
     """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
     forces: str
-    """What of a contact's force is reported: "normal and friction"; "no"; or where friction comes from."""
+    """The reported parts of a contact force: "normal and friction"; "no"; or the origin of friction."""
     freeze: str
-    """How the adapter freezes a body exactly."""
+    """Mechanism of the exact freeze."""
     frozen_contacts: bool
     """True if contacts between two frozen bodies stay listed by the engine."""
     friction_law: str
     moved: str
-    """How the adapter moves a body at a prescribed velocity, so that friction carries what lies on it."""
+    """Mechanism that moves a body at a prescribed velocity, so that friction carries the bodies on it."""
     deterministic: str
     """"across processes", "within a process" or "no"."""
     ridge_normal: str = "face"
@@ -118,7 +117,7 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class EngineInfo:
-    """Which engine this is, recorded with every trial."""
+    """Identity of an engine, recorded with every trial."""
 
     engine: str
     version: str

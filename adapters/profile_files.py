@@ -42,7 +42,7 @@ class ProfileFileError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class EngineSettings:
-    """Everything that is set of one engine."""
+    """All settings of one engine."""
 
     profiles: Mapping[str, Profile]
     sleep_knobs: Mapping[str, Knobs]
@@ -55,8 +55,8 @@ def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, fo
 
     Args:
         engine: its name.
-        knows: whether there is a knob of this name; for adapters and engines that would ignore a misspelt one.
-        folder: where the files are.
+        knows: returns whether a knob of this name exists; for engines that would ignore a misspelt knob.
+        folder: folder of the files.
 
     Raises:
         ProfileFileError: if it is missing, or something in it is wrong.

@@ -1,8 +1,8 @@
 """Profiles by name, as they are or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
-Beside the variations below, any knob of the engine goes by its name: ``game@contactERP=0.2``.
+Besides the variations below, every knob of the engine can be varied by its name: ``game@contactERP=0.2``.
 
-The name alone says how a profile varies, so that it goes wherever a profile's name goes: studies, trials and records.
+The variation is part of the name, so that studies, trials and records hold it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _MOST_HZ = 10_000.0
 
 
 class ProfileError(ValueError):
-    """A variation that makes no sense; the message names the fix."""
+    """An invalid variation; the message names the fix."""
 
 
 def base_name(profile: str) -> str:
@@ -35,11 +35,11 @@ def varied_name(profile: str, changes: Mapping[str, float | int]) -> str:
 
 
 def profile_of(simulation: type[Simulation], name: str) -> Profile:
-    """The profile of an engine that goes by ``name``, varied as the name says.
+    """Return the profile ``name`` of an engine, with the variation in the name.
 
     Raises:
         UnknownNameError: if the engine has no such profile, or a variation is unknown.
-        ProfileError: if the value of a variation is not what it must be.
+        ProfileError: if the value of a variation is invalid.
     """
     base, mark, changes = name.partition(_MARK)
     profile = look_up(f"profile of engine {simulation.engine}", base, simulation.profiles)
@@ -96,7 +96,7 @@ def _with_offset(_: type[Simulation], profile: Profile, offset: float) -> Profil
 
 
 def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: str) -> Profile:
-    """Return the profile with a knob of the engine's own set to what a name says."""
+    """Return the profile with a knob of the engine's own set to the value in a name."""
     everywhere = [*(one.knobs for one in simulation.profiles.values()), *simulation.sleep_knobs.values()]
     known = profile.knobs.get(knob) or next((knobs[knob] for knobs in everywhere if knob in knobs), None)
     value = _value(text)

@@ -1,4 +1,4 @@
-"""Engines by name: opens a world, looks up profiles and capabilities."""
+"""Engines by name: open a world, look up profiles and capabilities."""
 
 from __future__ import annotations
 
@@ -47,21 +47,21 @@ def check_installed(name: str) -> None:
 
 
 def capabilities(name: str) -> Capabilities:
-    """What engine ``name`` gives to the core."""
+    """Return the capabilities of engine ``name``."""
     return _load(name).capabilities
 
 
 def profiles(name: str) -> Mapping[str, Profile]:
-    """The profiles of engine ``name``, by their names."""
+    """Return the profiles of engine ``name``, by their names."""
     return _load(name).profiles
 
 
 def profile_named(engine: str, name: str) -> Profile:
-    """The profile of an engine that goes by ``name``, varied if the name says so: see ``adapters.profile_variants``.
+    """Return the profile ``name`` of an engine, or its variation: see ``adapters.profile_variants``.
 
     Raises:
         UnknownNameError: if there is no such engine, or the engine has no such profile.
-        ProfileError: if a variation is not what it must be.
+        ProfileError: if a variation is invalid.
         EngineNotInstalledError: if the engine's package is missing.
     """
     return profile_of(_installed(engine), name)
@@ -75,11 +75,11 @@ def open_engine(
     sleeping: Sleeping = "off",
     expected: Sequence[Brick] = (),
 ) -> Simulation:
-    """An empty world of engine ``name``.
+    """Open an empty world of engine ``name``.
 
     Raises:
         UnknownNameError: if there is no such engine, or the engine has no such profile.
-        ProfileError: if a variation of the profile is not what it must be.
+        ProfileError: if a variation of the profile is invalid.
         EngineNotInstalledError: if its package is missing.
     """
     simulation = _installed(name)

@@ -1,16 +1,16 @@
-"""A world that is larger than the scene: what practitioners do with engines that are made for bodies of a metre.
+"""A world that is larger than the scene, as practitioners use with engines made for bodies of a metre.
 
 All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses and forces; times,
 masses, angles and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own
-wiki ("Scaling The World"), which finds no need to change masses. What changes is how the engine's absolute constants
-compare with the bricks: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only
-what a profile set for the bricks' size grows with them (``Knob.follows_world``), and what an adapter measures itself
+wiki ("Scaling The World"), which finds no need to change masses. The ratio of the engine's absolute constants to the
+bricks changes: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only profile
+lengths set for the bricks' size grow with them (``Knob.follows_world``), and an adapter's own lengths
 (``Simulation.scale``).
 
-A profile's offset puts the scene so far from the origin along x, with the ground below it, as in a large level: there
-engines of single precision have fewer digits left (steps of 7.6 um at 100 m).
+A profile's offset moves the scene along x, with the ground below it, as in a large level: far from the origin engines
+of single precision have fewer digits left (steps of 7.6 um at 100 m).
 
-Outside, all is in SI units of the scene, and the corners that an engine does not list are added there.
+Outside, all values are in SI units of the scene, where missing corners are added.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 
 class _ScaledSimulation(Simulation):
-    """Drives a larger world of an engine. Both count bodies alike, so that ids are the same in either."""
+    """Drives a larger world of an engine. Both number bodies alike, so that ids are the same."""
 
     unscaled: ClassVar[type[Simulation]]
 
@@ -105,21 +105,21 @@ class _ScaledSimulation(Simulation):
         return self._larger.read_knobs()
 
     def _place(self, position: Vector) -> Vector:
-        """Where a place [m] of the scene lies in the larger world."""
+        """Return the place [m] in the larger world of a place of the scene."""
         x, y, z = position
         return _times(self.scale, (x + self.info.profile.offset, y, z))
 
     def _places_in_scene(self, places: FloatArray) -> FloatArray:
-        """Places (n, 3) of the larger world in the scene [m]."""
+        """Return the places (n, 3) in the scene [m] of places of the larger world."""
         in_scene: FloatArray = places / self.scale - np.array([self.info.profile.offset, 0.0, 0.0])
         return in_scene
 
     def _enlarged(self, brick: Brick) -> Brick:
-        """The brick in the larger world; of the same mass."""
+        """Return the brick in the larger world; of the same mass."""
         return replace(brick, size=_times(self.scale, brick.size), position=self._place(brick.position))
 
     def _in_scene(self, seen: Contacts) -> Contacts:
-        """Contacts of the larger world in the scene's units."""
+        """Return contacts of the larger world in the scene's units."""
         return replace(
             seen,
             point=self._places_in_scene(seen.point),
@@ -131,7 +131,7 @@ class _ScaledSimulation(Simulation):
 
 @cache
 def scaled(simulation: type[Simulation]) -> type[Simulation]:
-    """The same engine, in worlds as large as the profile's scale says, as far from the origin as its offset says."""
+    """Return the same engine, in worlds enlarged by the profile's scale and moved by its offset."""
 
     class Scaled(_ScaledSimulation):
         engine = simulation.engine

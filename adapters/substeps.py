@@ -1,8 +1,8 @@
-"""The frame of every engine that an adapter steps itself: substeps, and what the core reads of each of them.
+"""The frame of an engine that its adapter steps: substeps, with the motions and forces that the core needs.
 
-The core wants to know how fast bodies approached before the solver stopped them, and the mean forces of the frame. Most
-engines report neither, so that motions are recorded before each substep, and forces after it; both only while the port
-is read and a body is live.
+The core needs the approach speeds before the solver stopped the bodies, and the mean forces of the frame. Most engines
+report neither, so motions are recorded before each substep, and forces after it; both only while the port is read and a
+body is live.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What an engine says of itself in its hello: name, version, capabilities, and when it detects contacts."""
+"""An engine's description in its hello: name, version, capabilities, and when it detects contacts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from adapters.bridge.messages import PROTOCOL
 from adapters.profile import Capabilities
 
 Detection = Literal["start", "end"]
-"""The poses of which contact points are: those at the start of the latest substep, or those at its end."""
+"""Time of the poses behind contact points: the start of the latest substep, or its end."""
 
 _UNLESS_SAID = {"relative_velocity": "from the velocities before the step", "frozen_contacts": False}
 
@@ -25,13 +25,13 @@ class Description:
     capabilities: Capabilities
     contacts_at: Detection
     iterations: str = "iterations"
-    """Name of the knob that says how often the solver iterates."""
+    """Name of the knob for the solver's iterations."""
     solver_noise: float = 0.0
     """Speed [m/s] at which bodies at rest tremble."""
 
 
 def described(hello: Mapping[str, Any]) -> Description:
-    """Return what a hello says.
+    """Return the description in a hello.
 
     Raises:
         ProtocolError: if the protocol is another, or something is missing or unknown; the message names it.

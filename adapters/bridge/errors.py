@@ -1,4 +1,4 @@
-"""What goes wrong with an engine in a process of its own; each error says how a trial that meets it ends."""
+"""Errors of an engine in a separate process, each with the status of a trial that it ends."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class ExternalEntry:
     """File of settings."""
     timeout_s: float = SILENCE_S
     source: str = "--bridge"
-    """Where it is written, for error messages."""
+    """File of the entry, for error messages."""
 
     @property
     def module(self) -> str:
@@ -66,11 +66,11 @@ class ExternalEntry:
 
     @property
     def remedy(self) -> str:
-        """What to do if the engine cannot be loaded."""
+        """The fix if the engine cannot be loaded."""
         return f"its command is {list(self.command)}, from {self.source}"
 
     def version(self) -> str:
-        """Return the version that the engine tells."""
+        """Return the version that the engine reports."""
         return _describe(self).version
 
     def load(self) -> type[BridgeSimulation]:
@@ -84,7 +84,7 @@ class ExternalEntry:
 
 
 def register_command(command: Sequence[str], profiles: Path | None) -> str:
-    """Add the engine that a command starts to ``ENGINES``, under the name that it gives itself; returns the name.
+    """Add the engine that a command starts to ``ENGINES``, under the name that it gives itself; return the name.
 
     Raises:
         EnginesFileError: if this suite has an engine of that name.

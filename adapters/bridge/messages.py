@@ -44,7 +44,7 @@ Command = tuple[float, ...]
 
 
 class Kind(IntEnum):
-    """What a message is; an answer has the kind of its question, or is an error."""
+    """Kind of a message; an answer has the kind of its question, or is an error."""
 
     HELLO = 1
     OPEN = 2
@@ -53,7 +53,7 @@ class Kind(IntEnum):
 
 
 class Code(IntEnum):
-    """What a command does before the step, in the order in which commands are sent."""
+    """Commands before a step, in the order in which they are sent."""
 
     SPAWN = 1
     SPAWN_MOVED = 2
@@ -69,7 +69,7 @@ class Code(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class StepReply:
-    """What an engine tells after a step of n substeps."""
+    """An engine's answer to a step of n substeps."""
 
     engine_s: float
     """Time [s] that the engine's own steps took, by its own clock."""
@@ -87,7 +87,7 @@ def json_body(content: object) -> bytes:
 
 
 def json_content(body: bytes | bytearray) -> dict[str, Any]:
-    """Return what a JSON body holds.
+    """Return the content of a JSON body.
 
     Raises:
         ProtocolError: if it is not a JSON object.

@@ -1,4 +1,4 @@
-"""What a planar engine behind the bridge cannot do; it plays the x-z plane."""
+"""Checks of a planar engine behind the bridge, which plays the x-z plane."""
 
 from __future__ import annotations
 

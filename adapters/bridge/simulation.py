@@ -237,7 +237,7 @@ class BridgeSimulation(Simulation):
         self._states[body] = (*position, *quaternion, *(0.0,) * 6)
 
     def _exchange(self, substep_s: float, substeps: int, is_read: bool, bodies: IntArray) -> StepReply:
-        """Send the collected commands with a step, and return the answer."""
+        """Return send the collected commands with a step, and return the answer."""
         question = step_body(substep_s, substeps, is_read, self._commands)
         self._commands.clear()
         return step_reply(self._peer.ask(Kind.STEP, question), bodies, substeps + 1 if is_read else 1)

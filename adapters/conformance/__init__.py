@@ -1,7 +1,7 @@
 """The contract of every adapter, as a list of physical checks that name no engine.
 
 ``for check in CHECKS: check.run("bullet", "game")`` raises ``ConformanceError`` at the first broken promise. All
-scenes lie in the x-z plane, so that planar engines are held to the same checks.
+scenes lie in the x-z plane, so that planar engines pass the same checks.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class Check:
     measure: Callable[[Rig], None]
     """Raises ``ConformanceError`` if the promise is broken; its docstring is the promise."""
     capable: Callable[[Capabilities], bool] = lambda _: True
-    """Whether an engine's interface allows the check at all."""
+    """Returns whether an engine's interface allows the check."""
     as_shipped: bool = True
-    """False for what is asked of set-up engines only, not of their defaults."""
+    """False for checks of set-up engines, which engines as shipped need not pass."""
 
     @property
     def name(self) -> str:
@@ -45,11 +45,11 @@ class Check:
         return self.measure.__name__
 
     def applies(self, engine: str, profile: str) -> bool:
-        """Whether this engine under this profile is held to the promise."""
+        """Return whether this engine under this profile must pass the check."""
         return self.capable(registry.capabilities(engine)) and (self.as_shipped or base_name(profile) != "default")
 
     def run(self, engine: str, profile: str) -> None:
-        """Hold an engine to the promise.
+        """Run the check on an engine.
 
         Raises:
             ConformanceError: if it is broken; the message says what was measured.
@@ -58,7 +58,7 @@ class Check:
         self.run_in(rig)
 
     def run_in(self, rig: Rig) -> None:
-        """Hold whatever the rig opens to the promise."""
+        """Run the check on the worlds of a rig."""
         try:
             self.measure(rig)
         finally:

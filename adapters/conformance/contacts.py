@@ -189,7 +189,7 @@ def reports_the_overlap(rig: Rig) -> None:
     simulation.step(simulation.info.frame_s)
     separation = touching(simulation.port.contacts(), body).separation
     left = pose(simulation, body)[2] - THICKNESS / 2
-    # Told as before the step or after it; gravity may have pressed it a little further in.
+    # Reported as before the step or after it; gravity may have pressed it a little further in.
     require_between(
         -1.5e-3,
         min(separation, default=math.inf),

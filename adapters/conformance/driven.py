@@ -128,7 +128,7 @@ def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Masses list a moved body as infinitely heavy, even if nothing is live; contacts tell how fast it comes."""
+    """Masses list a moved body as infinitely heavy, even if nothing is live; contacts report its speed."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -156,4 +156,4 @@ def reports_moved_bodies(rig: Rig) -> None:
     require(not len(simulation.port.contacts()), "a platform at rest lists contacts with frozen bricks")
     simulation.remove(platform)
     removed = list(simulation.port.masses().removed)
-    require(removed == [platform], f"after its removal masses tell {removed} as removed, must be {[platform]}")
+    require(removed == [platform], f"after its removal masses list {removed} as removed, must be {[platform]}")

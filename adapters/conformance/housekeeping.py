@@ -98,7 +98,7 @@ def moves_a_live_brick(rig: Rig) -> None:
 
 
 def tumble(simulation: Simulation) -> bytes:
-    """Every pose of a heap that falls, with freezes, wakes, a push and a removal on the way."""
+    """Every pose of a pile that falls, with freezes, wakes, a push and a removal on the way."""
     recorded = []
     bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
     for frame in range(60):

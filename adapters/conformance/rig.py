@@ -1,4 +1,4 @@
-"""What every check works with: a way to open worlds, the standard plank, and errors that say what was measured."""
+"""Tools of every check: worlds, the standard plank, and errors that state the measurement."""
 
 from __future__ import annotations
 
@@ -147,5 +147,5 @@ def frozen_column(simulation: Simulation, levels: int, xs: Iterable[float] = (0.
 
 
 def place_on(simulation: Simulation, levels: int, x: float = 0.0) -> int:
-    """Let a flat plank go from a hand's clearance above ``levels`` levels; its id."""
+    """Release a flat plank ``CLEARANCE`` above ``levels`` levels; return its id."""
     return simulation.spawn(plank(x, (levels + 0.5) * THICKNESS + CLEARANCE))

@@ -1,1 +1,1 @@
-"""Parts that several adapters, or the port and the base class, have in common; they know no engine."""
+"""Code shared by several adapters, or by the port and the base class; it knows no engine."""

@@ -1,4 +1,4 @@
-"""How the live bodies moved before the solver stopped them, for engines that report no approach speed."""
+"""Motions of the live bodies before the solver stopped them, for engines that report no approach speed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stability_core.port import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Where the m live bodies were, and how fast, before each of the frame's s substeps."""
+    """Positions and velocities of the m live bodies before each of the frame's s substeps."""
 
     body: IntArray
     """Ids, rising, shape (m,)."""
@@ -27,10 +27,10 @@ class Motions:
 def fastest_approach(
     before: Motions | None, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray, noise: float = 0.0
 ) -> FloatArray:
-    """Velocity [m/s] of b against a at n contact points, before the substep in which they came closer fastest.
+    """Return velocity [m/s] of b against a at n contact points, before the substep in which they came closer fastest.
 
     Args:
-        before: the frame's motions; None if nobody watched it.
+        before: the frame's motions; None if they were not recorded.
         a: first bodies, shape (n,).
         b: second bodies, shape (n,).
         point: contact points [m], shape (n, 3).
@@ -39,7 +39,7 @@ def fastest_approach(
             for the solver's noise; the first shows how a support slips away before friction has stopped it.
 
     Returns:
-        Velocities, shape (n, 3); NaN where nothing was live in that frame, for bodies that were woken since.
+        Velocities, shape (n, 3); NaN where nothing was live in that frame, for bodies unfrozen since.
     """
     velocity = np.full(point.shape, np.nan)
     if before is not None and len(before.body):
@@ -64,7 +64,10 @@ def _fastest(
     noise: float,
     chosen: FloatArray,
 ) -> None:
-    """Write the velocities into ``chosen``. Compiled: a dozen calls of NumPy cost more than an engine's whole step."""
+    """Write the velocities into ``chosen``.
+
+    It is compiled, because a dozen calls of NumPy cost more than an engine's whole step.
+    """
     for row in range(len(point)):
         x, y, z = point[row]
         fastest = np.inf

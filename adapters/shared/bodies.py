@@ -1,4 +1,4 @@
-"""Record of the bodies of a world: which there are, and which of them are live, frozen or moved by the host."""
+"""Record of the bodies of a world: live, frozen, or moved by the host."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Bodies:
         self.moved: dict[int, tuple[Vector, Vector]] = {}
         """Velocity [m/s] and spin [rad/s] of the bodies that the host moves."""
         self.steady: dict[int, Vector] = {}
-        """Force [N] on each body that something presses."""
+        """Steady force [N] on each pressed body."""
         self._removed: list[int] = []
         self._live_rows: tuple[IntArray, FloatArray] | None = None
 
@@ -49,7 +49,7 @@ class Bodies:
         self._live_rows = None
 
     def remove(self, body: int) -> None:
-        """Forget a body; its id is in the next answer of ``take_removed``."""
+        """Forget a body; the next ``take_removed`` returns its id."""
         del self.bricks[body]
         self.frozen.discard(body)
         self.live.pop(body, None)
@@ -91,7 +91,10 @@ class Bodies:
         return np.fromiter(self.bricks, np.int64, len(self.bricks))
 
     def live_rows(self) -> tuple[IntArray, FloatArray]:
-        """Return ids (m,), rising, and masses (m,) [kg] of the live bodies: the same arrays until another is live."""
+        """Return ids (m,), rising, and masses (m,) [kg] of the live bodies.
+
+        The arrays are the same until the live bodies change.
+        """
         if self._live_rows is None:
             count = len(self.live)
             self._live_rows = (

@@ -1,4 +1,4 @@
-"""Where boxes touch or nearly touch, in compiled code: the corners of contact faces, and the pairs that are near.
+"""Contacts of boxes that touch or nearly touch, in compiled code: corners of contact faces, and near pairs.
 
 All in one file, for Numba's cache does not notice a change of a kernel from another one: after a change of what
 ``adapters.shared.swept_contacts`` uses of it, clear the cache.
@@ -32,19 +32,19 @@ _MOST_CORNERS = 8
 
 @numba.njit(cache=True)
 def half_diagonal(half: FloatArray) -> float:
-    """Half the diagonal [m] of a box of half edges (3,)."""
+    """Return half the diagonal [m] of a box of half edges (3,)."""
     return math.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
 
 
 @numba.njit(cache=True)
 def _pair_size(box_a: FloatArray, box_b: FloatArray) -> float:
-    """Size of the smaller of two boxes over that of the plank."""
+    """Return size of the smaller of two boxes over that of the plank."""
     return min(half_diagonal(box_a[HALF]), half_diagonal(box_b[HALF])) / PLANK
 
 
 @numba.njit(cache=True)
 def axes_of(quaternion: FloatArray) -> FloatArray:
-    """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
+    """Return rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
     w, x, y, z = quaternion
     return np.array(
         [
@@ -57,7 +57,7 @@ def axes_of(quaternion: FloatArray) -> FloatArray:
 
 @numba.njit(cache=True)
 def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
-    """The axis most along ``direction`` and its cosine, negative if it points the other way."""
+    """Return the axis most along ``direction`` and its cosine, negative if it points the other way."""
     best, cosine = 0, 0.0
     for axis in range(3):
         along = axes[0, axis] * direction[0] + axes[1, axis] * direction[1] + axes[2, axis] * direction[2]
@@ -68,7 +68,7 @@ def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
 
 @numba.njit(cache=True)
 def _clip(polygon: FloatArray, normal: FloatArray, limit: float) -> FloatArray:
-    """The part (k, 3) of a polygon where normal . x <= limit (Sutherland and Hodgman)."""
+    """Return the part (k, 3) of a polygon where normal . x <= limit (Sutherland and Hodgman)."""
     n = len(polygon)
     clipped = np.empty((2 * n, 3))
     size = 0
@@ -89,7 +89,7 @@ def _clip(polygon: FloatArray, normal: FloatArray, limit: float) -> FloatArray:
 
 @numba.njit(cache=True)
 def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, side: float) -> FloatArray:
-    """Corners (4, 3) of a box's face, in order around it."""
+    """Return corners (4, 3) of a box's face, in order around it."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     corners = np.empty((4, 3))
     for i in range(4):
@@ -104,7 +104,7 @@ def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, sid
 def face_corners(
     box_a: FloatArray, box_b: FloatArray, normal: FloatArray, slack: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Corners (k, 3) of the contact face of two boxes, and their separations (k,).
+    """Return corners (k, 3) of the contact face of two boxes, and their separations (k,).
 
     Args:
         box_a: row of box a.
@@ -140,7 +140,7 @@ def face_corners(
 
 @numba.njit(cache=True)
 def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> float:
-    """Gap [m] between two boxes across the face that parts them best, negative if they overlap.
+    """Return gap [m] between two boxes across the face that parts them best, negative if they overlap.
 
     The face's unit normal is written into ``normal`` (3,), from a to b.
     """
@@ -168,7 +168,7 @@ def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> f
 
 @numba.njit(cache=True)
 def note_reach(boxes: FloatArray, rows: IntArray) -> None:
-    """Work out how far the boxes of these ``rows`` reach along x, y and z."""
+    """Compute the extents of the boxes of these ``rows`` along x, y and z."""
     for row in rows:
         axes = axes_of(boxes[row, TURN])
         for k in range(3):
@@ -182,7 +182,7 @@ def note_reach(boxes: FloatArray, rows: IntArray) -> None:
 def missing_corners(
     boxes: FloatArray, a: IntArray, b: IntArray, normal: FloatArray, point: FloatArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """A row of its pair (k,), point (k, 3) and separation (k,) of each corner that its pair's rows do not list.
+    """Return a row of its pair (k,), point (k, 3) and separation (k,) of each corner that its pair's rows do not list.
 
     Rows of a pair stand together; ``a`` and ``b``, (n,), are rows of ``boxes``.
     """
@@ -211,7 +211,7 @@ def missing_corners(
 
 @numba.njit(cache=True)
 def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float) -> list[tuple[int, int]]:
-    """Pairs of rows, the lower first, of which one is ``live``, that are not ``listed``, and whose extents nearly meet.
+    """Return pairs of rows, the lower first, of which one is ``live``, that are not ``listed`` and nearly meet.
 
     O(boxes) a live one.
 
@@ -233,7 +233,7 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float)
                 continue
             at = np.searchsorted(live, other)
             if other < one and at < len(live) and live[at] == other:
-                continue  # a pair of live boxes is met twice
+                continue  # a pair of live boxes occurs twice
             key = min(one, other) * len(boxes) + max(one, other)
             at = np.searchsorted(listed, key)
             if at == len(listed) or listed[at] != key:
@@ -245,7 +245,7 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float)
 def near_corners(
     boxes: FloatArray, live: IntArray, listed: IntArray, slack: float, way: float
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
-    """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
+    """Return rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
 
     See ``_neighbours``. With a ``slack`` [m], given for the plank, edges that miss each other sideways by as much count
     as well, and corners that are closer together than four times the slack are one. Gaps and overlaps of ``way`` [m]

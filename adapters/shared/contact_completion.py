@@ -1,4 +1,4 @@
-"""Completes the contacts of engines that list penetrating points only, from the boxes' geometry.
+"""Complete the contacts of engines that list penetrating points only, from the boxes' geometry.
 
 Of a brick that rests on three corners, tilted by micrometres, such an engine lists three points: half of the true
 contact area. Of a roof over four edges that differ in height by as little, it lists two edges. Under load the others
@@ -53,7 +53,7 @@ class BoxTable:
             self.place(ids, np.array([box.position for box in fixed]), np.array([box.quaternion for box in fixed]))
 
     def add(self, body: int, size: Vector) -> None:
-        """A body of these edges [m], yet to be placed; ids rise."""
+        """Add a body of these edges [m], without a pose; ids rise."""
         row = self._first + body
         self._rows = row + 1
         if self._rows > len(self._boxes):
@@ -72,7 +72,7 @@ class BoxTable:
         self._boxes[self._first + body] = np.nan
 
     def with_missing_corners(self, contacts: Contacts) -> Contacts:
-        """The contacts, and behind them the corners of their faces that nearly touch and that the engine did not list.
+        """Return the contacts, followed by the missing corners of their faces that nearly touch.
 
         A corner has the normal and the relative velocity of its pair's first point.
         """
@@ -100,7 +100,7 @@ class BoxTable:
     def with_near_pairs(
         self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt, way: float = 0.0
     ) -> Contacts:
-        """The contacts, and behind them the corners of pairs that nearly touch and of which the engine lists no point.
+        """Return the contacts, followed by the corners of near pairs without any listed point.
 
         Args:
             contacts: as the engine lists them.

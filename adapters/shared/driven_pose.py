@@ -1,4 +1,4 @@
-"""Where a body is that the host moves at a prescribed velocity."""
+"""The pose of a body that the host moves at a prescribed velocity."""
 
 from __future__ import annotations
 

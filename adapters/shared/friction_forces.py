@@ -1,4 +1,4 @@
-"""Friction forces for engines that report normal forces only: what the bodies' change of momentum leaves for friction.
+"""Friction forces for engines that report normal forces only, from the bodies' change of momentum.
 
 Over a frame of length T, the contacts of body i bear in sum f_i = m_i (v_i - v_i') / T - m_i g - (steady forces). Less
 the normal forces N_c n_c that the engine reports, what is left is the friction of its contacts, t_c, across n_c:
@@ -6,8 +6,8 @@ the normal forces N_c n_c that the engine reports, what is left is the friction 
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
     minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
 
-In a column each joint has just one answer. Where a body has several supports the balance alone does not tell how
-friction is shared, and this takes as much of each as it is loaded. Torques about the normal are left out. The least
+In a column each joint has just one answer. Where a body has several supports the balance does not determine how
+friction is shared, and this takes shares in proportion to the loads. Torques about the normal are left out. The least
 squares are solved by conjugate gradients (CGLS), whose start from zero gives the smallest answer.
 """
 

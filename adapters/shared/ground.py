@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from scenarios.model import Brick
 
 MIN_HALF_EDGES = (2.0, 2.0, 0.5)
-"""Half the least edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
+"""Least half edges [m] of engines' grounds: room for any scene of planks, and too thick to fall through."""
 ROOM_TO_FALL = 2.0
 """Reach of the ground over the distance of the farthest brick that is expected."""
 
@@ -25,6 +25,6 @@ def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Br
 
 
 def _reach(brick: Brick, middle: float) -> float:
-    """Return how far [m] from the vertical through the ground's middle a brick may lie, however it is turned."""
+    """Return the greatest distance [m] of a brick's corner from the ground's middle, for any turn of the brick."""
     x, y, _ = brick.position
     return math.hypot(x - middle, y) + math.hypot(*brick.size) / 2

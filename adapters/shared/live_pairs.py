@@ -1,4 +1,4 @@
-"""Choice of the contacts that touch a live body, so that reading them costs what the live bodies cost."""
+"""Select the contacts that touch a live body, so that the cost of reading depends on the live bodies only."""
 
 from __future__ import annotations
 
@@ -59,5 +59,5 @@ def live_pairs(
             if a is None or b is None:
                 continue
             other = b if a == body else a
-            if other < body or other not in live:  # a pair of live bodies is met twice
+            if other < body or other not in live:  # a pair of live bodies occurs twice
                 yield a, b, item

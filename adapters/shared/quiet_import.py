@@ -1,4 +1,4 @@
-"""Engines that print when they are imported would speak in the middle of the suite's own output."""
+"""Silence engines that print when they are imported."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _STDERR = 2
 
 @contextmanager
 def silenced_stderr() -> Iterator[None]:
-    """The process's stderr goes nowhere; C code prints past Python's ``sys.stderr``."""
+    """Send the process's stderr to the null device, because C code bypasses Python's ``sys.stderr``."""
     kept, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, _STDERR)

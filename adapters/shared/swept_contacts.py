@@ -1,8 +1,8 @@
-"""Contacts ahead of time: which bodies will be struck within the next frames, by geometry, the same for every engine.
+"""Find bodies that will be struck within the next frames, by geometry, in the same way for every engine.
 
-Engines list pairs up to a margin of 0 to 20 mm, and a body at 10 m/s moves 167 mm a frame: it strikes between two looks
-at the contacts. So the boxes of fast bodies are swept along their velocities. Two boxes that translate meet when the
-last of the 15 separating axes (3 face normals each, 9 cross products of edges) closes:
+Engines list pairs up to a margin of 0 to 20 mm, and a body at 10 m/s moves 167 mm a frame: it strikes between two
+readings of the contacts. So the boxes of fast bodies are swept along their velocities. Two boxes that translate meet
+when the last of the 15 separating axes (3 face normals each, 9 cross products of edges) closes:
 
     gap(n) = |d . n| - r_a(n) - r_b(n),    t(n) = gap(n) / closing speed along n,    t = max over n of t(n)
 
@@ -36,7 +36,7 @@ Approaches = tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]
 
 @numba.njit(cache=True)
 def _extent(axes: FloatArray, half: FloatArray, normal: FloatArray) -> float:
-    """Half the width [m] of a box along ``normal``."""
+    """Return half the width [m] of a box along ``normal``."""
     width = 0.0
     for axis in range(3):
         width += abs(axes[0, axis] * normal[0] + axes[1, axis] * normal[1] + axes[2, axis] * normal[2]) * half[axis]
@@ -67,7 +67,7 @@ def _separating_axis(axes_a: FloatArray, axes_b: FloatArray, k: int, axis: Float
 def _impact(
     box_a: FloatArray, box_b: FloatArray, velocity: FloatArray, most: float, normal: FloatArray
 ) -> tuple[float, float, bool]:
-    """Time [s] until box b, which moves at ``velocity`` against a, meets it; inf if it does not within ``most``.
+    """Return time [s] until box b, which moves at ``velocity`` against a, meets it; inf if it does not within ``most``.
 
     Also the present gap [m] along the axis that closes last, which is written into ``normal`` (3,), from a to b; and
     whether it is the normal of a face. Boxes that overlap already never meet.
@@ -101,7 +101,7 @@ def _impact(
 
 @numba.njit(cache=True)
 def _edge_towards(box: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Middle (3,) [m] of the edge of a box that lies farthest along ``direction``, and its axis (3,), of unit length.
+    """Return middle (3,) [m] and unit axis (3,) of the edge of a box that lies farthest along ``direction``.
 
     It is the edge whose axis is most across the direction.
     """
@@ -121,7 +121,7 @@ def _edge_towards(box: FloatArray, direction: FloatArray) -> tuple[FloatArray, F
 
 @numba.njit(cache=True)
 def _crossing(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> FloatArray:
-    """Point (3,) [m] on a's edge that is nearest to b's edge, for boxes that meet edge on edge."""
+    """Return point (3,) [m] on a's edge that is nearest to b's edge, for boxes that meet edge on edge."""
     p, u = _edge_towards(box_a, normal)
     q, v = _edge_towards(box_b, -normal)
     w = q - p
@@ -135,7 +135,7 @@ def _crossing(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> Float
 
 @numba.njit(cache=True)
 def _meeting_point(box_a: FloatArray, box_b: FloatArray, normal: FloatArray, is_face: bool, slack: float) -> FloatArray:
-    """Middle (3,) [m] of where two boxes meet that just touch along ``normal``."""
+    """Return middle (3,) [m] of where two boxes meet that just touch along ``normal``."""
     if not is_face:
         return _crossing(box_a, box_b, normal)
     points, separations = face_corners(box_a, box_b, normal, slack)
@@ -160,7 +160,7 @@ def approaches(
     first: int,
     seconds: float,
 ) -> Approaches:
-    """Rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each pair that will meet within ``seconds``.
+    """Return rows a, b (k,), point, normal (k, 3) and gap (k,) of each pair that will meet within ``seconds``.
 
     The point lies on the present surface of a, the body that the fast one, b, comes to. O(boxes) a fast one.
 

@@ -1,4 +1,4 @@
-"""Vectors and quaternions: by the row, for the few contacts of a frame, and one by one, as engines take them."""
+"""Vectors and quaternions: row by row for the contacts of a frame, and one by one for engines."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ _LEVI_CIVITA = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 0, 1)
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Scalar products over the last axis."""
+    """Return scalar products over the last axis."""
     return np.asarray((a * b).sum(axis=-1))
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """As ``numpy.cross`` over the last axis, several times as fast for a few rows."""
+    """Return as ``numpy.cross`` over the last axis, several times as fast for a few rows."""
     return np.asarray(np.einsum("ijk,...j,...k->...i", _LEVI_CIVITA, a, b))
 
 
 def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Vectors (n, 3) of the bodies' own frames in the world's frame; quaternions (n, 4) as w, x, y, z."""
+    """Return vectors (n, 3) of the bodies' own frames in the world's frame; quaternions (n, 4) as w, x, y, z."""
     scalar, axis = quaternions[:, :1], quaternions[:, 1:]
     twice = 2 * cross(axis, vectors)
     return vectors + scalar * twice + cross(axis, twice)

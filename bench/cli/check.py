@@ -33,14 +33,14 @@ def check(
 
 
 def _knobs(engine: str, profile: str) -> Iterator[str]:
-    """Say of each knob of the profile what the engine has, or that its interface does not show it."""
+    """Yield a line per knob of the profile with the engine's value, or that its interface does not show it."""
     plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
     try:
         simulation = open_engine(engine, profile, expected=[plank])
         simulation.spawn(plank)
         read, wanted = simulation.read_knobs(), simulation.info.profile.values
         simulation.close()
-    except Exception as error:  # the checks have already told
+    except Exception as error:  # the checks have already reported it
         yield f"knobs   not read back: {error}"
         return
     for name, value in wanted.items():

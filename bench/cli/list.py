@@ -80,7 +80,7 @@ def _engines() -> Table:
         except EngineNotInstalledError as error:
             listed = f"not installed: {error}"
         table.add_row(name, listed)
-    table.caption = "Any profile may be varied by its name: game@scale=10, tuned@substeps=8,iterations=200, game@hz=240."
+    table.caption = "Vary any profile by its name: game@scale=10, tuned@substeps=8,iterations=200, game@hz=240."
     table.caption_justify = "left"
     return table
 

@@ -1,4 +1,4 @@
-"""Audit the contact forces that an engine reports: do they carry the bricks, and are they such as contacts allow?"""
+"""Audit the contact forces that an engine reports: weight carried, friction cone and complementarity."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ UP = 2
 
 
 class ForceAudit:
-    """Takes in the contacts of every frame in which a finished stack is watched."""
+    """Accumulates the contacts of every frame in which a finished stack is watched."""
 
     def __init__(self, simulation: Simulation) -> None:
-        """Ask the engine to record contacts and forces from its first step on."""
+        """Make the engine record contacts and forces from its first step."""
         self._simulation = simulation
         _ = simulation.port
         self._carried: list[float] = []
@@ -26,7 +26,7 @@ class ForceAudit:
         self._residual: list[float] = []
 
     def see(self) -> None:
-        """Take in the contacts after the latest step; nothing if the engine reports no forces."""
+        """Accumulate the contacts after the latest step; without effect if the engine reports no forces."""
         contacts = self._simulation.port.contacts()
         bricks = self._simulation.bricks.values()
         if contacts.force is None or not len(contacts) or not bricks:

@@ -72,7 +72,9 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
             trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
         )
         info = simulation.info
-        playback = Playback(scene, simulation, policy.core, limits.trial_wall_s, on_progress, audits_forces=limits.forces)
+        playback = Playback(
+            scene, simulation, policy.core, limits.trial_wall_s, on_progress, audits_forces=limits.forces
+        )
         before = calibrate()
         with _undisturbed():
             status, message = playback.run(), ""

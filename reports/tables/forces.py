@@ -1,4 +1,4 @@
-"""The table of force honesty: what the reported contact forces carry, and how far they break the laws of contact."""
+"""The table of reported contact forces: the weight that they carry, and their violation of the laws of contact."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ FIGURES = (
     ("cone", "cone_excess", 1.0, "{:.4f}"),
     ("complementarity", "complementarity", 1.0, "{:.4f}"),
 )
-"""Columns: their names, the records' fields, and their factors and forms."""
+"""Columns: name, field of the record, factor and format."""
 
 
 def force_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """The table of all trials whose forces were audited; none if there are none."""
+    """Return a table of the trials with audited forces; an empty list without such trials."""
     audited = [record for record in records if record.carried_share is not None]
     if not audited:
         return []

@@ -1,4 +1,4 @@
-"""Tables of a soak: how fast what must stand creeps, and when a brick will have moved by its thickness."""
+"""Tables of a soak: creep of stacks that must stand, and the time until a brick has moved by its thickness."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST_YEARS = 100.0
 
 
 def soak_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """One table by engine, profile and policy, and one of all trials; none if nothing was watched for a minute."""
+    """Return a table by engine, profile and policy, and one of all trials; none without a watch of a minute."""
     trials = soaked(records)
     if not trials:
         return []
@@ -23,7 +23,7 @@ def soak_tables(records: Sequence[TrialRecord]) -> list[Table]:
 
 
 def duration(seconds: float | None) -> str:
-    """Write a time in the unit that suits it, such as ``8.4 h``; a dash for none."""
+    """Format a time in a suitable unit, such as ``8.4 h``; None becomes a dash."""
     if seconds is None:
         return NOTHING
     if seconds > _MOST_YEARS * _UNITS[0][0]:
@@ -74,5 +74,5 @@ def _row(trial: TrialRecord) -> tuple[str, ...]:
     if trial.creep_m_s is None:
         return (*head, trial.status, *(NOTHING,) * 4)
     speeds = (trial.creep_m_s, trial.creep_error_m_s, trial.sliding_m_s, trial.sinking_m_s)
-    told = (NOTHING if speed is None else f"{speed * _MICRO:.3g}" for speed in speeds)
-    return (*head, *told, duration(time_of_a_thickness(trial)) if creeps_at_all(trial) else "never")
+    texts = (NOTHING if speed is None else f"{speed * _MICRO:.3g}" for speed in speeds)
+    return (*head, *texts, duration(time_of_a_thickness(trial)) if creeps_at_all(trial) else "never")

@@ -1,4 +1,4 @@
-"""The table of public threads: a row a thread, what was reported there, what engines do here, and what is exact."""
+"""The table of public threads: per thread the reported outcome, the outcomes of engines here, and the exact one."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NOT_PLAYED = {"unsupported": "n/a", "timeout": "timed out"}
 
 
 def thread_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """One table; empty if no trial is of a thread."""
+    """Return one table; an empty list if no trial is of a thread."""
     found = [(record, thread) for record in records if (thread := thread_of(record.parameters)) is not None]
     draws = [(record, thread) for record, thread in found if record.seed == 0 and record.repeat == 0]
     if not draws:
@@ -48,7 +48,7 @@ def _row(thread: Thread, first: TrialRecord, policy: str, trials: Sequence[Trial
 
 
 def measured(trial: TrialRecord | None) -> str:
-    """What a trial did, such as ``creeps 7.2 µm/s ✗``; a dash if there is none."""
+    """Return the outcome of a trial as text, such as ``creeps 7.2 µm/s ✗``; a dash without a trial."""
     if trial is None:
         return NOTHING
     mark = "" if not trial.is_judged else " ✓" if trial.verdict == "right" else " ✗"
