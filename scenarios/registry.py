@@ -24,6 +24,7 @@ from scenarios.scenes.four_stack import four_stack
 from scenarios.scenes.from_file import own_scene
 from scenarios.scenes.groove import groove
 from scenarios.scenes.harmonic_overhang import harmonic_overhang
+from scenarios.scenes.heavy_top import heavy_top
 from scenarios.scenes.incline import incline
 from scenarios.scenes.jenga import jenga
 from scenarios.scenes.leaning_pair import leaning_pair
@@ -93,6 +94,7 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         overhang,
         leaning_pair,
         tipping_post,
+        heavy_top,
         asleep,
         poured_pile,
         own_scene,

@@ -95,6 +95,10 @@ PUBLICATIONS: dict[str, Publication] = {
         Selection(profiles=("game",)),
     ),
     "issues": Publication("stacks of public threads: reported, measured on six engines in `game`, and exact", "issues"),
+    "heavy": Publication(
+        "heavy on light: column, pyramid of 55 and off-centre pair on six engines, at the origin and 100 m from it",
+        "heavy",
+    ),
     "soak": Publication("how fast stacks creep that must stand: 600 s on six engines, `game` and `tuned`", "soak"),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",

@@ -1,0 +1,16 @@
+"""The two divisions of scenes: those on which profiles were tuned, and those held out.
+
+A profile may be right on the scenes that it was tuned on because of the tuning. So the score on the others stands
+beside that on these.
+"""
+
+from __future__ import annotations
+
+TUNED_ON = ("four_stack", "card_house", "leaning_tower", "plank_tower")
+"""Scenarios on which a profile of some engine was tuned, as ``tuned_by`` in ``adapters/profiles`` says. An inverted V
+is a card house of one storey; columns and ladders of planks are those of ``plank_tower`` and ``four_stack``."""
+
+
+def is_held_out(scenario: str) -> bool:
+    """Tell whether no profile was tuned on a scenario."""
+    return scenario not in TUNED_ON

@@ -1,0 +1,74 @@
+"""A heavy cube on light ones: a column of two, or a pyramid with a heavy cap.
+
+Theory: weight only presses a stack together. A pyramid gives every cube's load to its two supports in equal halves, so
+that nothing turns, whatever the cap weighs. In a column the upper cube tips if its centre lies beyond the lower one's
+edge, that is, if it lies more than half an edge aside.
+
+What to look for: iterative solvers pass a load on by one cube an iteration and in shares of the cubes' own masses, so
+that light cubes sink or are pressed out; a solver that is exact does not notice the ratio.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Brick, Expectation, World
+from scenarios.parameters import Choice, Real, Whole
+from scenarios.planks import MU, box, one_a_second
+from scenarios.scenario import Plan, scenario
+
+EDGE = 0.1
+"""Of every cube [m]."""
+MASS = 0.5
+"""Of a light cube [kg]: half the density of water."""
+PITCH = 1.02 * EDGE
+"""From cube to cube in a row of the pyramid [m]: neighbours do not touch."""
+
+
+@scenario
+def heavy_top(
+    *,
+    stack: Annotated[str, Choice("column", "pyramid")] = "column",
+    ratio: Annotated[float, Real(1, 1000)] = 100.0,
+    aside: Annotated[float, Real(0, 0.9)] = 0.0,
+    rows: Annotated[int, Whole(2, 10)] = 10,
+) -> Plan:
+    """A heavy cube on light ones: a column of two, or a pyramid with a heavy cap.
+
+    Args:
+        stack: "column" of two cubes, or "pyramid" of ``rows`` rows.
+        ratio: mass of the topmost cube over that of every other.
+        aside: how far the topmost cube of a column lies off the middle, as a share of its edge.
+        rows: of the pyramid; 10 are 55 cubes.
+    """
+    if stack == "pyramid" and aside:
+        raise ValueError("aside is for a column: leave it out of a pyramid")
+    cubes = [_cube(0.0, 1), _cube(aside * EDGE, 2)] if stack == "column" else _pyramid(rows)
+    cubes[-1] = _cube(cubes[-1].position[0], cubes[-1].level, ratio)
+    return Plan(
+        world=World(friction=MU),
+        actions=one_a_second([cube] for cube in cubes),
+        expectation=_expectation(stack, aside),
+        look_for="light cubes that sink or are pressed out from under a heavy one",
+        partner={"aside": min(aside, round(1 - aside, 9))} if aside else None,
+        planar=True,
+    )
+
+
+def _expectation(stack: str, aside: float) -> Expectation:
+    if stack == "column" and aside:
+        return by_margin(1 - 2 * aside, "half an edge aside", falls_at=2)
+    return Expectation("stand", "the load is passed down in equal halves, whatever it weighs")
+
+
+def _pyramid(rows: int) -> list[Brick]:
+    return [
+        _cube((index - (rows - level) / 2) * PITCH, level)
+        for level in range(1, rows + 1)
+        for index in range(rows - level + 1)
+    ]
+
+
+def _cube(x: float, level: int, ratio: float = 1.0) -> Brick:
+    return box((EDGE, EDGE, EDGE), x, level=level, bottom=(level - 1) * EDGE, mass=MASS * ratio)
