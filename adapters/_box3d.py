@@ -28,7 +28,6 @@ are reported as NaN.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 import numpy as np
 from robox3d._ffi import lib
@@ -36,7 +35,7 @@ from robox3d._ffi import lib
 from adapters._box3d_contacts import ContactReader, Manifolds
 from adapters._box3d_state import poses_of, velocities_of
 from adapters._box3d_world import KNOBS, Box3dWorld, set_velocity, split
-from adapters.profile import Capabilities, KnobValue, Profile
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces
@@ -50,13 +49,14 @@ _SETTINGS = load_settings("box3d", KNOBS.__contains__)
 class Box3dSimulation(SubstepSimulation):
     """One world of Box3D."""
 
-    engine: ClassVar[str] = "box3d"
-    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    engine = "box3d"
+    profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
     knows_knob = staticmethod(_SETTINGS.knows)
-    iterations: ClassVar[str] = "subStepCount"
-    solver_noise: ClassVar[float] = 1e-5
-    capabilities: ClassVar[Capabilities] = Capabilities(
+    iterations = "subStepCount"
+    solver_noise = 1e-5
+    """[m/s] With 0, ``tuned`` showed 13 mm/s between a brick at rest and a platform that moves below it at 50 mm/s."""
+    capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,
         separation=True,
@@ -114,7 +114,7 @@ class Box3dSimulation(SubstepSimulation):
 
     # -- time -----------------------------------------------------------------------------------------
 
-    def _begin_frame(self, substep_s: float) -> None:  # noqa: ARG002 - told to each step
+    def _begin_frame(self, substep_s: float) -> None:  # noqa: ARG002 - an argument of each step
         self._solved = None
 
     def _forces_of_substep(self) -> SubstepForces:

@@ -24,11 +24,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import ClassVar
 
 from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
 from adapters._bullet_world import HEAVY, KNOBS, BulletWorld
-from adapters.profile import Capabilities, KnobValue, Profile
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.live_pairs import live_pairs
@@ -47,11 +46,11 @@ _SETTINGS = load_settings("bullet", KNOBS.__contains__)
 class BulletSimulation(SubstepSimulation):
     """A world of PyBullet in DIRECT mode."""
 
-    engine: ClassVar[str] = "bullet"
-    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    engine = "bullet"
+    profiles = _SETTINGS.profiles
     knows_knob = staticmethod(_SETTINGS.knows)
-    iterations: ClassVar[str] = "numSolverIterations"
-    capabilities: ClassVar[Capabilities] = Capabilities(
+    iterations = "numSolverIterations"
+    capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=False,
         separation=True,

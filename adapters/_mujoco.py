@@ -26,7 +26,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -34,7 +33,7 @@ import numpy as np
 from adapters._mujoco_approaches import Approaches
 from adapters._mujoco_slots import CONTACT_STEPS
 from adapters._mujoco_world import MujocoWorld
-from adapters.profile import Capabilities, KnobValue, Profile
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import mean_force
 from adapters.shared.driven_pose import advanced
@@ -57,12 +56,12 @@ _SETTINGS = load_settings("mujoco", _knows)
 class MujocoSimulation(SubstepSimulation):
     """One MuJoCo world."""
 
-    engine: ClassVar[str] = "mujoco"
-    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    engine = "mujoco"
+    profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
     knows_knob = staticmethod(_SETTINGS.knows)
-    iterations: ClassVar[str] = "option.iterations"
-    capabilities: ClassVar[Capabilities] = Capabilities(
+    iterations = "option.iterations"
+    capabilities = Capabilities(
         contact_points="up to 8 points between bricks, 4 on the ground",
         near_contacts=True,
         separation=True,

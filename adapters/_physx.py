@@ -27,13 +27,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from adapters._physx_contacts import Listed, all_impulses, touching_points
 from adapters._physx_world import KNOBS, PhysxWorld, stop
-from adapters.profile import Capabilities, KnobValue, Profile
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
 from adapters.shared.driven_pose import advanced
@@ -56,12 +56,12 @@ _SETTINGS = load_settings("physx", KNOBS.__contains__)
 class PhysxSimulation(SubstepSimulation):
     """A world of PhysX 5."""
 
-    engine: ClassVar[str] = "physx"
-    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    engine = "physx"
+    profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
     knows_knob = staticmethod(_SETTINGS.knows)
-    iterations: ClassVar[str] = "solver_position_iterations"
-    capabilities: ClassVar[Capabilities] = Capabilities(
+    iterations = "solver_position_iterations"
+    capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,
         separation=True,

@@ -30,7 +30,6 @@ finite is silently put back and the body disabled: poses are then reported as Na
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import ClassVar
 
 import numpy as np
 import rapier3d
@@ -38,7 +37,7 @@ import rapier3d
 from adapters._rapier_contacts import in_world, local_points
 from adapters._rapier_rotation import settle_rotation
 from adapters._rapier_world import RapierWorld, knows, stop
-from adapters.profile import Capabilities, KnobValue, Profile
+from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces
@@ -54,12 +53,12 @@ _SETTINGS = load_settings("rapier", knows)
 class RapierSimulation(SubstepSimulation):
     """One world of Rapier."""
 
-    engine: ClassVar[str] = "rapier"
-    profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
+    engine = "rapier"
+    profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
     knows_knob = staticmethod(_SETTINGS.knows)
-    iterations: ClassVar[str] = "num_solver_iterations"
-    capabilities: ClassVar[Capabilities] = Capabilities(
+    iterations = "num_solver_iterations"
+    capabilities = Capabilities(
         contact_points="up to 8 points",
         near_contacts=True,
         separation=True,

@@ -24,12 +24,12 @@ class ProfileError(ValueError):
 
 
 def base_name(profile: str) -> str:
-    """Name of the profile that a varied one was made from."""
+    """Return the name of the profile that a varied one was made from."""
     return profile.partition(_MARK)[0]
 
 
 def varied_name(profile: str, changes: Mapping[str, float | int]) -> str:
-    """Name of a profile with these changes."""
+    """Return the name of a profile with these changes."""
     suffix = ",".join(f"{what}={value:g}" for what, value in changes.items())
     return f"{profile}{_MARK}{suffix}" if suffix else profile
 

@@ -28,7 +28,10 @@ class SubstepSimulation(Simulation):
     """A simulation whose engine is stepped substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
 
     solver_noise: ClassVar[float] = 0.0
-    """Speed [m/s] at which bodies at rest tremble: see ``fastest_approach``."""
+    """Approach [m/s] by which a later substep must be faster than an earlier one to be listed in its stead.
+
+    At rest the substeps of a frame differ by the solver's noise alone: see ``fastest_approach``.
+    """
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
         self._substep_s = 0.0  # of the latest frame
