@@ -16,13 +16,15 @@ Stiffness: contacts are springs whose sag under load falls with the square of th
 Box3D silently caps it at an eighth of the rate of its iterations (which it calls substeps), and at twice that against
 static bodies.
 
-Traps: ``b3SetLengthUnitsPerMeter`` is global in the process and read whenever it is used, also as shapes are made and
-bodies change their type: it is set anew before each such call. Tolerances are multiples of it, among them the slop
-(5 mm), the distance of predicted contacts (20 mm) and that within which contacts are recycled (50 mm): too much for a
-plank of 8 mm. The package's own ``World`` hides most of the API.
-``pybox3d`` is another engine. A definition must be held while it is used: a pointer into a temporary crashes later. A
-state that is not finite is only logged, and the step after it never ends: from then on nothing is stepped, and poses
-are reported as NaN.
+Traps:
+
+- ``b3SetLengthUnitsPerMeter`` is global in the process and read whenever it is used, also as shapes are made and
+  bodies change their type: it is set anew before each such call. Tolerances are multiples of it, among them the slop
+  (5 mm), the distance of predicted contacts (20 mm) and that within which contacts are recycled (50 mm): too much for
+  a plank of 8 mm.
+- The package's own ``World`` hides most of the API, and ``pybox3d`` is another engine.
+- A state that is not finite is only logged, and the step after it never ends: from then on nothing is stepped, and
+  poses are reported as NaN.
 """
 
 from __future__ import annotations
@@ -144,7 +146,7 @@ class Box3dSimulation(SubstepSimulation):
         set_velocity(handle)
         lib.b3Body_SetType(handle, lib.b3_staticBody)
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         handle = self._engine.handle(body)
         lib.b3Body_SetType(handle, lib.b3_dynamicBody)
         lib.b3Body_SetAwake(handle, True)

@@ -1,12 +1,12 @@
 """PyBullet: Bullet's sequential impulses on rigid bodies in maximal coordinates.
 
-Freezing: the body is stopped, its mass set to 0 and its state to asleep. That makes it static: nothing moves it, not by
-a bit, and two frozen bodies are not even collided. Thawing gives the mass back, and Bullet then works out inertia and
-gravity anew. (A body created with mass 0 would never get gravity: bricks are created with theirs.)
+Freezing: the body is stopped, its mass set to 0 and its state to asleep. That makes it static: nothing moves it by a
+single bit, and two frozen bodies are not even collided. Unfreezing restores the mass, and Bullet then computes inertia
+and gravity anew. (A body created with mass 0 would never get gravity: bricks are created with theirs.)
 
 Contacts are those that the latest step solved, found at the pose from which it started. Bullet lists penetrating points
-only, often three of a face's four corners. It reports no approach speed, so the adapter keeps every live body's pose
-and velocity from before each substep.
+only, often three of a face's four corners; the port adds the others. It reports no approach speed, so that every live
+body's pose and velocity are recorded before each substep (``SubstepSimulation``).
 
 ``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
 first. Run there in mid-simulation, it would refresh Bullet's cached points, and a falling pile lies 10 mm elsewhere
@@ -14,10 +14,15 @@ after a second. The second world has no cached points: it may list other corners
 
 Friction: a pair's coefficient is the product of the two bodies', so each gets the square root. The law is a cone.
 
-Traps: the ground is a box, as on a plane Bullet needs ten steps to find four contact points. Handles of removed bodies
-are used again. ``numSubSteps`` divides the forces it reports: substeps are stepped one by one. The engine's own sleep
-does not end when a support is removed, and its speed threshold (between 0.2 and 0.3 m/s, for 2 s) is out of reach:
-``sleepThreshold`` works on multibodies only. Those, PyBullet's standard, stack worse and are damped by 0.04.
+Traps:
+
+- The ground is a box, because on a plane Bullet needs ten steps to find four contact points.
+- Handles of removed bodies are used again.
+- ``numSubSteps`` divides the forces it reports: substeps are stepped one by one.
+- The engine's own sleep does not end when a support is removed, and its speed threshold (between 0.2 and 0.3 m/s, for
+  2 s) is out of reach: ``sleepThreshold`` works on multibodies only. Multibodies, PyBullet's standard, stack worse and
+  are damped by 0.04.
+- A moved body is heavy, not kinematic: it must not collide with what never moves, nor with frozen bodies.
 """
 
 from __future__ import annotations
@@ -71,7 +76,7 @@ class BulletSimulation(SubstepSimulation):
         self._engine = BulletWorld(self.world, self.info)
         self._client = self._engine.client
         self._handles = self._engine.handles
-        self._thaws_to_old_gravity: set[int] = set()
+        self._has_old_gravity: set[int] = set()
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
 
@@ -90,13 +95,13 @@ class BulletSimulation(SubstepSimulation):
                 self._engine.let_collide(self._handles[body], handle, do=False)
 
     def _remove(self, body: int) -> None:
-        self._thaws_to_old_gravity.discard(body)
+        self._has_old_gravity.discard(body)
         self._engine.remove(body)
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         handle = self._handles[body]
         if body not in self.frozen:
-            self._engine.rouse(handle)
+            self._engine.wake(handle)
         pybullet.resetBasePositionAndOrientation(handle, position, scalar_last(quaternion), self._client)
         self._engine.stop(handle)
 
@@ -107,13 +112,13 @@ class BulletSimulation(SubstepSimulation):
         (vx, vy, vz), angular = pybullet.getBaseVelocity(handle, self._client)
         mass = self.bricks[body].mass
         linear = (vx + impulse[0] / mass, vy + impulse[1] / mass, vz + impulse[2] / mass)
-        self._engine.rouse(handle)
+        self._engine.wake(handle)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
 
     def _press(self, body: int, force: Vector) -> None:
         handle, frame = self._handles[body], pybullet.WORLD_FRAME
         if self.info.sleeping != "off":
-            self._engine.rouse(handle)
+            self._engine.wake(handle)
         place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
         pybullet.applyExternalForce(handle, -1, force, place, frame, self._client)
 
@@ -127,9 +132,9 @@ class BulletSimulation(SubstepSimulation):
 
     def _set_gravity(self, gravity: Vector) -> None:
         for body in self.bodies.live:
-            self._engine.rouse(self._handles[body])
+            self._engine.wake(self._handles[body])
         self._engine.set_gravity(gravity)
-        self._thaws_to_old_gravity |= set(self.frozen)
+        self._has_old_gravity |= set(self.frozen)
 
     # -- time -----------------------------------------------------------------------------------------
 
@@ -167,18 +172,18 @@ class BulletSimulation(SubstepSimulation):
         pybullet.changeDynamics(
             handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self._client
         )
-        for other in self.bodies.moved:  # which is heavy, not kinematic: it would be stopped, and kick what is thawed
+        for other in self.bodies.moved:  # heavy, not kinematic: it would be stopped, and kick the brick once unfrozen
             self._engine.let_collide(self._handles[other], handle, do=False)
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         handle = self._handles[body]
         mass = self.bricks[body].mass
         pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._engine.awake, physicsClientId=self._client)
         self._engine.stop(handle)
         for other in self.bodies.moved:
             self._engine.let_collide(self._handles[other], handle, do=True)
-        if body in self._thaws_to_old_gravity:  # Bullet changes the gravity of active bodies only
-            self._thaws_to_old_gravity.remove(body)
+        if body in self._has_old_gravity:  # Bullet changes the gravity of active bodies only
+            self._has_old_gravity.remove(body)
             self._engine.set_gravity(self.world.gravity)
 
     def _contacts(self) -> Contacts:

@@ -94,7 +94,7 @@ class BulletWorld:
         """Set whether two bodies collide; Bullet drops the contact that it remembers of them."""
         pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self.client)
 
-    def rouse(self, handle: int) -> None:
+    def wake(self, handle: int) -> None:
         """End the engine's own sleep of a body, which a new velocity alone does not."""
         pybullet.changeDynamics(handle, -1, activationState=self.awake, physicsClientId=self.client)
 

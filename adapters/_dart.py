@@ -164,7 +164,7 @@ class DartSimulation(SubstepSimulation):
         self._joints[body].resetVelocities()
         self._engine.skeletons[body].setMobile(False)
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         self._joints[body].resetVelocities()
         self._engine.skeletons[body].setMobile(True)
 

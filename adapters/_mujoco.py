@@ -1,25 +1,28 @@
 """MuJoCo 4: soft contacts, solved to convergence by Newton's method.
 
-Slots. MuJoCo compiles its model beforehand, so every expected brick has a slot: a free body that is
-parked until it is spawned (``_mujoco_slots.py``). A brick that fits no free slot makes the model be
-compiled anew, with the state carried over.
+Slots: MuJoCo compiles its model beforehand, so that every expected brick has a slot, a free body that is parked until
+it is spawned (``_mujoco_slots.py``). If a brick fits no free slot, the model is compiled anew with more slots, and the
+state is carried over (``_mujoco_world.py``).
 
-Freezing. MuJoCo has no static switch, so each slot has a ghost, a mocap body with the same box. To
-freeze is to let the ghost stand and collide where the brick is, and to park the brick. Nothing moves a
-mocap body, so the drift is exactly zero. A ghost belongs to the world, so contacts among ghosts and
-with the ground vanish. A world without a port has no ghosts.
+Freezing: MuJoCo cannot make a body static, so that each slot has a ghost, a mocap body with the same box. A frozen
+brick is parked, and its ghost stands and collides in its place. Nothing moves a mocap body: the drift is exactly zero.
+A ghost belongs to the world, so that contacts among ghosts and with the ground vanish. A world without a port has no
+ghosts.
 
-Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities of that
-moment: together they tell the approach before the solver stops it.
+Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities of that moment: together they
+give the approach before the solver stops it.
 
 ``find_contacts`` runs MuJoCo's kinematics and collision on a copy of the state and changes nothing. Speculative
 contacts and sleeping are off meanwhile, so that distances are measured and sleeping pairs are listed.
 
-Friction. A pair has the larger coefficient of its two geoms; all geoms have the world's.
+Friction: a pair has the larger coefficient of its two geoms; all geoms have the world's.
 
-Traps. Divergence silently resets the world unless ``autoreset`` is off. A speculative contact carries
-a made-up distance, reported as unknown. MuJoCo does not see that a sleeping brick's support went
-away. Its warnings go to a file in the working directory unless they are caught.
+Traps:
+
+- Divergence silently resets the world unless ``autoreset`` is off.
+- A speculative contact carries a made-up distance, reported as unknown.
+- MuJoCo does not see that a sleeping brick's support went away.
+- Its warnings go to a file in the working directory unless they are caught.
 """
 
 from __future__ import annotations
@@ -106,7 +109,7 @@ class MujocoSimulation(SubstepSimulation):
     def _push(self, body: int, impulse: Vector) -> None:
         slots, slot = self._engine.slots, self._engine.slot_of[body]
         slots.velocities[slot, :3] += np.asarray(impulse) / self.bricks[body].mass
-        slots.rouse(slot)
+        slots.wake(slot)
 
     def _press(self, body: int, force: Vector) -> None:
         self._engine.slots.data.xfrc_applied[1 + self._engine.slot_of[body], :3] = force
@@ -162,8 +165,8 @@ class MujocoSimulation(SubstepSimulation):
     def _freeze(self, body: int) -> None:
         self._engine.freeze(body)
 
-    def _thaw(self, body: int) -> None:
-        self._engine.thaw(body)
+    def _unfreeze(self, body: int) -> None:
+        self._engine.unfreeze(body)
 
     def _contacts(self) -> Contacts:
         found, record = self._engine.slots.data.contact, self._engine.geoms

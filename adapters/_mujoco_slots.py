@@ -109,13 +109,13 @@ class SlotModel:
         self._collide(1 + slot, _LIVE)
         self.model.body_gravcomp[1 + slot] = 0
         self.model.tree_sleep_policy[slot] = self._live_policy
-        self.rouse(slot)
+        self.wake(slot)
 
     def unpark_moved(self, slot: int) -> None:
         """Hand a body to the engine that collides with live bricks alone and is not pulled by gravity."""
         self._collide(1 + slot, _MOVED)
         self.model.tree_sleep_policy[slot] = _SLEEP_NEVER
-        self.rouse(slot)
+        self.wake(slot)
 
     def park(self, slot: int) -> None:
         """Let a brick collide with nothing, float and sleep, so that it costs nothing."""
@@ -126,7 +126,7 @@ class SlotModel:
         if self.data.tree_asleep[slot] < 0:
             self.data.tree_asleep[slot] = -1  # the end of the count-down: it sleeps after one more step
 
-    def rouse(self, slot: int) -> None:
+    def wake(self, slot: int) -> None:
         """Wake a brick, and the island that it sleeps in, from the engine's own sleep."""
         self.data.tree_awake[slot] = 1  # MuJoCo wakes what is asleep by one record and awake by another
 

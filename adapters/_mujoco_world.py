@@ -78,7 +78,7 @@ class MujocoWorld:
         self._retire(slot)
         self.geoms.assign(slot, NOBODY)
         self._free[self._shapes[slot]].append(slot)
-        self._rouse_all()
+        self._wake_all()
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
         """Set the pose of a body, or of the ghost that stands for it, and stop it."""
@@ -87,7 +87,7 @@ class MujocoWorld:
         if body in self._bodies.frozen:
             self.slots.show_ghost(slot)
         self.geoms.assign(slot, body)
-        self._rouse_all()
+        self._wake_all()
 
     def freeze(self, body: int) -> None:
         """Let the ghost stand where a live brick is, and park the brick."""
@@ -97,7 +97,7 @@ class MujocoWorld:
         self.slots.show_ghost(slot)
         self._retire(slot)
 
-    def thaw(self, body: int) -> None:
+    def unfreeze(self, body: int) -> None:
         """Let the brick live where its ghost stood."""
         slot = self.slot_of[body]
         self.slots.hide_ghost(slot)
@@ -108,17 +108,17 @@ class MujocoWorld:
         self._world = replace(self._world, gravity=gravity)
         if self._slots is not None:
             self._slots.model.opt.gravity = gravity
-            self._rouse_all()
+            self._wake_all()
 
     def close(self) -> None:
         """Free the model."""
         self._slots = None
 
-    def _rouse_all(self) -> None:
+    def _wake_all(self) -> None:
         """Wake every live brick from the engine's own sleep."""
         for body, slot in self.slot_of.items():
             if body in self._bodies.live:
-                self.slots.rouse(slot)
+                self.slots.wake(slot)
 
     def _compile(self, *, ghosts: bool) -> SlotModel:
         """Compile a model for the present shapes, and carry the state over."""

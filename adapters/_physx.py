@@ -1,14 +1,14 @@
 """PhysX 5 on the processor, through SAPIEN: the engine family of the paper, which extended PhysX 3 inside Unity 4.
 
-Freezing: the body becomes kinematic. Nothing moves a kinematic body, not by a bit, and neither two of them nor one and
-the ground are collided. Thawing makes it dynamic again, at rest and awake. ``put_to_sleep`` is no freeze: the first
-touch ends it.
+Freezing: the body becomes kinematic. Nothing moves a kinematic body by a single bit, and neither two of them nor one
+and the ground are collided. Unfreezing makes it dynamic again, at rest and awake. ``put_to_sleep`` is no freeze: the
+first touch ends it.
 
 Contacts: up to four points a pair, as they were before the latest substep. PhysX lists points that lie apart by up to
 the contact offsets of both shapes; as shipped, that is more than two planks, so a brick "touches" the ground through
 others, with no impulse. Points farther apart than ``MAX_SEPARATION`` are left out. Normals point from the second body
-to the first, and all points of a pair share one: boxes are convex. All poses and velocities come in one packed block of
-32-bit floats.
+to the first, and all points of a pair share one: boxes are convex. SAPIEN lists pairs in the order of memory addresses:
+they are sorted by ids. All poses and velocities come in one packed block of 32-bit floats.
 
 ``find_contacts`` takes one step of a microsecond in a second world with the same bodies, weightless and at rest, and
 reads the contacts that PhysX found at its start, which are those of the present poses. SAPIEN cannot collide without a
@@ -16,11 +16,13 @@ step. The first world does not change.
 
 Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
 
-Traps. The scene's settings are global and read when a system is made: where gravity changes later, each body gets the
-difference times its mass as a force. A box's inertia is that of its density, at least
-1e-6 kg m2, more than a plank has: it is set by hand. Until the next step contacts go on naming a component that was
-removed, by its address: it is held so long. SAPIEN warns of a missing Vulkan when it is imported, though nothing is
-rendered.
+Traps:
+
+- The scene's settings are global and read when a system is made: where gravity changes later, each body gets the
+  difference times its mass as a force.
+- PhysX computes a box's inertia from its density, at least 1e-6 kg m2, more than a plank has: the adapter sets it.
+- Until the next step contacts go on naming a removed component, by its address: the component is held until then.
+- SAPIEN warns of a missing Vulkan when it is imported, though nothing is rendered.
 """
 
 from __future__ import annotations
@@ -162,7 +164,7 @@ class PhysxSimulation(SubstepSimulation):
     def _freeze(self, body: int) -> None:
         self._components[body].kinematic = True
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         self._components[body].kinematic = False
         stop(self._components[body])
 
@@ -192,8 +194,7 @@ class PhysxSimulation(SubstepSimulation):
     def _listed(self) -> Iterator[Listed]:
         """Return every pair that touches a live body, by rising ids: its bodies a and b, and its points, one at least.
 
-        SAPIEN lists pairs in an order that follows memory addresses; friction is shared out pair by pair, so that
-        another order changes the last bits of forces from one process to the next.
+        Friction is found pair by pair, so that another order changes the last bits of forces.
         """
         body_of = self._engine.body_of.get  # None for a brick that was removed since the step
 

@@ -1,4 +1,4 @@
-"""pymunk, which is Chipmunk: a planar engine. It plays the x-z plane; every brick is centred on y = 0.
+"""pymunk, which is Chipmunk: a planar engine. Its plane is the scene's x-z plane; every brick is centred on y = 0.
 
 Units: one engine unit is a millimetre. Chipmunk allows overlaps of 0.1 units as shipped and its makers think
 of units as pixels: a plank is then some hundred units long, as a game would draw it. In metres the shipped
@@ -7,9 +7,9 @@ slop would be deeper than a plank is thick.
 Angle: Chipmunk turns +x towards its second axis, our +z. A rotation about +y turns +z towards +x, so the two
 differ in sign.
 
-Freezing: a frozen brick is a static body. Turning it dynamic again makes Chipmunk forget mass and moment, so
-both are set by hand. Static bodies also keep the push that was to cure their overlap (``v_bias``), which would
-move them when woken; an integration over no time at all clears it.
+Freezing: a frozen brick is a static body. Made dynamic again it has lost its mass and moment, so that the adapter sets
+both. A static body also keeps the push that was to cure its overlap (``v_bias``), which would move it once it is
+unfrozen; an integration over no time at all clears it.
 
 Contacts: pairs that overlap, two points at most, none across a gap: a brick at rest overlaps by the slop and
 stays listed. The arbiters of two static bodies are kept for ever, with points in memory that other contacts
@@ -22,7 +22,10 @@ changes nothing. Its normals between corners that meet are rounding, up to 90 de
 
 Friction: the pair's is the product of both shapes', so each has the square root.
 
-Traps: ``Body.sleep()`` on part of an island corrupts memory; a change of type in a callback aborts the process.
+Traps:
+
+- ``Body.sleep()`` on part of an island corrupts memory.
+- A change of type in a callback aborts the process.
 """
 
 from __future__ import annotations
@@ -151,8 +154,8 @@ class PymunkSimulation(SubstepSimulation):
     def _freeze(self, body: int) -> None:
         self._engine.freeze(body)
 
-    def _thaw(self, body: int) -> None:
-        self._engine.thaw(body, self.bricks[body])
+    def _unfreeze(self, body: int) -> None:
+        self._engine.unfreeze(body, self.bricks[body])
 
     def _contacts(self) -> Contacts:
         state = self._engine.reader.state()  # read first: it passes through the same buffer

@@ -78,7 +78,7 @@ class PymunkWorld:
         self._new_statics.append(body)
         self.reader.note_change()
 
-    def thaw(self, body: int, brick: Brick) -> None:
+    def unfreeze(self, body: int, brick: Brick) -> None:
         """Make a static body dynamic again, with the mass and the moment that Chipmunk forgot."""
         planar = self.bodies[body]
         planar.body_type = pymunk.Body.DYNAMIC

@@ -1,8 +1,9 @@
 """Rapier: soft contacts in small substeps, in single precision.
 
 Freezing: the body is stopped and made ``FIXED``; made ``DYNAMIC`` again it has the mass and inertia of its collider.
-Rapier scales a body's quaternion back to unit length when its type changes, and would go on doing so, a bit this way
-and a bit that, wherever single precision has no quaternion of exactly that length: a freeze settles the rotation first.
+Rapier scales a body's quaternion to unit length when its type changes and in later steps. Where single precision has no
+quaternion of exactly that length, each scaling changes a last bit: a freeze settles the rotation
+(``_rapier_rotation.py``).
 
 Contacts are points in the two colliders' own frames, found at the start of the latest substep or earlier: Rapier keeps
 a manifold while the pair has hardly moved, and with it a stale distance. So points and normals are carried along with
@@ -19,12 +20,15 @@ across a plank.)
 Stiffness: contacts are springs whose sag under load falls with the square of their natural frequency. The solver can
 follow a frequency of up to a quarter of its substeps' rate, which is ``num_solver_iterations`` a step.
 
-Traps: while two bodies turn together Rapier keeps the normal of their contacts in the world's frame: on a platform that
-tilts a brick stuck at 30 deg, mu = 0.45. A moved body that turns has its contacts found anew in each step; between live
-bricks that turn together the normals stay old. Tolerances are multiples of ``length_unit``, among them the distance of
-predicted contacts and the top speed. Parry keeps a pair's points while they moved by less than 1 mm, a constant that
-nobody can set: planks of 0.78 mm topple from the second level on, and stand with ``scale=10``. A state that is not
-finite is silently put back and the body disabled: poses are then reported as NaN. A view of a removed body raises.
+Traps:
+
+- While two bodies turn together Rapier keeps the normal of their contacts in the world's frame: on a platform that
+  tilts a brick stuck at 30 deg, mu = 0.45. A moved body that turns has its contacts found anew in each step; between
+  live bricks that turn together the normals stay old.
+- Tolerances are multiples of ``length_unit``, among them the distance of predicted contacts and the top speed.
+- Parry keeps a pair's points while they moved by less than 1 mm, a constant that nobody can set: planks of 0.78 mm
+  topple from the second level on, and stand with ``scale=10``.
+- A state that is not finite is silently put back and the body disabled: poses are then reported as NaN.
 """
 
 from __future__ import annotations
@@ -169,7 +173,7 @@ class RapierSimulation(SubstepSimulation):
         settle_rotation(view)
         self._still_active.add(body)
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         self._still_active.discard(body)
         view = self._views[body]
         view.body_type = rapier3d.RigidBodyType.DYNAMIC

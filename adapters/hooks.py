@@ -141,13 +141,13 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _freeze(self, body: int) -> None:
-        """Stop a live body, and let nothing move it by a single bit until ``_thaw`` or ``_move``.
+        """Stop a live body, and let nothing move it by a single bit until ``_unfreeze`` or ``_move``.
 
         Called at any time between steps, one body at a time; the body is still in ``bodies.live``.
         """
 
     @abstractmethod
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         """Let a frozen body move again, from rest, under its own mass and the present gravity.
 
         Called at any time between steps, one body at a time; the body is still in ``bodies.frozen``.

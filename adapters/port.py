@@ -84,7 +84,7 @@ class EnginePort:
         self._bodies.check_known(bodies)
         for body in bodies:
             if body in self._bodies.frozen:
-                self._engine._thaw(body)
+                self._engine._unfreeze(body)
                 self._bodies.unfreeze(body)
         self._bodies.sort_live()
 

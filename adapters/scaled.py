@@ -89,7 +89,7 @@ class _ScaledSimulation(Simulation):
     def _freeze(self, body: int) -> None:
         self._larger.port.sleep((body,))
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         self._larger.port.wake((body,))
 
     def _contacts(self) -> Contacts:

@@ -155,7 +155,7 @@ class BridgeSimulation(Simulation):
         self._commands.append((Code.FREEZE, body))
         self._states[body, QUATERNION.stop :] = 0.0
 
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         self._commands.append((Code.UNFREEZE, body))
 
     def _contacts(self) -> Contacts:

@@ -324,26 +324,26 @@ class SpeedKeptThroughFreeze(BulletSimulation):
         self._kept[body] = pybullet.getBaseVelocity(self._handles[body], self._client)
         super()._freeze(body)
 
-    def _thaw(self, body: int) -> None:
-        super()._thaw(body)
+    def _unfreeze(self, body: int) -> None:
+        super()._unfreeze(body)
         pybullet.resetBaseVelocity(self._handles[body], *self._kept.pop(body), self._client)
 
 
 class MassLostOnWaking(BulletSimulation):
-    def _thaw(self, body: int) -> None:
-        super()._thaw(body)
+    def _unfreeze(self, body: int) -> None:
+        super()._unfreeze(body)
         pybullet.changeDynamics(self._handles[body], -1, mass=1.0, physicsClientId=self._client)
 
 
 class InertiaLostOnWaking(BulletSimulation):
-    def _thaw(self, body: int) -> None:
-        super()._thaw(body)
+    def _unfreeze(self, body: int) -> None:
+        super()._unfreeze(body)
         inertia = (1e-5, 2e-5, 1e-5)
         pybullet.changeDynamics(self._handles[body], -1, localInertiaDiagonal=inertia, physicsClientId=self._client)
 
 
 class NeverWakes(BulletSimulation):
-    def _thaw(self, body: int) -> None:
+    def _unfreeze(self, body: int) -> None:
         pass
 
 

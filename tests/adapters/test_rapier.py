@@ -58,7 +58,7 @@ def test_frozen_bodies_are_not_visited_once_nothing_is_live() -> None:
     simulation.close()
 
 
-def test_a_fixed_copy_that_thaws_finds_its_contacts_again() -> None:
+def test_a_fixed_copy_that_is_unfrozen_finds_its_contacts_again() -> None:
     simulation = opened()
     frozen_column(simulation, 3)
     bodies = list(simulation.bricks)

@@ -59,7 +59,7 @@ class Traced(SubstepSimulation):
     def _nothing(self, *_):
         pass
 
-    _open = _spawn = _spawn_moved = _remove = _move = _push = _drive = _set_gravity = _freeze = _thaw = _close = (
+    _open = _spawn = _spawn_moved = _remove = _move = _push = _drive = _set_gravity = _freeze = _unfreeze = _close = (
         _nothing
     )
     _find_contacts = _contacts
