@@ -78,10 +78,10 @@ class Box3dSimulation(SubstepSimulation):
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
 
-    # -- bodies ---------------------------------------------------------------------------------------
-
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return self._engine.read_knobs()
+
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

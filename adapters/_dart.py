@@ -82,10 +82,10 @@ class DartSimulation(SubstepSimulation):
         for body, box in self._fixed_boxes():  # a box rather than a plane: box on box gives the best manifolds
             self._engine.add_fixed(body, box)
 
-    # -- bodies ---------------------------------------------------------------------------------------
-
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return self._engine.read_knobs()
+
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -84,10 +84,10 @@ class MujocoSimulation(SubstepSimulation):
         self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies
         self._approaches = Approaches()
 
-    # -- bodies ---------------------------------------------------------------------------------------
-
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return self._engine.slots.read_knobs()
+
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

@@ -78,10 +78,10 @@ class PymunkSimulation(SubstepSimulation):
             self._engine.add_fixed(body, box)
         self._contacts()  # none yet: this loads the compiled code before any frame is timed
 
-    # -- bodies ---------------------------------------------------------------------------------------
-
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return {name: getattr(self._engine.space, name) for name in self.info.profile.knobs}
+
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)

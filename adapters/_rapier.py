@@ -84,10 +84,10 @@ class RapierSimulation(SubstepSimulation):
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
 
-    # -- bodies ---------------------------------------------------------------------------------------
-
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return self._engine.read_knobs(self.info.profile.knobs)
+
+    # -- bodies ---------------------------------------------------------------------------------------
 
     def _spawn(self, body: int, brick: Brick) -> None:
         self._engine.add_live(body, brick)
@@ -133,7 +133,8 @@ class RapierSimulation(SubstepSimulation):
     def _begin_frame(self, substep_s: float) -> None:
         if not self.bodies.live:
             for body in sorted(self._still_active):
-                self._replace_by_fixed(body)
+                self._engine.replace_by_fixed(body, self.bricks[body])
+            self._still_active.clear()
         self._engine.world.integration_parameters.dt = substep_s
 
     def _forces_of_substep(self) -> SubstepForces:
@@ -193,12 +194,6 @@ class RapierSimulation(SubstepSimulation):
         self._engine.close()
 
     # -- helpers --------------------------------------------------------------------------------------
-
-    def _replace_by_fixed(self, body: int) -> None:
-        """Replace a frozen body by a fixed copy, which Rapier does not visit in each step."""
-        self._still_active.remove(body)
-        self._engine.replace_by_fixed(body, self.bricks[body])
-        settle_rotation(self._views[body])
 
     def _read_contacts(self, narrow_phase: rapier3d.NarrowPhase) -> Contacts:
         pairs, local, impulses = local_points(self._live_pairs(narrow_phase))

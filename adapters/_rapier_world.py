@@ -8,6 +8,7 @@ from operator import attrgetter
 import numpy as np
 import rapier3d
 
+from adapters._rapier_rotation import settle_rotation
 from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import half_edges, scalar_last
 from scenarios.model import Brick, Vector, World
@@ -69,6 +70,7 @@ class RapierWorld:
         position = self.views[body].position
         self.remove(body)
         self._add(body, brick, rapier3d.RigidBody.fixed().position(position))
+        settle_rotation(self.views[body])
 
     def set_gravity(self, gravity: Vector) -> None:
         """Set the gravity [m/s2] of the steps that follow, and wake all bodies."""
