@@ -101,6 +101,7 @@ ENGINES: dict[str, EngineEntry] = {
     "rapier": Entry("adapters._rapier", "RapierSimulation", "rapier3d"),
     "box3d": Entry("adapters._box3d", "Box3dSimulation", "robox3d"),
     "jolt": WasmEntry("adapters._jolt", "JoltSimulation", "jolt-physics"),
+    "havok": WasmEntry("adapters._havok", "HavokSimulation", "@babylonjs/havok"),
 }
 
 

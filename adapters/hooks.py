@@ -30,7 +30,7 @@ class EngineHooks(ABC):
     sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
     """Knobs added to every profile while the engine's own sleeping is off, native or raised."""
     iterations: ClassVar[str]
-    """Name of the knob for the greatest number of solver iterations per step."""
+    """Name of the knob for the greatest number of solver iterations per step; empty if there is none."""
 
     info: EngineInfo
     """Engine, version, profile and sleeping. Its profile is complete: it holds the knobs that its sleeping adds, and

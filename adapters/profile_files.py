@@ -9,6 +9,7 @@ A file has up to three tables::
     description = "in a few words"
     substeps = 4             # engine steps a frame
     frame_s = 0.02           # length of a frame [s]; 1/60 if left out
+    scale = 10               # lengths in the engine's world over those of the scene; 1 if left out
     tuned_by = "who, on which scenes"
     shared = ["SET"]
     knobs.KNOB = { value = 60, reason = "...", follows_world = true }
@@ -19,6 +20,7 @@ A file has up to three tables::
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -30,7 +32,7 @@ from adapters.profile import AS_SHIPPED, Knob, Profile, Sleeping
 FOLDER = Path(__file__).with_name("profiles")
 
 _TABLES = ("shared", "profiles", "sleeping")
-_PROFILE_KEYS = ("description", "substeps", "frame_s", "tuned_by", "shared", "knobs")
+_PROFILE_KEYS = ("description", "substeps", "frame_s", "scale", "tuned_by", "shared", "knobs")
 _KNOB_KEYS = ("value", "reason", "follows_world")
 
 Knobs = Mapping[str, Knob]
@@ -120,6 +122,7 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
         _frame_s(where, table),
         {**knobs, **own},
         tuned_by,
+        _scale(where, table),
     )
 
 
@@ -135,6 +138,13 @@ def _frame_s(where: str, table: Mapping[str, Any]) -> float:
     if type(frame_s) is not float or not 0.0 < frame_s < 1.0:
         raise ProfileFileError(f"{where}.frame_s must be a time in seconds, between 0 and 1, got {frame_s!r}")
     return frame_s
+
+
+def _scale(where: str, table: Mapping[str, Any]) -> float:
+    scale = table.get("scale", 1.0)
+    if type(scale) not in (int, float) or not 0.0 < scale < math.inf:
+        raise ProfileFileError(f"{where}.scale must be a positive number, got {scale!r}")
+    return float(scale)
 
 
 def _knobs(where: str, knobs: Any) -> dict[str, Knob]:

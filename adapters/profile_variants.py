@@ -53,6 +53,8 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
         vary = look_up("variation of a profile", what, _VARIATIONS)
         try:
             profile = vary(simulation, profile, float(value))
+        except ProfileError as error:
+            raise ProfileError(f"profile '{name}': {error}") from error
         except ValueError as error:
             raise ProfileError(f"profile '{name}': {what} must be {_MUST_BE[what]}, got '{value}'") from error
     return replace(profile, name=name, description=f"{profile.description}; varied: {changes}")
@@ -65,7 +67,7 @@ def _has_knob(simulation: type[Simulation], name: str) -> bool:
 def _with_scale(_: type[Simulation], profile: Profile, scale: float) -> Profile:
     if not (math.isfinite(scale) and scale > 0):
         raise ValueError
-    return replace(profile.with_lengths_times(scale), scale=scale)
+    return replace(profile.with_lengths_times(scale / profile.scale), scale=scale)
 
 
 def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Profile:
@@ -73,6 +75,8 @@ def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Pr
 
 
 def _with_iterations(simulation: type[Simulation], profile: Profile, iterations: float) -> Profile:
+    if not simulation.iterations:
+        raise ProfileError(f"{simulation.engine} has no number of iterations to vary")
     knob = Knob(_whole(iterations), "varied, to see what it brings and what it costs")
     return profile.with_knobs({simulation.iterations: knob})
 

@@ -24,8 +24,8 @@ class Description:
     version: str
     capabilities: Capabilities
     contacts_at: Detection
-    iterations: str = "iterations"
-    """Name of the knob for the solver's iterations."""
+    iterations: str = ""
+    """Name of the knob for the solver's iterations; empty if there is none."""
     solver_noise: float = 0.0
     """Speed [m/s] at which bodies at rest tremble."""
 
@@ -43,7 +43,7 @@ def described(hello: Mapping[str, Any]) -> Description:
         _text(hello, "version"),
         _capabilities(hello.get("capabilities")),
         _detection(hello.get("contacts_at")),
-        _text({"iterations": "iterations", **hello}, "iterations"),
+        _text(hello, "iterations") if "iterations" in hello else "",
         _noise(hello.get("solver_noise", 0.0)),
     )
 

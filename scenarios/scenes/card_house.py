@@ -14,8 +14,9 @@ ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), whi
 - If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P), which grows with the load, from
   (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the ridges
   together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
-- Two edges meet at the ridge, and engines report a plank's face as the normal there. The same horizontal force then
-  leans 90 deg - theta from the normal: mu >= cot theta. This asks for more, whatever the load: 0.325 at 72 deg.
+- Two edges meet at the ridge, and most engines report a plank's face as the normal there (not Jolt and Havok, whose
+  normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta. This asks
+  for more, whatever the load: 0.325 at 72 deg.
 So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
 normal decides, and it is a study.
 

@@ -55,6 +55,8 @@ def test_engine_keeps_the_contract(engine: str, profile: str, check: Check) -> N
         "slides_on_a_tilted_platform_above_the_friction_angle",
     ):
         pytest.xfail("Bullet keeps the normals of contacts between bodies that turn together")
+    if (engine, profile) == ("havok", "default") and check.name in SLIDES_OF_HAVOK:
+        pytest.xfail("Havok's first touching step has no friction: a plank slides 82 mm instead of 52 at 1/60 s a step")
     hold_to(check, engine, profile)
 
 
@@ -66,6 +68,14 @@ def test_engine_keeps_the_contract_in_larger_worlds(engine: str, profile: str, c
     if (engine, profile, check.name) == ("dart", "game@scale=10", "is_braked_by_friction_between_live_bricks"):
         pytest.xfail("DART's friction box turns with a tilt of 0.2 deg: it brakes at 0.54 g, in any world by chance")
     hold_to(check, engine, profile)
+
+
+SLIDES_OF_HAVOK = (
+    "slides_on_the_ground_above_the_friction_angle",
+    "slides_on_a_frozen_brick_above_the_friction_angle",
+    "slides_sideways_above_the_friction_angle",
+    "slides_on_a_fixed_slope_above_the_friction_angle",
+)
 
 
 def hold_to(check: Check, engine: str, profile: str) -> None:

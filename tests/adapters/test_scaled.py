@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from adapters import ENGINES, ProfileError, capabilities, open_engine, profile_named
+from adapters._havok import HavokSimulation
 from adapters.conformance.rig import LENGTH, MASS, advance, frozen_column, place_on, plank, velocity
+from adapters.profile_variants import profile_of
 from scenarios.lookup import UnknownNameError
 from scenarios.model import World
 from scenarios.registry import build
@@ -18,7 +20,7 @@ WEIGHTLESS = World(gravity=(0.0, 0.0, 0.0))
 def test_what_flies_freely_flies_alike_to_the_last_bit(engine: str) -> None:
     """Times four, a power of two, rounds nothing: only the engine's absolute constants could make the worlds differ."""
     paths = []
-    for profile in ("game", "game@scale=4"):
+    for profile in ("game", f"game@scale={4 * profile_named(engine, 'game').scale:g}"):
         simulation = open_engine(engine, profile)
         body = simulation.spawn(plank(0.1, 5.0, lean=0.3))
         simulation.push(body, (0.3 * MASS, 0.0, 0.2 * MASS))
@@ -45,7 +47,7 @@ def test_the_port_speaks_unscaled_si(engine: str) -> None:
     assert masses.mass.tolist() == [MASS]
     assert simulation.world.gravity == (0.0, 0.0, -9.81)
     plain = open_engine(engine, "game")
-    assert simulation.info.unit_scale == 100 * plain.info.unit_scale
+    assert simulation.info.unit_scale / 100 == plain.info.unit_scale / plain.info.profile.scale
     plain.close()
     simulation.close()
 
@@ -70,6 +72,11 @@ def test_an_impulse_is_that_of_the_scene() -> None:
 # -- profiles by name --------------------------------------------------------------------------------
 
 
+def test_an_engine_without_iterations_says_so() -> None:
+    with pytest.raises(ProfileError, match="profile 'game@iterations=9': havok has no number of iterations to vary"):
+        profile_of(HavokSimulation, "game@iterations=9")
+
+
 def test_a_name_varies_a_profile() -> None:
     base, varied = profile_named("bullet", "game"), profile_named("bullet", "game@scale=10,substeps=2,iterations=80")
     assert (varied.scale, varied.substeps) == (10.0, 2)
@@ -85,7 +92,7 @@ def test_only_lengths_chosen_for_the_bricks_follow_the_world() -> None:
     assert profile_named("bullet", "game@scale=10").knobs == profile_named("bullet", "game").knobs
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", [name for name in ENGINES if ENGINES[name].load().iterations])
 def test_iterations_are_those_of_the_engines_own_solver(engine: str) -> None:
     """The varied knob takes effect: fewer iterations leave a stack of live bricks elsewhere than many do."""
     heights = []
