@@ -16,12 +16,14 @@ from bench.execution.estimate import estimate
 from bench.execution.execute import outcomes_here, outcomes_on_cluster
 from bench.execution.results import Results, check_folder
 from bench.execution.signals import Interruption
+from bench.machine.calibration import speed_now
 from bench.machine.environment import describe
-from bench.studies.plan import Trial, most_trials, plan_trials, waiting_trials
+from bench.machine.source_digest import PUBLISHED
+from bench.studies.plan import Trial, later_trials, plan_trials, waiting_trials
 from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
 from bench.trial.run_trial import Outcome
-from reports.records.folder import TRIALS
+from reports.records.folder import PARQUET, TRIALS
 from reports.tables.table import render
 
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
@@ -86,17 +88,27 @@ def run(
 
 def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
     """List the trials that a run would run, and print the estimated time."""
-    trials = plan_trials(study)
-    kept = set() if fresh or not (folder / TRIALS).exists() else {one.trial for one in read_folder(folder)}
-    waiting = [trial for trial in trials if trial.id not in kept]
+    kept = {} if fresh or not (folder / TRIALS).exists() else {one.trial: one.status for one in read_folder(folder)}
+    waiting = waiting_trials(study, kept)
     for trial in waiting:
         typer.echo(trial.id)
+    known = {trial.id for trial in plan_trials(study)}
+    later = later_trials(study)[len(kept.keys() - known) :]
     earlier = sorted(path.parent for path in RESULTS.glob(f"*/{TRIALS}"))
-    note(estimate(waiting, study.limits.trial_wall_s, dict.fromkeys([*earlier, folder])).summary(jobs))
-    if len(waiting) < len(trials):
-        note(f"{len(trials) - len(waiting)} more are already there")
-    if (later := most_trials(study) - len(trials)) > 0:
-        note(f"up to {later} more follow from these, by bisection")
+    published = sorted(path.parent for path in PUBLISHED.glob(f"*/{PARQUET}"))
+    now = speed_now()
+    expected = estimate(
+        [*waiting, *later],
+        study.limits.trial_wall_s,
+        dict.fromkeys([*earlier, folder, *published]),
+        calibration_ms=now.calibration_ms,
+        busy=now.busy,
+    )
+    note(expected.summary(jobs))
+    if kept:
+        note(f"{len(kept)} more are already there")
+    if later:
+        note(f"up to {len(later)} of these follow from the others, by bisection")
 
 
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:

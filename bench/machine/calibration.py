@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Callable
-from time import perf_counter
+from time import perf_counter, thread_time
+from typing import NamedTuple
 
 _LOOPS = 20
 _STEPS = 2000
@@ -21,6 +22,33 @@ def calibrate(clock: Callable[[], float] = perf_counter) -> list[float]:
             total += math.sqrt(step)
         times_ms.append((clock() - begin) * 1e3)
     return times_ms
+
+
+class Speed(NamedTuple):
+    """How fast the machine is now."""
+
+    calibration_ms: float
+    """Time [ms] of the fixed calculation while nobody disturbs: its 10th percentile."""
+    busy: float
+    """Wall time over processor time: 1 on an idle machine, 2 where this process gets half a core."""
+
+
+def speed_now(
+    seconds: float = 2.0, clock: Callable[[], float] = perf_counter, processor: Callable[[], float] = thread_time
+) -> Speed:
+    """Measure the machine for ``seconds`` [s]: long enough to see how the system shares its cores.
+
+    Args:
+        seconds: how long [s].
+        clock: tells wall time [s].
+        processor: tells the time [s] that this thread had of a core.
+    """
+    begin, begin_cpu = clock(), processor()
+    times_ms: list[float] = []
+    while clock() - begin < seconds:
+        times_ms += calibrate(clock)
+    undisturbed = statistics.quantiles(times_ms, n=10)[0]
+    return Speed(undisturbed, max(1.0, (clock() - begin) / (processor() - begin_cpu)))
 
 
 def typical(before: list[float], after: list[float]) -> float:

@@ -9,6 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters", "reports", "bench"))
 """Every folder whose code takes part in a trial."""
+PUBLISHED = ROOT / "docs" / "results"
+"""Folder of the published studies."""
 
 
 def sources_digest(folders: Iterable[Path]) -> str:

@@ -5,11 +5,8 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass, field
 
-from bench.machine.source_digest import ROOT
 from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
-
-PUBLISHED = ROOT / "docs" / "results"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from pathlib import Path
 from adapters import ENGINES, Profile, profiles
 from bench.machine.core_digest import present_core
 from bench.machine.environment import describe_engine
-from bench.machine.source_digest import ROOT
-from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED
+from bench.machine.source_digest import PUBLISHED, ROOT
+from bench.publishing.catalogue import PUBLICATIONS
 from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
 from reports import load
 from reports.records.folder import ResultsFolder

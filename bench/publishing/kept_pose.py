@@ -19,7 +19,7 @@ import numpy as np
 
 from adapters import open_engine
 from bench.machine.core_digest import present_core
-from bench.publishing.catalogue import PUBLISHED
+from bench.machine.source_digest import PUBLISHED
 from bench.publishing.page_marks import write_page
 from bench.trial.measure import BoolArray
 from bench.trial.playback import Playback

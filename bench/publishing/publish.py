@@ -21,9 +21,9 @@ import typer
 
 from bench.execution.results import missing_trials
 from bench.machine.environment import describe
-from bench.machine.source_digest import ROOT
+from bench.machine.source_digest import PUBLISHED, ROOT
 from bench.publishing import doc_blocks
-from bench.publishing.catalogue import PUBLICATIONS, PUBLISHED, Gallery, Publication
+from bench.publishing.catalogue import PUBLICATIONS, Gallery, Publication
 from bench.publishing.page_marks import mark, mark_all
 from bench.studies.schema import load_study
 from reports.records.atomic import atomic_file

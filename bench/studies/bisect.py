@@ -26,6 +26,11 @@ class Bisect(BaseModel):
         """The search, without its parameter."""
         return Bisection(float(self.low), float(self.high), self.tolerance)
 
+    @property
+    def middle(self) -> float:
+        """The middle of the search."""
+        return (self.low + self.high) / 2
+
     @model_validator(mode="after")
     def _ends_are_apart(self) -> Bisect:
         if self.high - self.low < 2 * self.tolerance:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import islice, product
+from itertools import product
 
 from bench.studies.bisect import Bisect
 from bench.studies.schema import Study, Value
@@ -105,15 +105,16 @@ def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> li
     return []
 
 
-def most_trials(study: Study) -> int:
-    """Return the greatest number of trials of a study: no bisection tries more values than its tolerance needs."""
-    later = sum(
-        (chosen.bisect.bisection.most_tries - 2) * len(_trials_of(study, chosen.name, parameters))
+def later_trials(study: Study) -> list[Trial]:
+    """Return stand-ins for the trials that follow by bisection, as many as there may be, all in the middle."""
+    return [
+        trial
         for chosen in study.scenario
         if chosen.bisect is not None
-        for parameters in islice(chosen.known_variants(), 0, None, 2)
-    )
-    return len(plan_trials(study)) + later
+        for parameters in chosen.variants()
+        for trial in _trials_of(study, chosen.name, {**parameters, chosen.bisect.parameter: chosen.bisect.middle})
+        for _ in range(chosen.bisect.bisection.most_tries - 2)
+    ]
 
 
 def _at(first: Trial, parameter: str, value: float) -> Trial:

@@ -82,8 +82,8 @@ def tilt_tables(records: Sequence[TrialRecord]) -> list[Table]:
     )
     notes = (
         "Slopes in degrees. Exact: by statics of the ideal stack. Own contacts: by statics with the points and normals "
-        "that the engine itself shows at rest. Ridge: its normal where two planks lean against each other, namely the "
-        "bisector, a plank's face, or so many degrees off the bisector.",
+        "that the engine itself shows at rest. Ridge: its normal where two planks lean against each other: that of the "
+        "edges, which is their bisector, that of a plank's face, or so many degrees off the bisector.",
         "Onset: a brick had moved by 1 % of its thickness or turned by half a degree. Fall: the collapse was seen.",
         f"Off: onset less the nearer of both limits, ✓ within {NEAR_DEG:g}; engines that creep or yield move before.",
     )
@@ -111,5 +111,5 @@ def _ridge(angle: float | None) -> str:
     """Return the name of a ridge's normal by its angle [deg] from the bisector."""
     if angle is None:
         return NOTHING
-    names = {"bisector": 0.0, "face": 90.0 - THETA}
+    names = {"edge": 0.0, "face": 90.0 - THETA}
     return next((name for name, named in names.items() if abs(angle - named) <= NAMED_DEG), f"{angle:.0f} off")

@@ -1,0 +1,87 @@
+"""Wall times of earlier trials, of results folders and of what is published: what an estimate is made from."""
+
+from __future__ import annotations
+
+import json
+import math
+import statistics
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from reports.records.folder import PARQUET, TRIALS
+
+COLUMNS = (
+    *("trial", "engine", "profile", "scene", "policy"),
+    *("levels_planned", "simulated_s", "wall_s", "calibration_ms", "status"),
+)
+
+
+class PastTrial(NamedTuple):
+    """What an estimate needs of a trial that was run before."""
+
+    trial: str
+    engine: str
+    profile: str
+    scene: str
+    policy: str
+    level_s: float
+    """Levels times simulated seconds: how much there was to simulate; 0 if nobody knows."""
+    wall_s: float
+    calibration_ms: float | None
+    """Time of the fixed calculation beside it; None if it was not taken, and none of its folder was."""
+
+
+def past_trials(folder: Path) -> list[PastTrial]:
+    """Return the trials of a folder whose wall time is known; those that cannot be read are left out.
+
+    What an engine cannot play takes no time.
+    """
+    rows = [row for row in map(_with_refusals, _rows(folder)) if _known(row.get("wall_s")) and "trial" in row]
+    taken = [row["calibration_ms"] for row in rows if _known(row.get("calibration_ms"))]
+    typical = statistics.median(taken) if taken else None
+    return [
+        PastTrial(
+            str(row["trial"]),
+            str(row.get("engine")),
+            str(row.get("profile")),
+            str(row.get("scene")),
+            str(row.get("policy")),
+            float(row.get("levels_planned") or 0) * float(row.get("simulated_s") or 0.0),
+            float(row["wall_s"]),
+            float(row["calibration_ms"]) if _known(row.get("calibration_ms")) else typical,
+        )
+        for row in rows
+    ]
+
+
+def _with_refusals(row: Mapping[str, Any]) -> Mapping[str, Any]:
+    refused = row.get("status") == "unsupported" and not _known(row.get("wall_s"))
+    return {**row, "wall_s": 0.0} if refused else row
+
+
+def _known(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
+
+
+def _rows(folder: Path) -> Iterator[Mapping[str, Any]]:
+    """Yield the rows that can be read: an estimate need not complain of the others."""
+    try:
+        if (folder / TRIALS).exists():
+            with (folder / TRIALS).open(encoding="utf-8", errors="replace") as lines:
+                for line in lines:
+                    try:
+                        row = json.loads(line)
+                    except ValueError:
+                        continue
+                    if isinstance(row, dict):
+                        yield row
+        elif (folder / PARQUET).exists():
+            there = set(pq.read_schema(folder / PARQUET).names)
+            columns = [name for name in COLUMNS if name in there]
+            yield from pq.read_table(folder / PARQUET, columns=columns).to_pylist()
+    except (OSError, pa.ArrowException):
+        return
