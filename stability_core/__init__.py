@@ -1,7 +1,8 @@
 """The stability extension: makes rigid bodies stack in any engine through contacts, sleep and mass."""
 
+from stability_core.batch import Change
 from stability_core.equilibrium import Equilibrium, solve_equilibrium
-from stability_core.extension import Change, StabilityExtension, warm_up
+from stability_core.extension import StabilityExtension, warm_up
 from stability_core.policies import POLICIES, Policy
 from stability_core.port import GROUND, Contacts, Masses, StabilityPort
 from stability_core.port_check import PortError, check_port

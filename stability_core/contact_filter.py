@@ -104,19 +104,17 @@ def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 
 
 @compiled
-def _reach(body_a: IntArray, body_b: IntArray, separation: FloatArray, row: int) -> float:
-    """Return the distance [m] of a row's point from touch if its two bodies were drawn apart until none overlaps.
+def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray, first: int) -> tuple[float, int]:
+    """Return the separation [m] of a pair's deepest point, at most zero, and the row after its last point.
 
-    Engines list the points of a pair in sequence, so only neighbouring rows are read.
+    Engines list the points of a pair in sequence, so only the rows from its ``first`` are read.
     """
-    deepest = 0.0
-    for step in (-1, 1):
-        i = row + step
-        while 0 <= i < len(separation) and body_a[i] == body_a[row] and body_b[i] == body_b[row]:
-            if separation[i] < deepest:  # false for an unknown (NaN) separation
-                deepest = separation[i]
-            i += step
-    return float(separation[row] - deepest)
+    deepest, i = 0.0, first
+    while i < len(separation) and body_a[i] == body_a[first] and body_b[i] == body_b[first]:
+        if separation[i] < deepest:  # false for an unknown (NaN) separation
+            deepest = separation[i]
+        i += 1
+    return float(deepest), i
 
 
 @compiled
@@ -177,11 +175,13 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
     body_a, body_b, point, normal = contacts.body_a, contacts.body_b, contacts.point, contacts.normal
     separation, relative_velocity = contacts.separation, contacts.relative_velocity
     friction, force = contacts.friction, contacts.force
-    size = 0
+    size, following, deepest, size_of = 0, 0, 0.0, 0.0
     for i in range(len(body_a)):
         a, b = body_a[i], body_b[i]
-        size_of = size_of_pair(bodies, a, b)
-        if _reach(body_a, body_b, separation, i) > limits.contact_gap * size_of:
+        if i == following:  # the first point of another pair
+            deepest, following = _deepest_of_pair(body_a, body_b, separation, i)
+            size_of = size_of_pair(bodies, a, b)
+        if separation[i] - deepest > limits.contact_gap * size_of:
             continue  # never for an unknown (NaN) separation: it counts as touch
         approach, slip = speeds_of(relative_velocity[i], normal[i])
         if is_impact(approach, size_of, limits, dt):
@@ -197,10 +197,8 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
             row.force[k] = force[i, k] if len(force) > 0 else 0.0
         row.level = level
         size += 1
-        if a != GROUND and bodies[a].state == LIVE:
-            bodies[a].slip = max(bodies[a].slip, slip)
-            _note(bodies, a, b, -separation[i], level and upper == a, -normal[i, 2])
-        if b != GROUND and bodies[b].state == LIVE:
-            bodies[b].slip = max(bodies[b].slip, slip)
-            _note(bodies, b, a, -separation[i], level and upper == b, normal[i, 2])
+        for body, other, upward in ((a, b, -normal[i, 2]), (b, a, normal[i, 2])):
+            if body != GROUND and bodies[body].state == LIVE:
+                bodies[body].slip = max(bodies[body].slip, slip)
+                _note(bodies, body, other, -separation[i], level and upper == body, upward)
     return size

@@ -3,53 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
+from stability_core.batch import UNCHANGED, Batch, Change, unfreeze
 from stability_core.compiling import compile_policy
 from stability_core.explanation import explain
 from stability_core.frame_buffers import AT_REST, LEANING, LYING, MOVED, STRUCK, skip_frame
 from stability_core.lookup import look_up
-from stability_core.manifold import supports_as_bits
 from stability_core.policies import POLICIES, Policy
-from stability_core.policies.base import NOBODY
 from stability_core.port import BoolArray, Contacts, IntArray, Masses, StabilityPort
 from stability_core.settings import Settings
 from stability_core.stack import (
     FROZEN,
     LIVE,
-    MOVING,
-    PROVEN,
     Bodies,
-    around,
-    drop_supports,
     note_change,
-    with_all_above,
 )
 from stability_core.upright import checked_gravity
 from stability_core.validation import check_shapes, checked_removals
 from stability_core.world import World
 
-
-class Change(NamedTuple):
-    """The changes of one update."""
-
-    frozen: tuple[int, ...]
-    """Bodies frozen in this frame, by rising id."""
-    woken: tuple[int, ...]
-    """Bodies unfrozen in this frame, by rising id."""
-    reasons: Mapping[int, str]
-    """The reason for each of them."""
-    deferred: tuple[int, ...] = ()
-    """Bodies at rest that are judged in the next frame, because the budget of this one was spent, by rising id."""
-
-
-DRAGGED_ALONG = 3
-"""Number of contacts over which a body is dragged along by a body that a blow flings away."""
-UNCHANGED = Change((), (), {})
 CLOSED = "this extension is closed: make a new StabilityExtension for the port"
 MOMENT_S = 1e-9
 """Time [s] of an update without a step: any motion since the last update counts as fast."""
@@ -167,7 +144,7 @@ class StabilityExtension:
         if frozen:
             self.port.wake(frozen)
         for row in self._world.rows_of(frozen).tolist():
-            self._wake(row)
+            unfreeze(self._world, row)
         self._is_closed = True
 
     def wake(self, bodies: Iterable[int]) -> Change:
@@ -184,11 +161,11 @@ class StabilityExtension:
             RuntimeError: if the extension is closed.
         """
         self._check_open()
-        woken: dict[int, str] = {}
-        self._wake_above(self._world.rows_of(bodies), "woken by the host", {}, woken)
-        for row in woken:
+        batch = Batch(self._world)
+        batch.wake_above(self._world.rows_of(bodies), "woken by the host")
+        for row in batch.woken:
             self._news.pop(row, None)
-        return self._tell({}, woken)
+        return self._send(batch)
 
     def disturb(self, bodies: Iterable[int]) -> None:
         """Keep ``bodies`` live while a user holds or pushes them, and judge the bodies that rest on them again.
@@ -241,11 +218,11 @@ class StabilityExtension:
         if seen is None:
             skip_frame(self._world.buffers, dt)
             return UNCHANGED
-        worklist, rows = seen
-        if worklist == 0 and not self._is_pending:
+        due, contacts = seen
+        if due == 0 and not self._is_pending:
             return UNCHANGED
         self._is_pending = False
-        return self._settle(rows, self.settings.budget)
+        return self._settle(contacts, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
         """Judge bodies in place by statics, at once: freeze those that stand, without waiting for their rest.
@@ -313,13 +290,13 @@ class StabilityExtension:
         if len(masses.body) == 0 and len(contacts) == 0 and not (self._is_pending or self._leaving):
             self._left = frozenset()
             return None
-        worklist, kept, frozen = self._world.observe(contacts, masses, dt)
+        due, kept, frozen = self._world.observe(contacts, masses, dt)
         if frozen:
             self._follow_frozen(masses)
         if self._leaving:
             self._forget(self._leaving)
         self._left, self._leaving = frozenset(self._leaving), []
-        return worklist, kept
+        return due, kept
 
     def _follow_gravity(self) -> None:
         """Have all bodies judged again if gravity has changed by more than its tolerances."""
@@ -360,97 +337,38 @@ class StabilityExtension:
 
         Each of ``contacts`` may need a patch for either body, before and after it freezes.
         """
-        woken, self._news = self._news, {}
-        for row in woken:
-            self._wake(row)
-        moved = self._world.buffers.worklist.item(MOVED, 0)
-        if moved:
-            self._leave_moved(self._world.buffers.worklist[MOVED, 1 : 1 + moved], woken)
+        batch = Batch(self._world)
+        news, self._news = self._news, {}
+        batch.wake(news)
+        moved = self._due(MOVED)
+        if len(moved):
+            batch.leave_moved(moved)
         self._world.make_room(4 * contacts)
         self.policy.budget = budget
-        frozen, unbalanced, deferred = self.policy.settle(self._world.graph, self._world.buffers)
-        struck = self._world.buffers.worklist.item(STRUCK, 0)
-        if struck:
-            self._wake_struck(self._world.buffers.worklist[STRUCK, 1 : 1 + struck].copy(), frozen, woken)
+        batch.frozen, unbalanced, batch.deferred = self.policy.settle(self._world.graph, self._world.buffers)
+        struck = self._due(STRUCK)
+        if len(struck):
+            batch.wake_struck(struck.copy())
         if len(unbalanced):
-            self._wake_above(unbalanced, "unbalanced", frozen, woken)
-        return self._tell(frozen, woken, deferred)
+            batch.wake_above(unbalanced, "unbalanced")
+        return self._send(batch)
 
-    def _wake_struck(self, struck: IntArray, frozen: dict[int, str], woken: dict[int, str]) -> None:
-        """Unfreeze the bodies that blows move; bodies flung away drag their neighbours along, within the same step."""
-        graph = self._world.graph
-        rows = graph.bodies[struck]
-        flung = struck[rows["blow"] > rows["size"]]
-        self._wake_above(around(graph, flung, DRAGGED_ALONG), "struck", frozen, woken)
-        self._wake_above(struck, "struck", frozen, woken)
+    def _due(self, kind: int) -> IntArray:
+        """Return the rows of one list of the latest frame, shape (k,)."""
+        worklist = self._world.buffers.worklist
+        rows: IntArray = worklist[kind, 1 : 1 + worklist.item(kind, 0)]
+        return rows
 
-    def _leave_moved(self, moved: IntArray, woken: dict[int, str]) -> None:
-        """Unfreeze the bodies on kinematic bodies that began to move, and drop these bodies' supports."""
-        self._wake_above(moved, "moved by the host", {}, woken)
-        graph = self._world.graph
-        for row in moved.tolist():
-            if graph.bodies["state"][row] == MOVING:
-                drop_supports(graph, row)
-
-    def _wake_above(self, roots: IntArray, reason: str, frozen: dict[int, str], woken: dict[int, str]) -> None:
-        """Unfreeze the ``roots`` and the bodies on them; a body frozen in the same frame never slept."""
-        graph = self._world.graph
-        for row in with_all_above(graph, roots).tolist():
-            if graph.bodies["state"][row] == FROZEN:
-                self._wake(row)
-                graph.bodies["wakes"][row] += 1
-                if frozen.pop(row, None) is None:
-                    woken[row] = reason if row in roots else f"rested on what was {reason}"
-
-    def _tell(self, frozen: dict[int, str], woken: dict[int, str], deferred: IntArray = NOBODY) -> Change:
-        """Send one sleep and one wake batch to the engine; return the change by ids."""
-        later = tuple(np.sort(self._world.ids[deferred]).tolist()) if len(deferred) else ()
-        if not frozen and not woken:
-            return UNCHANGED._replace(deferred=later) if later else UNCHANGED
-        asleep, awake = self._by_id(frozen), self._by_id(woken)
+    def _send(self, batch: Batch) -> Change:
+        """Send a batch to the engine and note its reasons; if the engine raises, the next update tries again."""
         try:
-            if asleep:
-                self.port.sleep(tuple(asleep))
+            change = batch.hand_over(self.port)
         except BaseException:
-            self._take_back(frozen, woken)
+            self._news.update(batch.woken)
+            self._is_pending |= len(batch.woken) > 0
             raise
-        try:
-            if awake:
-                self.port.wake(tuple(awake))
-        except BaseException:
-            self._take_back((), woken)
-            raise
-        reasons = asleep | awake if awake else asleep
-        self._reasons.update(reasons)
-        return Change(tuple(asleep), tuple(awake), reasons, later)
-
-    def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
-        """Return reasons by body id, by rising id, from reasons by row."""
-        if not reasons:
-            return {}
-        ids = self._world.ids
-        return dict(sorted([(ids.item(row), reason) for row, reason in reasons.items()]))
-
-    def _take_back(self, asleep: Iterable[int], woken: Mapping[int, str]) -> None:
-        """Undo a batch that the port did not carry out: bodies to sleep are live, bodies to wake are retried."""
-        table = self._world.graph.bodies
-        for row in asleep:
-            self._wake(row)
-            table["unsettled"][row] = False
-        for row, reason in woken.items():
-            table["state"][row] = FROZEN
-            self._news[row] = reason
-            self._is_pending = True
-
-    def _wake(self, number: int) -> None:
-        """Make a frozen body live; until it moves it still loads its supports."""
-        row = self._world.graph.bodies[number]
-        row["state"], row["unsettled"], row["leans"], row["doubt"] = LIVE, True, False, PROVEN
-        row["rest_s"] = row["still_s"] = row["lean_s"] = row["steady_s"] = 0.0
-        row["blow"] = row["slid"] = 0.0
-        row["load_s"] = self.settings.load_s
-        row["is_load"], row["load_center"] = True, row["center"]
-        row["load_supported_by"] = supports_as_bits(self._world.graph, number)
+        self._reasons.update(change.reasons)
+        return change
 
     def _detach(self, row: int) -> None:
         self._is_pending = True

@@ -10,6 +10,9 @@ import numpy as np
 from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 
+MANY = 64
+"""Number of points above which most are left out before sorting: below, this would take longer than it saves."""
+
 
 @compiled
 def _turn(points: FloatArray, a: int, b: int, c: int) -> float:
@@ -19,11 +22,43 @@ def _turn(points: FloatArray, a: int, b: int, c: int) -> float:
 
 
 @compiled
-def _ranked_in_plan(points: FloatArray) -> IntArray:
-    """Return the rows by x, then y, without repetitions (insertion sort, because manifolds are short)."""
-    ranked = np.empty(len(points), np.int64)
-    size = 0
+def _outer_rows(points: FloatArray) -> IntArray:
+    """Return the rows of ``points`` (n, 3) that do not lie inside the octagon of the outermost points: O(n).
+
+    Reference: S. G. Akl, G. T. Toussaint, "A fast convex hull algorithm", Information Processing Letters 7 (1978)
+    219-222.
+    """
+    corners, farthest = np.zeros(8, np.int64), np.full(8, -np.inf)
     for row in range(len(points)):
+        x, y = points[row, 0], points[row, 1]
+        for k, along in enumerate((x, x + y, y, y - x, -x, -x - y, -y, x - y)):
+            if along > farthest[k]:
+                farthest[k], corners[k] = along, row
+    outer = np.empty(len(points), np.int64)
+    size, is_wide = 0, farthest[0] + farthest[4] > 0.0
+    for row in range(len(points)):
+        is_inside = is_wide
+        for k in range(8):
+            a, b = corners[k], corners[(k + 1) % 8]
+            is_inside = is_inside and (a == b or _turn(points, a, b, row) > 0.0)
+        if not is_inside:
+            outer[size] = row
+            size += 1
+    return outer[:size]
+
+
+@compiled
+def _ranked_in_plan(points: FloatArray) -> IntArray:
+    """Return the rows by x, then y, without repetitions; of many points only possible corners of the hull."""
+    if len(points) > MANY:
+        rows = _outer_rows(points)
+        rows = rows[np.argsort(points[rows, 1], kind="mergesort")]
+        rows = rows[np.argsort(points[rows, 0], kind="mergesort")]
+    else:
+        rows = np.arange(len(points))
+    ranked = np.empty(len(rows), np.int64)
+    size = 0
+    for row in rows:  # insertion sort, because manifolds are short; sorted rows take O(n)
         x, y = points[row, 0], points[row, 1]
         place = size
         while place > 0 and (
@@ -66,7 +101,7 @@ def _hull_rows(points: FloatArray) -> IntArray:
 def convex_hull(points: FloatArray) -> FloatArray:
     """Return the vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain).
 
-    O(n^2) at worst, because of the sort.
+    O(n log n).
     """
     rows = _hull_rows(points)
     hull = np.empty((len(rows), 3))

@@ -79,7 +79,7 @@ class World:
             seen, bodies = self.upright.turn_contacts(contacts), self.upright.turn_masses(masses)
         while True:
             try:
-                fault, row, worklist, kept = observe(
+                fault, row, due, kept = observe(
                     self.graph.bodies,
                     self._rows.slots,
                     self._rows.spare,
@@ -110,7 +110,7 @@ class World:
             check_shapes(contacts, masses)
         if fault != FINE:
             raise fault_of(fault, row, contacts, masses)
-        return worklist, kept, row
+        return due, kept, row
 
     def frozen_listed(self, masses: Masses) -> list[tuple[int, float, float]]:
         """Return the listed frozen bodies: row, mass [kg], and distance [m] from the frozen place."""

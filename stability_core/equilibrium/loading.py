@@ -19,12 +19,10 @@ It is u itself for a body that falls and u times (compliance / kappa) for a body
 The bodies need no prestress if the sensitivity is small for each tangential stiffness of ``STIFFNESSES``.
 
 The term NORMAL_NOISE |v_t| subtracts from each contact the closure that an error of its normal could cause: a brick
-that
-slides along a neighbour's side wedges itself for one sign of a normal's rounding, and falls for the other.
+that slides along a neighbour's side wedges itself for one sign of a normal's rounding, and falls for the other.
 
 Proof and limits: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa, so a stack that stands here
-has
-an equilibrium that arises monotonically from zero. It is one loading path (all loads in proportion) and three
+has an equilibrium that arises monotonically from zero. It is one loading path (all loads in proportion) and three
 stiffnesses; other paths are not examined. A body that only prestress holds (a hammered wedge) is refused.
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
@@ -34,286 +32,34 @@ ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-bloc
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.equilibrium.envelope import Envelope, envelope_of, factorize_general, numbering, substitute_general
-from stability_core.equilibrium.problem import Problem, along_contacts, imbalance
-from stability_core.port import BoolArray, FloatArray, IntArray
+from stability_core.equilibrium.compliance import COULOMB, NEWTON_STEPS, Case, displace, displace_in_rounds
+from stability_core.equilibrium.envelope import envelope_of, numbering
+from stability_core.equilibrium.problem import Problem
+from stability_core.port import BoolArray, FloatArray
 
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
 """Tangential over normal stiffness of a contact: no real ratio is known, so the verdict must not depend on it."""
 KAPPA = 1e7
 """Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body. It is
 a hundred times the sag of a tower of 100 blocks, and a rounding of 1e-9 of the weights for a falling body."""
-NORMAL_NOISE = 1e-2
-"""Closure of a contact per length of slip [rad] that has no effect. Engines and single precision err by 1e-3 rad in
-normals and by 1e-4 m in the points of bricks of some centimetres; this is three standard deviations of both."""
 SENSITIVE = 0.1
 """Sensitivity, over the displacement, above which a body counts as not held. Standing bodies have 1e-6 to 1e-2 (a
 tower of 100 blocks, an arch of 200), falling bodies 0.5 to 1."""
-CONVERGED = 1e-7
-"""Imbalance of a body, over its own weight, at which the displacements are found."""
-WARM_STEPS, NEWTON_STEPS = 8, 40
-"""Most steps from an earlier displacement, and from zero. Standing stacks take 3 to 20, an arch of 200 takes 30."""
+WARM_STEPS = 8
+"""Most steps from an earlier displacement."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
-"""Sequences of kappa: Newton's method rarely fails on the first, or straight to its end, and hardly ever on the
-second."""
+"""Sequences of kappa: Newton's method rarely fails on the first, or straight to its end. On the second, rounds of
+bounds solve where it fails."""
 WIDEST = 48
 """Mean width of the matrix up to which the slowest sequence is tried: an arch has 12; in a pile of twenty bricks it
 costs a tenth of a second, and hardly ever decides more."""
-STALLS = 20
-"""Steps in a row with little gain after which the search ends: an arch of 200 continues after ten."""
-SHORTEST_STEP = 1e-3
-ENOUGH = 0.1
-"""Share of its length by which a step must reduce the imbalance."""
-ROLLING = 1e3
-"""Inverse of the rotation at which all the slack of a rolling body resists it: a thousandth of the sag of bodies."""
-TINY = 1e-300
-"""Replaces a displacement of zero."""
-ROTATIONAL = 1.0 / 3.0
-"""Moment of inertia over mass times size squared: of a rod about its middle; its value decides nothing."""
-
-
-class Case(NamedTuple):
-    """Bodies to be loaded with one ratio of stiffnesses."""
-
-    problem: Problem
-    """The problem, with loads in units of their mean."""
-    stiffness: float
-    """Tangential over normal stiffness."""
-    place: IntArray
-    """Place of each body in the matrix, shape (n,)."""
-    envelope: Envelope
 
 
 @compiled
-def _contact_law(
-    problem: Problem,
-    friction: FloatArray,
-    stiffness: float,
-    v: FloatArray,
-    force: FloatArray,
-    tangent: FloatArray,
-) -> None:
-    """Evaluate the contact law: the force on the second body at each contact, and its decrease as ``v`` grows.
-
-    Args:
-        problem: a problem with m contacts.
-        friction: Coulomb coefficients, shape (m,).
-        stiffness: tangential over normal stiffness.
-        v: relative displacements of the second body against the first, shape (m, 3).
-        force: output, the forces, shape (m, 3).
-        tangent: output, C = -df/dv, shape (m, 3, 3). A contact that is neither pressed nor moved counts as sticking.
-    """
-    e, row, column = np.empty(3), np.empty(3), np.empty(3)
-    for c in range(len(v)):
-        n, mu = problem.normal[c], friction[c]
-        along = v[c, 0] * n[0] + v[c, 1] * n[1] + v[c, 2] * n[2]
-        slip = 0.0
-        for k in range(3):
-            e[k] = v[c, k] - along * n[k]
-            slip += e[k] ** 2
-        slip = np.sqrt(slip)
-        pressed = -along - NORMAL_NOISE * slip
-        if pressed < 0.0:
-            force[c] = 0.0
-            tangent[c] = 0.0
-            continue
-        for k in range(3):
-            e[k] = e[k] / slip if slip > 0.0 else 0.0
-            row[k] = n[k] + NORMAL_NOISE * e[k]  # d pressed = -row . dv
-        sticks = stiffness * slip <= mu * pressed
-        drag = stiffness * slip if sticks else mu * pressed
-        across = stiffness if sticks else mu * pressed / slip
-        for k in range(3):
-            force[c, k] = pressed * n[k] - drag * e[k]
-            column[k] = n[k] if sticks else n[k] - mu * e[k]
-        for k in range(3):
-            for h in range(3):
-                flat = (1.0 if k == h else 0.0) - n[k] * n[h]
-                if not sticks:
-                    flat -= e[k] * e[h]
-                tangent[c, k, h] = column[k] * row[h] + across * flat
-
-
-@compiled
-def _wrenches(lever: FloatArray, matrix: FloatArray, right: FloatArray) -> None:
-    """Write ``matrix`` (3, 3) times W, (3, 6), to ``right``, where W y = v + w x lever is the velocity at ``lever``."""
-    for k in range(3):
-        right[k, 0], right[k, 1], right[k, 2] = matrix[k, 0], matrix[k, 1], matrix[k, 2]
-        right[k, 3] = matrix[k, 2] * lever[1] - matrix[k, 1] * lever[2]
-        right[k, 4] = matrix[k, 0] * lever[2] - matrix[k, 2] * lever[0]
-        right[k, 5] = matrix[k, 1] * lever[0] - matrix[k, 0] * lever[1]
-
-
-@compiled
-def _add_block(
-    lower: FloatArray,
-    upper: FloatArray,
-    offset: IntArray,
-    i: int,
-    j: int,
-    sign: float,
-    lever: FloatArray,
-    right: FloatArray,
-) -> None:
-    """Add sign W^T right, (6, 6), to the block of the bodies in places i and j; W is that of ``lever``."""
-    for h in range(6):
-        x, y, z = right[0, h], right[1, h], right[2, h]
-        moment = (lever[1] * z - lever[2] * y, lever[2] * x - lever[0] * z, lever[0] * y - lever[1] * x)
-        column = 6 * j + h
-        for k in range(6):
-            value = sign * (right[k, h] if k < 3 else moment[k - 3])
-            row = 6 * i + k
-            if column <= row:
-                lower[offset[row] + column] += value
-            if row <= column:
-                upper[offset[column] + row] += value
-
-
-@compiled
-def _assemble(
-    case: Case, tangent: FloatArray, inertia: FloatArray, u: FloatArray, lower: FloatArray, upper: FloatArray
-) -> None:
-    """Assemble A C A^T + M / kappa: its lower triangle by rows and its upper one by columns, the diagonal in both.
-
-    ``inertia`` (n, 6) is the diagonal M / kappa. The resistance of a rolling body counts until it is spent.
-    """
-    problem, place, offset = case.problem, case.place, case.envelope.offset
-    lower[:] = 0.0
-    upper[:] = 0.0
-    for i in range(len(inertia)):
-        for k in range(6):
-            at = offset[6 * place[i] + k] + 6 * place[i] + k
-            lower[at] = inertia[i, k]
-            if k > 2 and np.sqrt(u[i, 3] ** 2 + u[i, 4] ** 2 + u[i, 5] ** 2) < 1.0 / ROLLING:
-                lower[at] += ROLLING * problem.slack[i]
-            upper[at] = lower[at]
-    right = np.empty((3, 6))
-    for c in range(len(tangent)):
-        a, b = problem.body_a[c], problem.body_b[c]
-        if b >= 0:
-            _wrenches(problem.lever_b[c], tangent[c], right)
-            _add_block(lower, upper, offset, place[b], place[b], 1.0, problem.lever_b[c], right)
-            if a >= 0:
-                _add_block(lower, upper, offset, place[a], place[b], -1.0, problem.lever_a[c], right)
-        if a >= 0:
-            _wrenches(problem.lever_a[c], tangent[c], right)
-            _add_block(lower, upper, offset, place[a], place[a], 1.0, problem.lever_a[c], right)
-            if b >= 0:
-                _add_block(lower, upper, offset, place[b], place[a], -1.0, problem.lever_b[c], right)
-
-
-@compiled
-def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """Write a f - w - M u / kappa to ``rest`` (n, 6); return its norm, each body's over its own inertia.
-
-    A body that rolls is resisted by a moment of at most its slack.
-    """
-    imbalance(problem, force, rest)
-    total = 0.0
-    for i in range(len(rest)):
-        if problem.slack[i] > 0.0:
-            turn = np.sqrt(u[i, 3] ** 2 + u[i, 4] ** 2 + u[i, 5] ** 2)
-            share = problem.slack[i] * min(ROLLING, 1.0 / max(turn, TINY))
-            for k in range(3, 6):
-                rest[i, k] += share * u[i, k]
-        for k in range(6):
-            rest[i, k] = -rest[i, k] - inertia[i, k] * u[i, k]
-            total += (rest[i, k] / inertia[i, 0]) ** 2
-    return float(np.sqrt(total))
-
-
-@compiled
-def _solve(
-    lower: FloatArray, upper: FloatArray, envelope: Envelope, place: IntArray, right: FloatArray, step: FloatArray
-) -> None:
-    """Solve with the factors: ``right`` (n, 6) is replaced by the solution; ``step`` (6 n,) is scratch."""
-    for i in range(len(right)):
-        for k in range(6):
-            step[6 * place[i] + k] = right[i, k]
-    substitute_general(lower, upper, envelope, step)
-    for i in range(len(right)):
-        for k in range(6):
-            right[i, k] = step[6 * place[i] + k]
-
-
-@compiled
-def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
-    """Return the growth ``du`` of each body's displacement ``u`` with kappa, over ``u``, both (n, 6); shape (n,)."""
-    found = np.empty(len(u))
-    for i in range(len(u)):
-        found[i] = np.abs(du[i]).max() / max(np.abs(u[i]).max(), TINY)
-    return found
-
-
-@compiled
-def _inertia(problem: Problem) -> FloatArray:
-    """Return the diagonal M: the weight of each body for every component of its motion, shape (n, 6)."""
-    inertia = np.empty((len(problem.load), 6))
-    for i in range(len(inertia)):
-        load = problem.load[i]
-        weight = np.sqrt(load[0] ** 2 + load[1] ** 2 + load[2] ** 2)
-        inertia[i, :3], inertia[i, 3:] = weight, ROTATIONAL * weight
-    return inertia
-
-
-@compiled
-def _load(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
-    """Load the bodies from ``u`` (n, 6), which is moved to the solution.
-
-    Semismooth Newton with halved steps, at most ``most``: O(m) and a factorisation a step.
-
-    Returns:
-        Whether it was found; the sensitivity of each body over its displacement, or 1 for bodies that are not balanced
-        yet, shape (n,).
-    """
-    problem, friction, stiffness, envelope = case.problem, case.problem.friction, case.stiffness, case.envelope
-    n, m = len(problem.load), len(problem.normal)
-    lower, upper = np.empty(envelope.size), np.empty(envelope.size)
-    inertia = _inertia(problem) / kappa
-    v, force, tangent = np.empty((m, 3)), np.empty((m, 3)), np.empty((m, 3, 3))
-    rest, du, trial, step = np.empty((n, 6)), np.empty((n, 6)), np.empty((n, 6)), np.empty(6 * n)
-    along_contacts(problem, u, v)
-    _contact_law(problem, friction, stiffness, v, force, tangent)
-    error = _unbalanced(problem, inertia, u, force, rest)
-    enough = CONVERGED * kappa  # the error counts in M / kappa
-    stalls = 0
-    for steps in range(most + 1):
-        if error > enough or steps == 0:
-            _assemble(case, tangent, inertia, u, lower, upper)
-            factorize_general(lower, upper, envelope)
-        if error <= enough:
-            du[:] = inertia * u
-            _solve(lower, upper, envelope, case.place, du, step)
-            return True, _sensitivity(u, du)
-        du[:] = rest
-        _solve(lower, upper, envelope, case.place, du, step)
-        length, now = 2.0, np.inf
-        while not now < (1.0 - ENOUGH * length) * error and length > SHORTEST_STEP:
-            length *= 0.5
-            trial[:] = u + length * du
-            along_contacts(problem, trial, v)
-            _contact_law(problem, friction, stiffness, v, force, tangent)
-            now = _unbalanced(problem, inertia, trial, force, rest)
-        stalls = stalls + 1 if length <= SHORTEST_STEP else 0
-        if not np.isfinite(now) or stalls > STALLS:
-            break
-        u[:], error = trial, now
-    loose = np.zeros(n)
-    for i in range(n):
-        if not np.abs(rest[i]).max() <= CONVERGED * kappa * inertia[i, 0]:
-            loose[i] = 1.0
-    if not loose.any():
-        loose[:] = 1.0
-    return False, loose
-
-
-@compiled
-def _load_step_by_step(case: Case, u: FloatArray) -> FloatArray:
+def _displace_step_by_step(case: Case, u: FloatArray) -> FloatArray:
     """Load at ``KAPPA`` from ``u``; if not all bodies are held, from zero, through smaller values of kappa.
 
     Only the last sequence decides a fall: a long step may end in a distant jam, where less is held than on the path.
@@ -322,13 +68,13 @@ def _load_step_by_step(case: Case, u: FloatArray) -> FloatArray:
         The sensitivity of each body over its displacement, or 1 for those that are not balanced, shape (n,).
     """
     if u.any():
-        held, sensitivity = _load(case, KAPPA, WARM_STEPS, u)
+        held, sensitivity = displace(case, KAPPA, WARM_STEPS, u)
         if held and sensitivity.max() <= SENSITIVE:
             return sensitivity
     for kappas in (FEW_KAPPAS, FEW_KAPPAS[1:]):
         u[:] = 0.0
         for kappa in kappas:
-            held, sensitivity = _load(case, kappa, NEWTON_STEPS, u)
+            held, sensitivity = displace(case, kappa, NEWTON_STEPS, u)
             if not held:
                 break
         if held and sensitivity.max() <= SENSITIVE:
@@ -336,8 +82,13 @@ def _load_step_by_step(case: Case, u: FloatArray) -> FloatArray:
     if case.envelope.size > WIDEST * len(case.problem.load) * 6:
         return sensitivity
     u[:] = 0.0
+    known = np.empty_like(u)
     for kappa in MANY_KAPPAS:  # if one fails, the next may converge
-        held, sensitivity = _load(case, kappa, NEWTON_STEPS, u)
+        known[:] = u
+        held, sensitivity = displace(case, kappa, NEWTON_STEPS, u)
+        if not held:
+            u[:] = known
+            held, sensitivity = displace_in_rounds(case, kappa, u)
     return sensitivity
 
 
@@ -348,8 +99,7 @@ def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
     Args:
         problem: n bodies, each with a weight, that have an equilibrium.
         displacement: start of the search for each of ``STIFFNESSES``, such as the solution of a similar problem, or
-            zero;
-        overwritten by the solution, shape (3, n, 6).
+            zero; overwritten by the solution, shape (3, n, 6).
     """
     n = len(problem.load)
     unit = np.abs(problem.load[:, :3]).sum() / n
@@ -367,8 +117,8 @@ def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
     envelope = envelope_of(problem.body_a, problem.body_b, place, 6)
     found = np.zeros(n, np.bool_)
     for k in range(len(STIFFNESSES)):
-        u = displacement[k] / unit
-        sensitivity = _load_step_by_step(Case(scaled, STIFFNESSES[k], place, envelope), u)
+        u, bound = displacement[k] / unit, np.full(len(problem.normal), COULOMB)
+        sensitivity = _displace_step_by_step(Case(scaled, STIFFNESSES[k], bound, place, envelope), u)
         for i in range(n):
             found[i] = not sensitivity[i] <= SENSITIVE
         if found.any():

@@ -175,6 +175,35 @@ class CarpetPort(_Port):
         return self.weight
 
 
+class FacePort(_Port):
+    """A plate at rest on a floor that it touches in about ``points`` points, the corners of a grid.
+
+    As long as it is live both are listed.
+    """
+
+    def __init__(self, points: int) -> None:
+        super().__init__()
+        side = round(points**0.5)
+        x, y = np.meshgrid(np.linspace(-0.05, 0.05, side), np.linspace(-0.01, 0.01, points // side))
+        point = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+        self.touch = Contacts(
+            np.full(x.size, GROUND),
+            np.zeros(x.size, np.int64),
+            point,
+            np.tile(UP, (x.size, 1)),
+            np.zeros(x.size),
+            np.zeros((x.size, 3)),
+            np.full(x.size, MU),
+        )
+        self.weight = Masses(np.zeros(1, np.int64), np.full(1, MASS), np.array([[0.0, 0.0, THICKNESS / 2]]))
+
+    def contacts(self) -> Contacts:
+        return Contacts.empty() if self.frozen else self.touch
+
+    def masses(self) -> Masses:
+        return Masses(np.empty(0, np.int64), np.empty(0), np.empty((0, 3))) if self.frozen else self.weight
+
+
 def quiet(frozen: int, policy: str, live: int = 1) -> StabilityExtension:
     """``frozen`` planks and ``live`` ones that never come to rest."""
     port = CarpetPort(10, is_moving=False)

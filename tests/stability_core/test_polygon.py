@@ -30,6 +30,27 @@ def test_the_hull_is_convex_and_holds_every_point(points):
         assert inside_distance(hull, x, y) >= -1e-7  # float32 inputs: rounding of the cross products
 
 
+ROUND = np.linspace(0.0, 2.0 * np.pi, 101)[:-1]
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "vertices"),
+    [
+        (np.repeat(np.arange(50.0), 20), np.tile(np.arange(20.0), 50), 4),  # a grid
+        (np.tile(np.arange(20.0), 50), np.repeat(np.arange(50.0), 20), 4),
+        (np.cos(ROUND), np.sin(ROUND), 100),
+        (np.arange(100.0), 2.0 * np.arange(100.0), 2),
+        (np.full(100, 3.0), np.arange(100.0), 2),
+        (np.full(100, 3.0), np.full(100, 4.0), 1),
+    ],
+)
+def test_many_points_have_the_hull_of_few(x, y, vertices):
+    points = np.column_stack([x, y, np.zeros(len(x))])
+    hull = convex_hull(points)
+    assert len(hull) == vertices
+    assert all(lies_on(hull, px, py) or inside_distance(hull, px, py) >= -1e-12 for px, py, _ in points)
+
+
 @pytest.mark.parametrize(
     ("points", "vertices"),
     [

@@ -16,16 +16,18 @@ from __future__ import annotations
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from adapters import open_engine
+from bench.machine.core_digest import digest_of
+from scenarios import statics
 from scenarios.model import Brick, World
 from scenarios.statics.contact_patch import GROUND, contact_patches
 from scenarios.statics.truth import equilibrium
@@ -49,8 +51,14 @@ HIGH, DEEP, DENSITY = 0.02, 0.03, 600.0
 """Height and depth [m] of a brick, and its density [kg/m3]."""
 LEAST_REST = 3e-3
 """Least length [m] by which a brick overlaps what carries it."""
-KEPT = Path("results/tight_courses/engines.jsonl")
-"""What the engines did: the engines are asked once, core and judge whenever they have changed."""
+KEPT = Path("results/tight_courses")
+"""What engines and judge said: each is asked once, the core anew in each run."""
+REFINED = {"mujoco": "tuned@substeps=64", "bullet": "tuned@substeps=32"}
+"""Engines that are asked again where verdict and engines differ, with an eighth of the step: what a step does to a
+contact that only just holds shrinks with the step, what statics does to it stays. PhysX is not asked: there, side
+contacts stick when its step is small, as the controls show (5 of 24 stand)."""
+CONTROLS = 100
+"""Cases in doubt that fall in all three engines, drawn to be asked again as well: these must go on falling."""
 PAGE = Path(__file__).parents[2] / "docs" / "results" / "truth" / "tight_courses.md"
 
 
@@ -61,6 +69,16 @@ class Outcome(NamedTuple):
     judge: str
     engines: tuple[str, ...]
     """In the order of ``ENGINES``: stands, falls or unclear."""
+
+
+class Case(NamedTuple):
+    """One case, where it is found again, and what was said of it."""
+
+    at: int
+    """Its number, counted over all worlds."""
+    friction: float
+    bricks: list[Brick]
+    outcome: Outcome
 
 
 def courses(random: np.random.Generator) -> list[Brick]:
@@ -89,13 +107,17 @@ def courses(random: np.random.Generator) -> list[Brick]:
     return bricks
 
 
+def world(at: int, size: int = TOGETHER) -> tuple[float, list[list[Brick]]]:
+    """World ``at``: its friction, and the first ``size`` of its cases."""
+    random = np.random.default_rng([SEED, at])
+    friction = float(random.choice(FRICTIONS))
+    return friction, [courses(random) for _ in range(size)]
+
+
 def cases(count: int) -> Iterator[tuple[float, list[list[Brick]]]]:
     """Worlds of ``TOGETHER`` cases that share a friction, ``count`` cases in all."""
-    for world in range(-(-count // TOGETHER)):
-        random = np.random.default_rng([SEED, world])
-        friction = float(random.choice(FRICTIONS))
-        size = min(TOGETHER, count - world * TOGETHER)
-        yield friction, [courses(random) for _ in range(size)]
+    for at in range(-(-count // TOGETHER)):
+        yield world(at, min(TOGETHER, count - at * TOGETHER))
 
 
 def ask_core(bricks: Sequence[Brick], friction: float) -> str:
@@ -120,14 +142,14 @@ def ask_core(bricks: Sequence[Brick], friction: float) -> str:
     return solve_equilibrium(contacts, masses).verdict
 
 
-def play(engine: str, friction: float, group: Sequence[Sequence[Brick]]) -> list[str]:
+def play(engine: str, profile: str, friction: float, group: Sequence[Sequence[Brick]]) -> list[str]:
     """What becomes of each case of a world: stands, falls or unclear."""
     placed = [
         [replace(brick, position=(brick.position[0] + PITCH * at, *brick.position[1:])) for brick in bricks]
         for at, bricks in enumerate(group)
     ]
     every = [brick for bricks in placed for brick in bricks]
-    simulation = open_engine(engine, "tuned", world=World(friction=friction), expected=every)
+    simulation = open_engine(engine, profile, world=World(friction=friction), expected=every)
     try:
         for brick in every:
             simulation.spawn(brick)
@@ -145,39 +167,60 @@ def play(engine: str, friction: float, group: Sequence[Sequence[Brick]]) -> list
     return found
 
 
-def play_world(at: int, friction: float, group: Sequence[Sequence[Brick]]) -> str:
-    """What becomes of the cases of world ``at`` in each engine, as a line of JSON."""
-    ends = {engine: play(engine, friction, group) for engine in ENGINES}
-    return json.dumps({"world": at, **ends})
+def play_world(friction: float, group: Sequence[Sequence[Brick]]) -> list[list[str]]:
+    """What becomes of the cases of a world, a list for each of ``ENGINES``."""
+    return [play(engine, "tuned", friction, group) for engine in ENGINES]
 
 
-def play_all(count: int, file: Path) -> list[list[tuple[str, ...]]]:
-    """What becomes of each case, world by world; kept in ``file``, line by line, from which a later run goes on."""
+def judge_world(friction: float, group: Sequence[Sequence[Brick]]) -> list[str]:
+    """What the judge says of the cases of a world."""
+    return [equilibrium(bricks, World(friction=friction)).verdict for bricks in group]
+
+
+def refine(friction: float, bricks: Sequence[Brick]) -> list[str]:
+    """What becomes of one case in each engine of ``REFINED``."""
+    return [play(engine, profile, friction, [bricks])[0] for engine, profile in REFINED.items()]
+
+
+def kept(file: Path, ask: Callable[..., Any], tasks: Mapping[int, tuple[Any, ...]]) -> dict[int, Any]:
+    """Ask for each task by its number, in a process of its own; answers are appended to ``file``, where a run goes on.
+
+    Engines keep some memory of each world: the process is renewed now and then.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
-    played = {row["world"]: row for row in map(json.loads, lines)}
-    with file.open("a", encoding="utf-8") as out, ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        waiting = [pool.submit(play_world, at, *world) for at, world in enumerate(cases(count)) if at not in played]
+    known = {row["at"]: row["said"] for row in map(json.loads, lines)}
+    with (
+        file.open("a", encoding="utf-8") as out,
+        ProcessPoolExecutor(1, get_context("spawn"), max_tasks_per_child=200) as pool,
+    ):
+        waiting = {pool.submit(ask, *task): at for at, task in tasks.items() if at not in known}
         for future in as_completed(waiting):
-            out.write(future.result() + "\n")
+            at = waiting[future]
+            known[at] = future.result()
+            out.write(json.dumps({"at": at, "said": known[at]}) + "\n")
             out.flush()
-            row = json.loads(future.result())
-            played[row["world"]] = row
-    return [list(zip(*(played[at][engine] for engine in ENGINES), strict=True)) for at in range(len(played))]
+    return {at: known[at] for at in tasks}
 
 
-def ask_world(friction: float, group: Sequence[Sequence[Brick]]) -> list[tuple[str, str]]:
-    """What core and judge say of the cases of one world."""
-    world = World(friction=friction)
-    return [(ask_core(bricks, friction), equilibrium(bricks, world).verdict) for bricks in group]
+def digest_of_the_judge() -> str:
+    """Which judge it was."""
+    folder = Path(statics.__file__).parent
+    return digest_of({path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.py")})
 
 
-def decide_all(count: int, file: Path) -> Counter[Outcome]:
-    """How often each outcome occurs."""
-    counts: Counter[Outcome] = Counter()
-    for world, ends in zip(cases(count), play_all(count, file), strict=True):
-        counts.update(Outcome(*said, end) for said, end in zip(ask_world(*world), ends, strict=True))
-    return counts
+def decide_all(count: int) -> list[Case]:
+    """All cases, with what core, judge and engines say."""
+    worlds = dict(enumerate(cases(count)))
+    played = kept(KEPT / "engines.jsonl", play_world, worlds)
+    judged = kept(KEPT / f"judge-{digest_of_the_judge()}.jsonl", judge_world, worlds)
+    found = []
+    for at, (friction, group) in worlds.items():
+        for place, bricks in enumerate(group):
+            ends = tuple(of_engine[place] for of_engine in played[at])
+            outcome = Outcome(ask_core(bricks, friction), judged[at][place], ends)
+            found.append(Case(at * TOGETHER + place, friction, bricks, outcome))
+    return found
 
 
 def engines_say(outcome: Outcome) -> str:
@@ -196,15 +239,28 @@ CLASSES = ("falls in all three", "falls in two", "stands in all three", "else")
 VERDICTS = ("stable", "doubt", "unstable")
 
 
-def table(counts: Counter[Outcome]) -> str:
-    """The results as a page."""
-    lines = [
-        f"# {counts.total():,} tight courses",
-        "",
-        "Made by `uv run python -m tests.stability_core.tight_courses`, whose docstring says how each was drawn and",
-        f"played (seed {SEED}, {', '.join(ENGINES)}, profile `tuned`, friction {', '.join(map(str, FRICTIONS))}).",
-        "",
+def is_denied(outcome: Outcome) -> bool:
+    """Whether two engines or more deny what core or judge says."""
+    stable = {outcome.core == "stable", outcome.judge == "stable"}
+    return (True in stable and engines_say(outcome) in CLASSES[:2]) or (
+        False in stable and engines_say(outcome) == CLASSES[2]
+    )
+
+
+def drawn_controls(found: Sequence[Case]) -> list[Case]:
+    """Cases in doubt by core and judge that fall in all three engines, up to ``CONTROLS`` of them."""
+    doubted = [
+        case
+        for case in found
+        if case.outcome.core == case.outcome.judge == "doubt" and engines_say(case.outcome) == CLASSES[0]
     ]
+    order = np.random.default_rng([SEED, len(doubted)]).permutation(len(doubted))
+    return [doubted[k] for k in order[:CONTROLS].tolist()]
+
+
+def verdict_table(found: Sequence[Case]) -> list[str]:
+    """What core and judge say, by what the engines did."""
+    lines = []
     for who, name in (("core", "`solve_equilibrium`"), ("judge", "the judge, `scenarios.statics.truth`")):
         lines += [
             f"Verdicts of {name}:",
@@ -213,20 +269,60 @@ def table(counts: Counter[Outcome]) -> str:
             "|---|---|---|---|---|",
         ]
         for kind in CLASSES:
-            found = Counter[str]()
-            for outcome, n in counts.items():
-                if engines_say(outcome) == kind:
-                    found[getattr(outcome, who)] += n
-            cells = " | ".join(
-                f"{found[verdict]} ({found[verdict] / max(1, found.total()):.2%})" for verdict in VERDICTS
-            )
-            lines.append(f"| {kind} | {found.total()} | {cells} |")
+            said = Counter(getattr(case.outcome, who) for case in found if engines_say(case.outcome) == kind)
+            cells = " | ".join(f"{said[verdict]} ({said[verdict] / max(1, said.total()):.2%})" for verdict in VERDICTS)
+            lines.append(f"| {kind} | {said.total()} | {cells} |")
         lines.append("")
-    return "\n".join(lines)
+    return lines
+
+
+def refined_table(found: Sequence[Case]) -> list[str]:
+    """What becomes with an eighth of the step of those cases in which engines deny a verdict, and of the controls."""
+    denied, controls = [case for case in found if is_denied(case.outcome)], drawn_controls(found)
+    tasks = {case.at: (case.friction, case.bricks) for case in (*denied, *controls)}
+    said = kept(KEPT / "refined.jsonl", refine, tasks)
+    rows = [
+        (
+            f"{verdict} by the {who}, {kind}",
+            [case for case in denied if getattr(case.outcome, who) == verdict and engines_say(case.outcome) == kind],
+        )
+        for who in ("core", "judge")
+        for verdict, kinds in (("stable", CLASSES[:2]), ("doubt", CLASSES[2:3]), ("unstable", CLASSES[2:3]))
+        for kind in kinds
+    ]
+    rows.append(("doubt by both, falls in all three (drawn)", controls))
+    lines = [
+        f"With an eighth of the step ({', '.join(f'{engine} `{profile}`' for engine, profile in REFINED.items())}):",
+        "",
+        "| verdict, engines at their tuned step | cases | "
+        + " | ".join(f"{engine}: stands / falls / unclear" for engine in REFINED)
+        + " |",
+        "|---|---|" + "---|" * len(REFINED),
+    ]
+    for name, group in rows:
+        cells = []
+        for k in range(len(REFINED)):
+            ends = Counter(said[case.at][k] for case in group)
+            cells.append(f"{ends['stands']} / {ends['falls']} / {ends['unclear']}")
+        lines.append(f"| {name} | {len(group)} | {' | '.join(cells)} |")
+    return [*lines, ""]
+
+
+def page(found: Sequence[Case]) -> str:
+    """The results as a page."""
+    head = [
+        f"# {len(found):,} tight courses",
+        "",
+        "Made by `uv run python -m tests.stability_core.tight_courses`, whose docstring says how each was drawn and",
+        f"played (seed {SEED}, {', '.join(ENGINES)}, profile `tuned`, friction {', '.join(map(str, FRICTIONS))}).",
+        "",
+    ]
+    return "\n".join([*head, *verdict_table(found), *refined_table(found)])
 
 
 if __name__ == "__main__":
-    found = decide_all(int(sys.argv[1]) if sys.argv[1:] else CASES, KEPT)
-    print(table(found))  # noqa: T201 - the result
-    if found.total() == CASES:
-        PAGE.write_text(table(found), encoding="utf-8")
+    cases_found = decide_all(int(sys.argv[1]) if sys.argv[1:] else CASES)
+    text = page(cases_found)
+    print(text)  # noqa: T201 - the result
+    if len(cases_found) == CASES:
+        PAGE.write_text(text, encoding="utf-8")

@@ -1,0 +1,126 @@
+"""Collect the bodies that one frame freezes and unfreezes, and send them to the engine in at most two calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from stability_core.manifold import supports_as_bits
+from stability_core.policies.base import NOBODY
+from stability_core.port import IntArray, StabilityPort
+from stability_core.stack import FROZEN, LIVE, MOVING, PROVEN, around, drop_supports, with_all_above
+from stability_core.world import World
+
+
+class Change(NamedTuple):
+    """The changes of one update."""
+
+    frozen: tuple[int, ...]
+    """Bodies frozen in this frame, by rising id."""
+    woken: tuple[int, ...]
+    """Bodies unfrozen in this frame, by rising id."""
+    reasons: Mapping[int, str]
+    """The reason for each of them."""
+    deferred: tuple[int, ...] = ()
+    """Bodies at rest that are judged in the next frame, because the budget of this one was spent, by rising id."""
+
+
+UNCHANGED = Change((), (), {})
+DRAGGED_ALONG = 3
+"""Number of contacts over which a body is dragged along by a body that a blow flings away."""
+
+
+def unfreeze(world: World, row: int) -> None:
+    """Make a frozen body live; until it moves it still loads its supports."""
+    body = world.graph.bodies[row]
+    body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
+    body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
+    body["blow"] = body["slid"] = 0.0
+    body["load_s"] = world.settings.load_s
+    body["is_load"], body["load_center"] = True, body["center"]
+    body["load_supported_by"] = supports_as_bits(world.graph, row)
+
+
+class Batch:
+    """The bodies that one frame freezes and unfreezes, by row, with the reasons."""
+
+    def __init__(self, world: World) -> None:
+        """Start an empty batch for the bodies of ``world``."""
+        self._world = world
+        self.frozen: dict[int, str] = {}
+        self.woken: dict[int, str] = {}
+        self.deferred = NOBODY
+
+    def wake(self, reasons: Mapping[int, str]) -> None:
+        """Unfreeze bodies, each for its reason, without the bodies on them."""
+        self.woken.update(reasons)
+        for row in reasons:
+            unfreeze(self._world, row)
+
+    def wake_above(self, roots: IntArray, reason: str) -> None:
+        """Unfreeze the ``roots``, shape (k,), and the bodies on them; a body frozen in the same frame never slept."""
+        graph = self._world.graph
+        for row in with_all_above(graph, roots).tolist():
+            if graph.bodies["state"][row] == FROZEN:
+                unfreeze(self._world, row)
+                graph.bodies["wakes"][row] += 1
+                if self.frozen.pop(row, None) is None:
+                    self.woken[row] = reason if row in roots else f"rested on what was {reason}"
+
+    def wake_struck(self, struck: IntArray) -> None:
+        """Unfreeze the bodies that blows move, shape (k,); bodies flung away drag their neighbours along."""
+        graph = self._world.graph
+        rows = graph.bodies[struck]
+        flung = struck[rows["blow"] > rows["size"]]
+        self.wake_above(around(graph, flung, DRAGGED_ALONG), "struck")
+        self.wake_above(struck, "struck")
+
+    def leave_moved(self, moved: IntArray) -> None:
+        """Unfreeze the bodies on kinematic bodies that began to move, and drop these bodies' supports."""
+        self.wake_above(moved, "moved by the host")
+        graph = self._world.graph
+        for row in moved.tolist():
+            if graph.bodies["state"][row] == MOVING:
+                drop_supports(graph, row)
+
+    def hand_over(self, port: StabilityPort) -> Change:
+        """Send one sleep and one wake batch to the engine; return the change by ids.
+
+        If the engine raises, its part of the batch is undone: bodies to sleep are live, bodies to wake are frozen and
+        still in ``woken``, for another try.
+        """
+        later = tuple(np.sort(self._world.ids[self.deferred]).tolist()) if len(self.deferred) else ()
+        if not self.frozen and not self.woken:
+            return UNCHANGED._replace(deferred=later) if later else UNCHANGED
+        asleep, awake = self._by_id(self.frozen), self._by_id(self.woken)
+        try:
+            if asleep:
+                port.sleep(tuple(asleep))
+        except BaseException:
+            self._take_back(self.frozen)
+            raise
+        try:
+            if awake:
+                port.wake(tuple(awake))
+        except BaseException:
+            self._take_back(())
+            raise
+        return Change(tuple(asleep), tuple(awake), asleep | awake if awake else asleep, later)
+
+    def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
+        """Return reasons by body id, by rising id, from reasons by row."""
+        if not reasons:
+            return {}
+        ids = self._world.ids
+        return dict(sorted([(ids.item(row), reason) for row, reason in reasons.items()]))
+
+    def _take_back(self, asleep: Iterable[int]) -> None:
+        """Undo a batch that the port did not carry out: the bodies ``asleep`` are live, bodies to wake are frozen."""
+        table = self._world.graph.bodies
+        for row in asleep:
+            unfreeze(self._world, row)
+            table["unsettled"][row] = False
+        for row in self.woken:
+            table["state"][row] = FROZEN
