@@ -1,4 +1,4 @@
-"""What the adapter knows of MuJoCo's geoms, and what MuJoCo's arrays tell of the contacts between them."""
+"""The adapter's table of MuJoCo's geoms, and the contacts between them in MuJoCo's arrays."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The two divisions of scenes: those on which profiles were tuned, and those held out.
 
-A profile may be right on the scenes that it was tuned on because of the tuning. So the score on the others stands
+Tuning can make a profile right on the scenes that it was tuned on. So reports show the success rate on the other scenes
 beside that on these.
 """
 
@@ -12,5 +12,5 @@ is a card house of one storey; columns and ladders of planks are those of ``plan
 
 
 def is_held_out(scenario: str) -> bool:
-    """Tell whether no profile was tuned on a scenario."""
+    """Return True if no profile was tuned on a scenario."""
     return scenario not in TUNED_ON

@@ -64,14 +64,14 @@ class World {
     this.#idAt.delete(address);
     this.#forces.delete(id);
     this.#movers = null;
-    this.#rouse();
+    this.#wakeAll();
   }
 
   move(id, position, quaternion) {
     const { handle, body } = this.#bodies.get(id);
     this.interface.SetPositionAndRotation(handle, this.#at(position), this.#turn(quaternion), Jolt.EActivation_DontActivate);
     if (!body.IsStatic()) this.#setVelocity(body, [0, 0, 0], [0, 0, 0]);
-    this.#rouse();
+    this.#wakeAll();
   }
 
   push(id, impulse) {
@@ -91,7 +91,7 @@ class World {
 
   turnGravity(gravity) {
     this.system.SetGravity(this.#vector(gravity));
-    this.#rouse();
+    this.#wakeAll();
   }
 
   freeze(id) {
@@ -212,7 +212,7 @@ class World {
   }
 
   /** Wake all bodies that sleep: Jolt leaves it to the host when supports or gravity change. */
-  #rouse() {
+  #wakeAll() {
     if (this.opening.sleeping === "off") return;
     for (const { body, handle } of this.#bodies.values()) if (!body.IsStatic()) this.interface.ActivateBody(handle);
   }
@@ -262,13 +262,13 @@ function checkLayout() {
   const opening = { gravity: [0, 0, -1], friction: 1, scale: 1, ground_half_edges: [1, 1, 1], fixed: [], knobs: {}, sleeping: "off" };
   const world = new World(opening);
   world.spawn(0, { size: [0.3, 0.2, 0.1], mass: 1, position: [0.1, 0.2, 0.05], quaternion: [0.8, 0, 0, 0.6] }, false);
-  const told = [];
+  const reported = [];
   const list = world.listener.OnContactAdded;
   world.listener.OnContactAdded = (body1, body2, address) => {
     const manifold = Jolt.wrapPointer(address, Jolt.ContactManifold), n = manifold.mWorldSpaceNormal;
     for (let k = 0; k < manifold.mRelativeContactPointsOn1.size(); k++) {
       const on1 = vectorOf(manifold.GetWorldSpaceContactPointOn1(k)), on2 = vectorOf(manifold.GetWorldSpaceContactPointOn2(k));
-      told.push(...on1, ...on2, ...vectorOf(n));
+      reported.push(...on1, ...on2, ...vectorOf(n));
     }
     list(body1, body2, address);
   };
@@ -278,7 +278,7 @@ function checkLayout() {
   world.writeState(0, state, 0);
   const said = world.saidState(0);
   const close = (a, b) => a.length === b.length && a.every((x, k) => Math.abs(x - b[k]) < 1e-5);
-  if (!told.length || !close(told, seen) || !close(said, Array.from(state))) {
+  if (!reported.length || !close(reported, seen) || !close(said, Array.from(state))) {
     throw new Error("Jolt's objects have another layout in memory than adapters/wasm/jolt.mjs expects");
   }
   world.close();

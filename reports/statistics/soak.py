@@ -46,7 +46,7 @@ def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
 
 
 def creeps_at_all(record: TrialRecord) -> bool:
-    """Tell whether the 95 % interval of a trial's creep excludes zero."""
+    """Return True if the 95 % interval of a trial's creep excludes zero."""
     return record.creep_m_s is not None and record.creep_m_s > (record.creep_error_m_s or 0.0)
 
 

@@ -1,4 +1,4 @@
-"""The table of divisions: the score on scenes on which profiles were tuned, beside that on scenes held out."""
+"""The table of divisions: the success rate on scenes on which profiles were tuned, and on held-out scenes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scenarios.divisions import TUNED_ON, is_held_out
 
 
 def division_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """One table; none unless the study has judged trials of both divisions."""
+    """Return one table; an empty list unless the study has judged trials of both divisions."""
     groups = [group for group in groups_of(records) if group.judged]
     if len({is_held_out(group.scenario) for group in groups}) < 2:
         return []
@@ -27,7 +27,7 @@ def division_tables(records: Sequence[TrialRecord]) -> list[Table]:
     )
     notes = (
         f"Tuned on: scenes of {', '.join(TUNED_ON)}, on which profiles were tuned. Held out: all others; no setting of "
-        "an engine was chosen by them. Trials right of those judged, and pairs with both sides right.",
+        "an engine was chosen by them. Trials right of those judged, and pairs with both outcomes correct.",
     )
     header = ("engine", "profile", "policy", "tuned on", "%", "held out", "%", "pairs tuned on", "pairs held out")
     return [Table("Divisions", header, rows, notes, id="divisions")]

@@ -115,7 +115,7 @@ def test_the_recorded_limit_is_the_one_that_dart_has() -> None:
         simulation.close()
 
 
-def test_a_limit_that_cannot_be_raised_is_told(monkeypatch) -> None:
+def test_a_limit_that_cannot_be_raised_is_reported(monkeypatch) -> None:
     monkeypatch.setattr("adapters._dart_limits._GETTER", "no such method")
     with pytest.raises(NotImplementedError, match=r"limit of 1000 contacts, and this scene may need 145160: install"):
         open_engine("dart", "game", expected=wall())

@@ -34,7 +34,7 @@ def test_a_plank_has_its_own_inertia_though_physx_would_not_give_it_so_little() 
     simulation.close()
 
 
-def test_an_impact_that_physx_foresees_is_told_as_touch() -> None:
+def test_an_impact_that_physx_foresees_is_reported_as_touch() -> None:
     """Its solver stops a brick at the surface that it nears; the point lay apart when the step began."""
     simulation = open_engine("physx", "default")
     (support,) = frozen_column(simulation, 1)

@@ -105,6 +105,6 @@ def test_a_misspelt_knob_is_named_where_the_engine_would_ignore_it(tmp_path) -> 
         load(tmp_path, GOOD, knows={"erp", "margin"}.__contains__)
 
 
-def test_an_engine_without_a_file_is_told_to_have_one(tmp_path) -> None:
+def test_the_message_for_an_engine_without_a_file_asks_for_one(tmp_path) -> None:
     with pytest.raises(ProfileFileError, match=r"none\.toml: no such file; every engine has one with its profiles"):
         load_settings("none", folder=tmp_path)

@@ -173,15 +173,15 @@ def test_freezing_waking_and_removing_in_any_order_keeps_frozen_bricks_in_place(
     """Changes of type rebuild Chipmunk's lists; a stale one would move a brick, or end the process."""
     simulation = opened()
     port = simulation.port
-    hand = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     for level in range(12):
         for column in range(3):
             simulation.spawn(plank(column * (LENGTH + 0.002) + 0.03 * (level % 2), THICKNESS * (level + 0.5)))
     for _ in range(150):
         bodies = simulation.poses()[0]
-        chosen = hand.choice(bodies, size=3, replace=False).tolist()
-        [port.sleep, port.wake][hand.integers(2)](chosen)
-        if hand.random() < 0.1:
+        chosen = rng.choice(bodies, size=3, replace=False).tolist()
+        [port.sleep, port.wake][rng.integers(2)](chosen)
+        if rng.random() < 0.1:
             simulation.remove(chosen[0])
         frozen = np.isin(simulation.poses()[0], list(simulation.frozen))
         before = simulation.poses()[1][frozen]

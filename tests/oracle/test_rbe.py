@@ -28,8 +28,8 @@ def stands_by_rbe(case: dict) -> bool:
     return case["tension"] is not None and case["tension"] < NO_TENSION
 
 
-def told_to_the_judge(case: dict, friction: float) -> str:
-    """Whether forces exist, which is all that RBE answers."""
+def ask_the_judge(case: dict, friction: float) -> str:
+    """Return the judge's verdict on the existence of forces, which is all that RBE answers."""
     center, mass = np.array(case["center"]), np.array(case["mass"])
     patches = [
         Patch(first, second, np.array([point]), np.array(normal)) for first, second, point, normal in case["contacts"]
@@ -38,7 +38,7 @@ def told_to_the_judge(case: dict, friction: float) -> str:
     return {True: "stable", False: "unstable", None: "doubt"}[found.balanced]
 
 
-def told_to_the_core(case: dict, friction: float) -> str:
+def ask_the_core(case: dict, friction: float) -> str:
     first, second, point, normal = (np.array(column) for column in zip(*case["contacts"], strict=True))
     n = len(first)
     contacts = Contacts(first, second, point, normal, np.zeros(n), np.zeros((n, 3)), np.full(n, friction))
@@ -46,7 +46,7 @@ def told_to_the_core(case: dict, friction: float) -> str:
     return solve_equilibrium(contacts, masses).verdict
 
 
-@pytest.mark.parametrize("ask", [told_to_the_judge, told_to_the_core])
+@pytest.mark.parametrize("ask", [ask_the_judge, ask_the_core])
 def test_verdicts_agree_with_rbe(ask):
     """What falls with the wider pyramid falls; what stands with it stands with as much friction in every direction."""
     for name, case in CASES.items():

@@ -6,7 +6,7 @@ import pytest
 
 from scenarios.registry import build
 from tests.oracle.rbe import at_the_end, of_scene
-from tests.oracle.test_rbe import told_to_the_core, told_to_the_judge
+from tests.oracle.test_rbe import ask_the_core, ask_the_judge
 
 FAMILIES = [
     ("harmonic_overhang", {"bricks": 3}),
@@ -22,7 +22,7 @@ FAMILIES = [
 ]
 
 
-@pytest.mark.parametrize("ask", [told_to_the_judge, told_to_the_core])
+@pytest.mark.parametrize("ask", [ask_the_judge, ask_the_core])
 @pytest.mark.parametrize(("margin", "verdict"), [(0.02, "stable"), (-0.02, "unstable")])
 @pytest.mark.parametrize(("family", "parameters"), FAMILIES)
 def test_two_percent_decide(family, parameters, margin, verdict, ask) -> None:

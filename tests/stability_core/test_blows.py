@@ -102,7 +102,7 @@ def test_a_bump_is_no_push(port):
     assert not any(change.woken for change in run(extension, 60))
 
 
-def test_a_push_that_the_engine_does_not_tell_is_not_felt(port):
+def test_a_push_that_the_engine_does_not_report_is_not_felt(port):
     extension = frozen_column(port)
     approach(port, 1, 0.0, 0.0)
     extension.update(DT)

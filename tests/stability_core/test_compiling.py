@@ -85,7 +85,7 @@ def test_a_policy_is_compiled_once_and_an_unknown_one_is_refused(cold):
         warm_up("papre")
 
 
-def test_what_takes_long_is_told(cold, monkeypatch, caplog):
+def test_what_takes_long_is_reported(cold, monkeypatch, caplog):
     monkeypatch.setattr(compiling, "_SILENT_S", 0.0)
     monkeypatch.setattr(compiling, "_is_kept", lambda _: False)
     with caplog.at_level(logging.WARNING, "stability_core"):
@@ -95,7 +95,7 @@ def test_what_takes_long_is_told(cold, monkeypatch, caplog):
     assert last.startswith("compiled for policy 'paper' in ")
 
 
-def test_where_nothing_can_be_written_kernels_are_compiled_and_the_user_is_told_what_to_set(cold, monkeypatch, caplog):
+def test_where_nothing_can_be_written_kernels_are_compiled_and_the_message_names_what_to_set(cold, monkeypatch, caplog):
     def without_a_folder(**options):
         if options.get("cache"):
             raise RuntimeError("cannot cache function: no locator available")

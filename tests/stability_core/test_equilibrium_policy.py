@@ -220,7 +220,7 @@ def many_leaning_pairs(port, pairs: int) -> None:
         port.touch(2 * pair + 1, 2 * pair, [(pair, y, 0.1) for y in DEEP], normal=(1.0, 0.0, 0.0))
 
 
-def test_freezing_beyond_the_budget_is_deferred_by_a_frame_and_told(port):
+def test_freezing_beyond_the_budget_is_deferred_by_a_frame_and_reported(port):
     """A budget of 4 bodies a frame is spent by two pairs."""
     many_leaning_pairs(port, 7)
     extension = StabilityExtension(port, "equilibrium", settings=Settings(budget=4))

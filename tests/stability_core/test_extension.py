@@ -416,7 +416,7 @@ def test_many_bodies_and_large_gaps_in_ids(port):
 
 
 def test_frames_in_which_nothing_is_live_are_frames_without_contacts(port):
-    """They are passed over, yet what wakes after them is not judged by what it touched before."""
+    """Removed bodies are skipped, but a body that wakes after them is not judged by its former contacts."""
     seen = []
 
     class Seeing(Paper):
@@ -599,7 +599,7 @@ def test_a_stack_of_any_size_freezes_as_the_plank_does(port, factor):
 # -- why --------------------------------------------------------------------------------------------------------------
 
 
-def test_each_reason_for_which_a_body_stays_live_is_told(port):
+def test_each_reason_for_which_a_body_stays_live_is_reported(port):
     column(port, 2)
     port.add(7, (1.0, 0.0, 1.0))
     extension = StabilityExtension(port, policy="equilibrium")
@@ -633,7 +633,7 @@ def test_each_reason_for_which_a_body_stays_live_is_told(port):
     assert extension.why(0).startswith("woken (disturbed) and perhaps at the start of a collapse")
 
 
-def test_each_refusal_is_told(port):
+def test_each_refusal_is_reported(port):
     port.add(0, (0.06, 0.0, 0.005))
     port.lay(0, GROUND, (0.0, 0.05), DEEP, 0.0)
     extension = StabilityExtension(port, policy="equilibrium")

@@ -59,7 +59,7 @@ def test_the_angle_of_repose_is_that_of_friction(port, mu, sleeps):
     assert (100 in port.frozen) == sleeps
 
 
-def test_a_tower_is_no_heap(port):
+def test_a_tower_is_no_pile(port):
     port.add(0, (0.0, 0.0, 0.005))
     port.lay(0, GROUND, (-0.05, 0.05), (-0.01, 0.01), 0.0)
     for body in (1, 2):
@@ -69,7 +69,7 @@ def test_a_tower_is_no_heap(port):
     assert port.frozen == {0}
 
 
-def test_another_heap_is_no_base(port):
+def test_another_pile_is_no_base(port):
     """Side by side, but not in touch: together their roof would carry the cube, alone it is 7 cm high."""
     floor(port, 3)
     floor(port, 3, aside=3.2 * EDGE, first=9)

@@ -1,4 +1,4 @@
-"""Engines outside the repository are found, and a mistake in their file is told with its fix."""
+"""Engines outside the repository are found, and the message about a mistake in their file names the fix."""
 
 import os
 from pathlib import Path
@@ -65,7 +65,7 @@ def test_a_file_that_the_environment_names_must_be_there(monkeypatch: pytest.Mon
         ("[mine]\ncommand = ['a']\ntimeout_s = 0\n", "'timeout_s' must be a time in seconds, got 0"),
     ],
 )
-def test_a_mistake_is_told(tmp_path: Path, text: str, message: str) -> None:
+def test_a_mistake_is_reported(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(EnginesFileError, match=message):
         read_engines(written(tmp_path, text))
 
@@ -77,7 +77,9 @@ def test_the_name_of_an_engine_of_the_suite_is_taken(tmp_path: Path, monkeypatch
         register_external()
 
 
-def test_a_program_that_is_not_there_is_told_with_its_entry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_is_not_there_is_reported_with_its_entry(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = written(tmp_path, "[mine]\ncommand = ['no-such-program']\n")
     monkeypatch.setitem(os.environ, "STILLSTACK_ENGINES", str(path))
     monkeypatch.setitem(ENGINES, "mine", ENGINES["bullet"])

@@ -65,7 +65,7 @@ def test_an_engine_that_says_no_valid_hello_is_not_opened(entry: ExternalEntry) 
 
 
 @pytest.mark.parametrize("entry", ["none"], indirect=True)
-def test_a_process_that_is_killed_is_told_from_one_that_ends(entry: ExternalEntry) -> None:
+def test_a_process_that_is_killed_is_distinguished_from_one_that_ends(entry: ExternalEntry) -> None:
     simulation = open_engine("rogue_peer")
     assert isinstance(simulation, BridgeSimulation)
     simulation.spawn(plank())

@@ -53,7 +53,7 @@ def test_a_moved_body_moves_and_is_driven_only_at_a_velocity(bodies: Bodies) -> 
     assert bodies.ids().tolist() == [0, 1, 2, 3]
 
 
-def test_a_removed_body_is_told_once_and_its_id_is_not_used_again(bodies: Bodies) -> None:
+def test_a_removed_body_is_reported_once_and_its_id_is_not_used_again(bodies: Bodies) -> None:
     bodies.remove(2)
     bodies.remove(3)
     assert bodies.take_removed() == [2, 3]

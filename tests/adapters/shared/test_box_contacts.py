@@ -91,7 +91,7 @@ def test_a_plank_that_leans_stands_on_its_edge_only():
     assert corners == set()
 
 
-def test_pairs_are_told_apart_whatever_the_order_of_the_rows():
+def test_pairs_are_distinguished_whatever_the_order_of_the_rows():
     left, right, bridge = box((-1.2, 0, 0)), box((1.2, 0, 0)), box((0, 0, 0.2))
     points = [(-1.0, -0.5, 0.1), (1.0, -0.5, 0.1), (-1.0, 0.5, 0.1), (1.0, 0.5, 0.1)]
     plain = touch(*points)
@@ -215,7 +215,7 @@ def test_lengths_follow_the_size_of_the_smaller_box_of_a_pair(size):
 
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 100.0])
-def test_a_corner_near_a_listed_one_is_told_apart_at_any_size(size):
+def test_a_corner_near_a_listed_one_is_distinguished_at_any_size(size):
     """Two planks that overlap by 2 mm have four corners; the engine lists two of them, on one side."""
     half = tuple(size * edge for edge in (58.5e-3, 11.7e-3, 3.9e-3))
     overlap = 2e-3 * size

@@ -60,7 +60,7 @@ def test_bad_input_names_the_fix_and_writes_nothing(arguments, complaint, tmp_pa
     assert not list(tmp_path.iterdir())
 
 
-def test_a_report_of_no_trial_is_refused_and_a_torn_line_told(tmp_path) -> None:
+def test_a_report_of_no_trial_is_refused_and_a_torn_line_reported(tmp_path) -> None:
     path = tmp_path / "trials.jsonl"
     path.touch()
     assert "holds no trial yet" in call("report", str(tmp_path), status=2)
@@ -95,7 +95,7 @@ def test_a_newer_or_foreign_folder_is_refused_and_left_as_it_is(tmp_path, line, 
     assert [path.name for path in tmp_path.iterdir()] == ["trials.jsonl"]
 
 
-def test_a_report_tells_which_planned_trials_are_missing(tmp_path) -> None:
+def test_a_report_lists_which_planned_trials_are_missing(tmp_path) -> None:
     done, missing, *_ = plan_trials(check_study(tomllib.loads(STUDY), ""))
     record = bare_record(done, done.build_scene(), "abc", "completed", "").model_dump_json()
     (tmp_path / "trials.jsonl").write_text(record + "\n")
@@ -136,7 +136,7 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     assert "1 more are already there" in printed
 
 
-def test_the_list_tells_scenarios_with_theory_engines_policies_and_studies() -> None:
+def test_the_list_shows_scenarios_with_theory_engines_policies_and_studies() -> None:
     printed = call("list", status=0)
     for word in ("four_stack", "falls at 9", "bullet", "contact points", "at_rest", "native", "smoke"):
         assert word in printed

@@ -45,7 +45,7 @@ def alarms(base: Baseline, head: Baseline) -> list[Finding]:
 
 
 def test_the_same_code_raises_no_alarm_but_once_in_fifty(run) -> None:
-    """Each run is held against the one before it."""
+    """Each run is compared with the one before it."""
     base, found = run(), 0
     for _ in range(COMPARISONS):
         head = run()

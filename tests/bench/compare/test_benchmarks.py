@@ -157,7 +157,7 @@ def test_an_interrupted_frame_counts_for_little(base, tmp_path) -> None:
 # -- what is not -------------------------------------------------------------------------------------
 
 
-def test_a_missing_pair_is_told_and_the_rest_is_judged(base, tmp_path) -> None:
+def test_a_missing_pair_is_reported_and_the_rest_is_judged(base, tmp_path) -> None:
     fewer = edited(base, tmp_path, lambda content: content["benchmarks"].remove(steered(content)[1]))
     found = judged(base, fewer)
     name = "bullet.game.plank_tower-25.equilibrium"

@@ -28,7 +28,7 @@ def test_a_regression_alarms_both_gates(make) -> None:
     assert not compare_runs(make.side(), make.side(), NAMES).alarms()
 
 
-def test_missing_and_new_trials_are_told(make) -> None:
+def test_missing_and_new_trials_are_reported(make) -> None:
     both, other = make.record(), make.record(trial=ELSEWHERE, scene="four_stack-4")
     for base, head, message in (
         (make.side(both, other), make.side(both), "missing in head"),
@@ -44,7 +44,7 @@ def test_runs_of_other_trials_are_refused(make) -> None:
         compare_runs(make.side(), make.side(make.record(trial=ELSEWHERE)), NAMES)
 
 
-def test_another_version_of_the_engine_is_told_and_judged_only_if_asked_for(make) -> None:
+def test_another_version_of_the_engine_is_reported_and_judged_only_if_asked_for(make) -> None:
     head = make.side(make.record(engine_version="2.0", **FELL))
     found = only(make.side(), head)
     assert (found.judgement, found.message[:24]) == ("open", "bullet 2.0, was 1.0 (--a")
@@ -60,7 +60,7 @@ def test_another_version_of_the_engine_is_told_and_judged_only_if_asked_for(make
         {"expectation": {"outcome": "study", "theory": "open"}},
     ],
 )
-def test_another_scene_under_the_same_name_is_told(make, change) -> None:
+def test_another_scene_under_the_same_name_is_reported(make, change) -> None:
     assert only(make.side(), make.side(make.record(**FELL | change))).message == "another scene under the same name"
 
 

@@ -60,7 +60,7 @@ def test_runs_become_repeats_of_one_run(make) -> None:
     assert together.shares == {f"{first}1": times, f"{first}3": times}
 
 
-def test_a_version_that_does_not_exist_is_told() -> None:
+def test_a_version_that_does_not_exist_is_reported() -> None:
     for version in ("no-such-branch", "--upload-pack=x"):
         with pytest.raises(CheckoutError, match="git rev-parse"):
             prepare(version, [], SILENT)
@@ -75,7 +75,7 @@ def test_a_folder_is_used_as_it_is(tmp_path) -> None:
         prepare(str(tmp_path), ["x.whl"], SILENT)
 
 
-def test_a_version_that_cannot_run_the_study_is_told_with_its_last_words(tmp_path) -> None:
+def test_a_version_that_cannot_run_the_study_is_reported_with_its_last_words(tmp_path) -> None:
     python = tmp_path / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.symlink_to(sys.executable)

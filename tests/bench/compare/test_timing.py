@@ -68,7 +68,7 @@ def test_worse_is_only_what_is_surely_slower_by_more_than_the_least_effect(ratio
     assert judge_times(pairs, LEAST)[0] == judgement
 
 
-def test_too_few_pairs_cannot_tell() -> None:
+def test_too_few_pairs_decide_nothing() -> None:
     judgement, message = judge_times([(1.0, 2.0)] * (LEAST_PAIRS - 1), LEAST)
     assert judgement == "open"
     assert "undecided" in message

@@ -118,7 +118,7 @@ def test_a_worker_of_another_checkout_is_refused() -> None:
         dask._run_trial(plan_trials(study)[0], order)
 
 
-def test_no_scheduler_is_told_with_the_commands_that_start_one(monkeypatch) -> None:
+def test_no_scheduler_is_reported_with_the_commands_that_start_one(monkeypatch) -> None:
     monkeypatch.setattr(dask, "CONNECT_S", 0.2)
     with (
         pytest.raises(ClusterError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9: start one with"),

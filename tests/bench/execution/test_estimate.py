@@ -33,7 +33,7 @@ def write(folder, *records: dict[str, object]) -> None:
     (folder / "trials.jsonl").write_text("\n".join(lines) + '\n{"torn')
 
 
-def test_the_same_trials_tell_most_then_others_of_their_engine_and_scene(tmp_path) -> None:
+def test_the_same_trials_count_most_then_others_of_their_engine_and_scene(tmp_path) -> None:
     write(tmp_path / "a", {"trial": TRIALS[0].id, "wall_s": 10.0}, {"trial": "other", "wall_s": 40.0})
     write(tmp_path / "b", {"trial": TRIALS[0].id, "wall_s": 20.0}, {"trial": "lost", "wall_s": None})
     write(tmp_path / "c", {"trial": "x", "engine": "dart", "scene": "y", "wall_s": 99.0})

@@ -28,7 +28,7 @@ HANG = {"hang": ("timeout", "the engine hung and was stopped"), "game": ("comple
     [(OUTCOMES, 600.0), (HANG, 20.0)],  # only a hang runs into its limit, however slow the machine and its memory
     ids=["misdeeds", "hang"],
 )
-def test_each_misdeed_is_told_by_its_name_and_costs_one_trial(rogue_suite, outcomes, trial_wall_s) -> None:
+def test_each_misdeed_is_reported_by_its_name_and_costs_one_trial(rogue_suite, outcomes, trial_wall_s) -> None:
     """Misdeeds and sound trials take turns; every sound one is recorded, and the harness ends with status 0."""
     rogue_suite.write_study(outcomes, seeds=2, limits={"trial_wall_s": trial_wall_s, "memory_mib": 450})
     output = rogue_suite.run("--jobs", "2")

@@ -9,7 +9,7 @@ from bench.publishing.doc_blocks import BLOCKS, filled
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_a_document_tells_what_the_adapters_tell(block: str) -> None:
+def test_a_document_holds_what_the_adapters_declare(block: str) -> None:
     name, write = BLOCKS[block]
     document = (ROOT / name).read_text(encoding="utf-8")
     assert document == filled(document, block, write()), "fill it anew: uv run python -m bench.publishing.doc_blocks"

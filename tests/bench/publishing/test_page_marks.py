@@ -55,7 +55,7 @@ def test_a_page_of_an_earlier_core_says_so_at_its_top() -> None:
 
 
 @pytest.mark.parametrize("core", [OLD, NEW, UNKNOWN, NOT_USED])
-def test_marks_are_renewed_not_heaped_up(core: str) -> None:
+def test_marks_are_renewed_not_accumulated(core: str) -> None:
     once = marked(PAGE, core, NEW)
     assert marked(once, core, NEW) == once
     assert marked(marked(PAGE, core, OLD), core, NEW) == once
@@ -100,6 +100,6 @@ def test_all_pages_are_marked_but_their_list(study: Path) -> None:
     assert core_of(folder / "study" / "other.md") == UNKNOWN
 
 
-def test_a_page_without_its_core_is_told_with_the_fix(study: Path) -> None:
+def test_a_page_without_its_core_is_reported_with_the_fix(study: Path) -> None:
     with pytest.raises(MarkError, match=r"tables.md: no line 'core: DIGEST' at its end; write it with .* --mark"):
         core_of(study)

@@ -32,7 +32,7 @@ STUDY = check_study(CONTENT, "test")
 
 
 def played(end: Callable[[Trial], Status]) -> dict[str, Status]:
-    """Run the study with trials that end as they are told; every round runs what can be run."""
+    """Run the study with trials whose ends are prescribed; every round runs what can be run."""
     statuses: dict[str, Status] = {}
     while waiting := waiting_trials(STUDY, statuses):
         statuses |= {trial.id: end(trial) for trial in waiting}

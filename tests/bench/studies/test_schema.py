@@ -30,6 +30,12 @@ def test_the_paper_study_has_a_side_that_must_stand_and_one_that_must_fall() -> 
     assert {scene.expectation.outcome for scene in scenes} == {"stand", "fall"}
 
 
+def test_another_description_makes_no_other_plan() -> None:
+    study = check_study(VALID, "test")
+    assert study.has_same_plan(study.model_copy(update={"description": "another text"}))
+    assert not study.has_same_plan(study.model_copy(update={"name": "another"}))
+
+
 def test_listed_values_make_a_variant_each() -> None:
     trials = plan_trials(check_study(VALID, "test"))
     assert [trial.id for trial in trials] == [

@@ -39,7 +39,7 @@ def two_planks(*after) -> Scene:
     return scene_of(Place(0.0, (lay(0, level=1),)), Place(0.0, (lay(0, level=2),)), *after)
 
 
-def test_the_extension_is_told_of_a_blow_before_it_comes_and_after_it(fake_engine) -> None:
+def test_the_extension_is_notified_of_a_blow_before_it_comes_and_after_it(fake_engine) -> None:
     """Notified in one frame, the extension unfreezes the brick at its end: a blow in the next frame finds it live."""
     simulation, listener = fake_engine(), Recorder()
     builder = Builder(two_planks(Push(1.0, 1, (1e-3, 0, 0))), simulation, listener)

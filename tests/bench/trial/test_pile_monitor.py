@@ -26,7 +26,7 @@ def test_the_slope_of_a_cone(degrees):
     assert slope_deg(cone(math.tan(math.radians(degrees)))) == pytest.approx(degrees, abs=1)
 
 
-def test_a_brick_that_rolled_away_makes_a_heap_no_flatter():
+def test_a_brick_that_rolled_away_makes_a_pile_no_flatter():
     pile = cone(0.5)[:501]
     strayed = pile.copy()
     strayed[0] = (30.0, 0.0, 0.0)
@@ -59,13 +59,13 @@ def test_creep_and_sink_are_of_the_time_of_watching():
     assert not monitor.is_over
 
 
-def test_a_heap_is_as_high_as_its_highest_corner():
+def test_a_pile_is_as_high_as_its_highest_corner():
     monitor = monitor_pile([0.0] * 3)
     assert monitor.standing is not None
     assert monitor.standing.height_m == pytest.approx(5 * 7.8e-3)
     assert monitor.standing.level == 5
 
 
-def test_nothing_poured_is_no_heap():
+def test_nothing_poured_is_no_pile():
     monitor = PileMonitor(0.0, 1.0, 1.0)
     assert (monitor.standing, monitor.repose_deg, monitor.rest_s, monitor.creep) == (None, None, None, None)

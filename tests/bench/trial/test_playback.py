@@ -147,7 +147,7 @@ def test_the_engine_alone_is_never_asked_for_its_port(fake_engine) -> None:
     assert not simulation.is_observed
 
 
-def test_the_pose_hash_tells_one_run_from_another(fake_engine) -> None:
+def test_the_pose_hash_differs_between_different_runs(fake_engine) -> None:
     def nudge(simulation, step: int) -> None:
         if step == 10:
             (x, y, z), q = simulation.pose[0]

@@ -37,7 +37,7 @@ def shown(page) -> list[str]:
     return [row.inner_text() for row in page.locator("#table tbody tr:visible").all()]
 
 
-def test_it_opens_without_a_complaint_or_a_request_and_tells_every_engine(page, open_page) -> None:
+def test_it_opens_without_a_complaint_or_a_request_and_shows_every_engine(page, open_page) -> None:
     opened = open_page(page)
     cards = opened.locator(".card h4").all_inner_texts()
     assert [card.split()[0] for card in cards] == ["bullet", "dart", "pymunk", "mujoco"]
@@ -46,7 +46,7 @@ def test_it_opens_without_a_complaint_or_a_request_and_tells_every_engine(page, 
     assert opened.locator("#plot path").count() > 0
 
 
-def test_a_card_tells_how_its_profile_is_set_up(tmp_path) -> None:
+def test_a_card_shows_how_its_profile_is_set_up(tmp_path) -> None:
     varied = page_of(tmp_path, [record(), record(engine="dart", profile="game@scale=10"), record(profile="tuned")])
     output = re.findall(r'<p class="set-up">(.*?)</p>', varied.read_text(encoding="utf-8"))
     assert output == ["one step a frame", "one step a frame; scale=10"], "nothing is known of tuned"
@@ -126,7 +126,7 @@ def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
     assert "last words &lt;b&gt;of&lt;/b&gt; an engine" in page.read_text(encoding="utf-8")
 
 
-def test_every_row_tells_the_command_that_makes_it_again(page) -> None:
+def test_every_row_shows_the_command_that_makes_it_again(page) -> None:
     commands = re.findall(r"<summary>how</summary><code>(.*?)</code>", page.read_text(encoding="utf-8"))
     assert len(commands) == len({(one.scene, one.engine, one.profile, one.policy) for one in RECORDS})
     assert commands[0].endswith("--engine bullet --profile game --scenario four_stack --policy none --seeds 6")

@@ -65,7 +65,7 @@ def seek(opened, seconds: float) -> None:
     opened.wait_for_function(f"Math.abs(document.body.dataset.time - {seconds}) < 0.01")
 
 
-def test_it_plays_and_tells_live_frozen_and_fallen_apart(page, open_page) -> None:
+def test_it_plays_and_marks_live_frozen_and_fallen_apart(page, open_page) -> None:
     opened = open_page(page)
     opened.wait_for_function("document.body.dataset.time !== undefined")
     assert opened.locator(".panel b").all_inner_texts() == ["none", "paper"]

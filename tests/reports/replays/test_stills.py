@@ -59,7 +59,7 @@ def seen(path: Path) -> set[str]:
     return {state for state, pixels in zip(COLOURS, count.tolist(), strict=True) if pixels >= 50}
 
 
-def test_live_frozen_and_fallen_bricks_are_told_apart_and_what_is_gone_is_not_shown(tmp_path) -> None:
+def test_live_frozen_and_fallen_bricks_are_distinguished_and_what_is_gone_is_not_shown(tmp_path) -> None:
     both_live = recording()
     one_frozen_one_fallen = recording(apart=0.05, frozen=(0,))
     one_left = recording(frozen=(0,), gone=(1,))
@@ -85,7 +85,7 @@ def test_policies_are_seen_from_the_same_place(tmp_path) -> None:
         ("echo 'OSError: no space' >&2; exit 1", "no stills: OSError: no space"),
     ],
 )
-def test_why_nothing_could_be_drawn_is_told(last_words: str, output: str, tmp_path, monkeypatch) -> None:
+def test_why_nothing_could_be_drawn_is_reported(last_words: str, output: str, tmp_path, monkeypatch) -> None:
     python = tmp_path / "python"
     python.write_text(f"#!/bin/sh\n{last_words}\n")
     python.chmod(0o755)

@@ -32,7 +32,7 @@ def stood(level: int) -> Lifetime:
         ({"status": "unsupported"}, None),
     ],
 )
-def test_what_an_end_tells_of_the_stack(fields, expected) -> None:
+def test_what_an_end_implies_for_the_stack(fields, expected) -> None:
     assert lifetime(record(**fields)) == expected
 
 
@@ -114,7 +114,7 @@ def test_a_single_pair_has_no_p_value() -> None:
         (stood(30), stood(20), False),
     ],
 )
-def test_a_lower_bound_tells_only_what_it_tells(one: Lifetime, other: Lifetime, certain: bool) -> None:
+def test_a_lower_bound_proves_only_what_it_excludes(one: Lifetime, other: Lifetime, certain: bool) -> None:
     assert one.outlives(other) is certain
     assert not other.outlives(one) or not certain
 

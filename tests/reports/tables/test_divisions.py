@@ -24,10 +24,10 @@ def test_every_scene_that_a_profile_names_is_marked():
     for engine in ("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "pymunk"):
         assert engine in ENGINES
         for profile in profiles(engine).values():
-            told = profile.tuned_by.partition(", on ")[2]
-            if profile.tuned_by == AS_SHIPPED or not told:
+            scenes = profile.tuned_by.partition(", on ")[2]
+            if profile.tuned_by == AS_SHIPPED or not scenes:
                 continue
-            named = [re.sub("^the ", "", one) for one in re.split(", | and ", told)]
+            named = [re.sub("^the ", "", one) for one in re.split(", | and ", scenes)]
             assert {WORDS[name] for name in named} <= set(TUNED_ON), profile.tuned_by
 
 

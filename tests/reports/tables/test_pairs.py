@@ -52,7 +52,7 @@ def values(one: PairRow) -> list[float]:
     ]
 
 
-def test_each_way_of_missing_a_pair_is_told_apart() -> None:
+def test_each_way_of_missing_a_pair_is_distinguished() -> None:
     records = [
         *both("table-1", "right", "right"),
         *both("table-2", "right", "false_stand"),

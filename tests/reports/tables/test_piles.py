@@ -17,7 +17,7 @@ def test_stacks_have_no_such_table():
     assert pile_tables([record()]) == []
 
 
-def test_a_row_tells_rest_height_slope_and_who_is_awake():
+def test_a_row_shows_rest_height_slope_and_who_is_awake():
     (table,) = pile_tables([pile(policy="pile", live_mean=12.5, live_last=3)])
     entries = dict(zip(table.header, table.rows[0], strict=True))
     wanted = {"policy": "pile", "rest s": "1.5", "height": "100.0", "repose": "30.0", "awake": "12.5", "last": "3"}

@@ -42,7 +42,7 @@ def test_a_study_without_repeats_has_no_such_table(tmp_path) -> None:
     assert repeat_tables(tmp_path, [repeated(0), repeated(0, seed=1)]) == []
 
 
-def test_a_noisy_machine_is_told_so_and_a_calm_one_is_not(tmp_path) -> None:
+def test_a_noisy_machine_is_reported_and_a_calm_one_is_not(tmp_path) -> None:
     [calm] = repeat_tables(tmp_path, [repeated(0, calibration_ms=1.0), repeated(0, seed=1, calibration_ms=1.02)])
     assert "NOISY" not in " ".join(calm.notes)
     # the percentiles 5 and 95 of 1 and 1.5 are 1.025 and 1.475
@@ -50,7 +50,7 @@ def test_a_noisy_machine_is_told_so_and_a_calm_one_is_not(tmp_path) -> None:
     assert "NOISY: the only one varied by 44%" in noisy.notes[0]
 
 
-def test_machines_are_told_apart(tmp_path) -> None:
+def test_machines_are_distinguished(tmp_path) -> None:
     records = [repeated(0, calibration_ms=1.0, host="a"), repeated(0, seed=1, calibration_ms=2.0, host="b")]
     [table] = repeat_tables(tmp_path, records)
     assert [row[0] for row in table.rows] == ["a", "b"]

@@ -107,12 +107,12 @@ def test_they_can_be_read_at_a_hundred_columns() -> None:
         ((8, 30, 12), "12 (8-30)/30 ✓ 3/3"),
     ],
 )
-def test_several_seeds_are_told_by_median_and_range(levels, cell) -> None:
+def test_several_seeds_are_reported_by_median_and_range(levels, cell) -> None:
     assert outcome([record(seed=seed, height_levels=height) for seed, height in enumerate(levels)]) == cell
 
 
 @pytest.mark.parametrize(("right", "cell"), [(0, "30/30 ✗ 0/2"), (1, "30/30 ~ 1/2"), (2, "30/30 ✓ 2/2")])
-def test_a_mark_tells_whether_all_seeds_were_right_or_some_or_none(right, cell) -> None:
+def test_a_mark_shows_whether_all_seeds_were_right_or_some_or_none(right, cell) -> None:
     verdicts = ["right"] * right + ["false_stand"] * (2 - right)
     assert outcome([record(seed=seed, verdict=verdict) for seed, verdict in enumerate(verdicts)]) == cell
 

@@ -121,7 +121,7 @@ def test_a_scene_with_a_turned_fixed_box_is_not_planar(write):
         (plank(position=[0, 0, 0.095]), TABLE, "brick 0 and wall 0 overlap"),
     ],
 )
-def test_a_fixed_box_that_makes_no_scene_is_told_with_the_fix(write, brick, fixed, message):
+def test_a_fixed_box_that_makes_no_scene_is_reported_with_the_fix(write, brick, fixed, message):
     with pytest.raises(ValueError, match=message):
         build("own_scene", file=write(brick, fixed=[fixed]))
 
@@ -145,7 +145,7 @@ def test_a_fixed_box_that_makes_no_scene_is_told_with_the_fix(write, brick, fixe
         ([plank(time=2.0, removed=1.0)], r"brick\[0\].removed must be after its time 2, got 1"),
     ],
 )
-def test_what_makes_no_scene_is_told_with_its_brick_and_the_fix(write, bricks, message):
+def test_what_makes_no_scene_is_reported_with_its_brick_and_the_fix(write, bricks, message):
     with pytest.raises(ValueError, match=message):
         build("own_scene", file=write(*bricks))
 

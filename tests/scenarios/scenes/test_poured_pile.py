@@ -8,7 +8,7 @@ from scenarios.placement_noise import with_placement_noise
 from scenarios.registry import build
 
 
-def test_bricks_come_one_by_one_from_above_the_heap():
+def test_bricks_come_one_by_one_from_above_the_pile():
     scene = build("poured_pile", bricks=20, height=40)
     assert len(scene.bricks) == len(scene.actions) == 20
     assert {len(action.bricks) for action in scene.actions} == {1}

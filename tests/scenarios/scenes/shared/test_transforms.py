@@ -100,7 +100,7 @@ def test_a_prebuilt_stack_has_a_size_too():
     assert below.pair == tower.pair == "leaning_tower-at_once-size100"
 
 
-def test_ids_tell_the_size():
+def test_ids_contain_the_size():
     assert build("table", legs=3, size=0.1).variant == "table-3-size0.1"
     assert build("table", size=10.0).variant == build("table", size=10).variant == "table-size10"
     ids = {build("plank_tower", size=size).variant for size in (0.1, 0.1000001, 0.10000001, 10, 10.000001)}
