@@ -49,7 +49,7 @@ mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
 
 def _knows(knob: str) -> bool:
-    """Tell whether there is a knob of this name; MuJoCo itself refuses an unknown attribute of its XML."""
+    """Return True if there is a knob of this name; MuJoCo itself refuses an unknown attribute of its XML."""
     return "." in knob or knob in (CONTACT_STEPS, "sleep")
 
 

@@ -68,14 +68,14 @@ class World {
     this.#forces.delete(id);
     this.#movers = null;
     this.#release(body);
-    this.#rouse();
+    this.#wakeAll();
   }
 
   move(id, position, quaternion) {
     const body = this.#bodies.get(id);
     done(hk.HP_Body_SetQTransform(body.handle, transform(position, quaternion)));
     if (body.kind !== "STATIC") this.#setVelocity(body, STILL, STILL);
-    this.#rouse();
+    this.#wakeAll();
   }
 
   push(id, impulse) {
@@ -94,7 +94,7 @@ class World {
 
   turnGravity(gravity) {
     done(hk.HP_World_SetGravity(this.world, gravity));
-    this.#rouse();
+    this.#wakeAll();
   }
 
   freeze(id) {
@@ -164,14 +164,14 @@ class World {
     );
   }
 
-  /** Let all bodies tell their contacts from now on. */
+  /** Let all bodies report their contacts from now on. */
   #watch() {
     if (this.#isWatched) return;
     this.#isWatched = true;
-    for (const [id, { handle }] of this.#bodies) if (id >= 0) this.#tell(handle);
+    for (const [id, { handle }] of this.#bodies) if (id >= 0) this.#report(handle);
   }
 
-  #tell(handle) {
+  #report(handle) {
     const { COLLISION_STARTED, COLLISION_CONTINUED } = hk.EventType;
     done(hk.HP_Body_SetEventMask(handle, COLLISION_STARTED.value | COLLISION_CONTINUED.value));
   }
@@ -192,7 +192,7 @@ class World {
     if ("angularDamping" in this.knobs) done(hk.HP_Body_SetAngularDamping(handle, this.knobs.angularDamping));
     done(hk.HP_World_AddBody(this.world, handle, false));
     this.#keepActive(body);
-    if (this.#isWatched && id >= 0) this.#tell(handle);
+    if (this.#isWatched && id >= 0) this.#report(handle);
   }
 
   #shapeOf([x, y, z]) {
@@ -226,7 +226,7 @@ class World {
   }
 
   /** Wake all bodies that sleep. */
-  #rouse() {
+  #wakeAll() {
     if (this.opening.sleeping === "off") return;
     for (const { handle, kind } of this.#bodies.values()) {
       if (kind !== "STATIC") done(hk.HP_Body_SetActivationState(handle, hk.ActivationState.ACTIVE));

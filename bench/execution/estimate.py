@@ -135,13 +135,13 @@ class _Known:
         return None
 
     def uses(self, past: Sequence[PastTrial], wanted: Sequence[Trial]) -> bool:
-        """Tell whether one of ``past`` stands for one of ``wanted``, by engine and scene or closer."""
+        """Return True if one of ``past`` stands for one of ``wanted``, by engine and scene or closer."""
         engines_and_scenes = {(trial.engine, trial.scene) for trial in wanted}
         return any((trial.engine, trial.scene) in engines_and_scenes for trial in past)
 
 
 def _is_steered(trial: Setting) -> bool:
-    """Tell whether an extension works in a trial."""
+    """Return True if an extension works in a trial."""
     return BENCH_POLICIES[trial.policy].core is not None
 
 

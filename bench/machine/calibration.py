@@ -40,8 +40,8 @@ def speed_now(
 
     Args:
         seconds: how long [s].
-        clock: tells wall time [s].
-        processor: tells the time [s] that this thread had of a core.
+        clock: returns wall time [s].
+        processor: returns the processor time [s] of this thread.
     """
     begin, begin_cpu = clock(), processor()
     times_ms: list[float] = []

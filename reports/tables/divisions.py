@@ -40,7 +40,7 @@ def _scores(groups: Sequence[Group]) -> tuple[str, ...]:
 
 
 def _right(groups: Sequence[Group]) -> tuple[str, str]:
-    """Return the trials that were right, of those judged, and their share."""
+    """Return the number of right trials with that of judged ones, and the success rate, as cells."""
     judged = sum(len(group.judged) for group in groups)
     right = sum(group.count("right") for group in groups)
     return (f"{right}/{judged}", f"{100 * right / judged:.0f}") if judged else (NOTHING, NOTHING)

@@ -54,7 +54,7 @@ def test_other_policies_of_a_kind_stand_for_each_other_before_those_of_the_other
     assert estimate(TRIALS[:1], 60.0, [tmp_path / "a"]).known_s == pytest.approx(10.0 + START_S)
 
 
-def test_other_scenes_tell_by_levels_and_simulated_seconds(tmp_path) -> None:
+def test_other_scenes_count_by_levels_and_simulated_seconds(tmp_path) -> None:
     """30 levels for 10 s in 30 s of wall time are 0.1 s a level and second; the tower has 13 levels and 17 s."""
     work = {"scene": "four_stack", "levels_planned": 30, "simulated_s": 10.0, "wall_s": 30.0}
     write(tmp_path / "a", {"trial": "x", **work})
@@ -103,7 +103,7 @@ def test_published_trials_have_wall_times_and_calibrations() -> None:
 
 
 @pytest.mark.parametrize("name", TIMED)
-def test_the_published_trials_tell_a_run_within_a_factor_of_two(name: str) -> None:
+def test_the_published_trials_estimate_a_run_within_a_factor_of_two(name: str) -> None:
     """Nothing but what is published is known, and the speed of the machine when the run began."""
     run, study = TIMED[name], load_study(name)
     folders = sorted(path.parent for path in PUBLISHED.glob("*/trials.parquet"))

@@ -11,7 +11,7 @@ def test_the_typical_time_is_the_median_of_all_before_and_after() -> None:
     assert typical([1.0, 1.0, 9.0], [2.0, 3.0]) == 2.0
 
 
-def test_speed_and_load_are_told_apart() -> None:
+def test_speed_and_load_are_distinguished() -> None:
     """One calculation in three takes 5 ms instead of 1 ms, and the thread has half of the time."""
     ticks = accumulate(cycle([0.001, 0.001, 0.005]))
     wall = [0.0]
