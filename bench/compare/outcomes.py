@@ -97,8 +97,9 @@ def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[st
 
 
 def _certain_creep(record: TrialRecord) -> float | None:
-    """Return the lower end [m/s] of the interval of a trial's creep: a stack that trembles may seem to creep."""
-    return None if record.creep_m_s is None else record.creep_m_s - (record.creep_error_m_s or 0.0)
+    """Return the creep [m/s] if its interval excludes zero, else None: a stack that trembles may seem to creep."""
+    is_certain = record.creep_m_s is not None and record.creep_m_s > (record.creep_error_m_s or 0.0)
+    return record.creep_m_s if is_certain else None
 
 
 def _fall_error(record: TrialRecord) -> int:

@@ -26,7 +26,7 @@ class Tolerance(BaseModel):
     it lies chance: a stack that is let go a nanometre aside creeps at 1.4 in place of 0.7 micrometres a second on
     Bullet."""
     creep_share: float = Field(default=0.5, ge=0)
-    """Faster creep that is allowed, as a share of the base's; of the head's, the lower end of its interval
-    counts. It must find a doubled one, and let what another processor's last digits do to a slow slide pass."""
+    """Faster creep that is allowed, as a share of the base's; a creep whose interval includes zero is none.
+    It must find a doubled one, and let what another processor's last digits do to a slow slide pass."""
     time_share: float = Field(default=0.1, ge=0)
     """Least slowdown that counts, as a share of the base's time: less does not justify a developer's attention."""

@@ -51,7 +51,7 @@ def test_what_creeps_is_worse_than_what_stands_and_better_than_what_falls(make) 
 
 
 def test_a_creep_that_may_be_trembling_is_no_alarm(make) -> None:
-    trembles = make.record(creep_m_s=20e-6, creep_error_m_s=15e-6)
+    trembles = make.record(creep_m_s=20e-6, creep_error_m_s=25e-6)
     assert judge_outcome(make.record(), trembles, EXACT)[0] == "same"
     assert judge_outcome(make.record(), make.record(creep_m_s=20e-6, creep_error_m_s=5e-6), EXACT)[0] == "worse"
 
