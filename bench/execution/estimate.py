@@ -11,6 +11,7 @@ it takes now over what it took then. For each trial the first of these that is k
 
 from __future__ import annotations
 
+import os
 import statistics
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterable, Sequence
@@ -31,6 +32,9 @@ RUN_S = 4.0
 """Start of a run [s]: it loads engines and harness once."""
 LEAST_S = 0.2
 """Least wall time of a trial [s] that is estimated from what there is to simulate: opening an engine takes as long."""
+
+MOST_LISTED = 3
+"""Folders of one parent that are listed by their names."""
 
 Source: TypeAlias = Literal["same", "similar", "guessed"]
 Setting: TypeAlias = PastTrial | Trial
@@ -66,7 +70,7 @@ class Estimate:
             "from other scenes": self.guessed,
         }
         source = ", ".join(f"{number} {words}" for words, number in counts.items() if number)
-        folders = ", ".join(map(str, self.folders))
+        folders = _listed(self.folders)
         rest = f", and {longest} for {self.unknown} unknown trials" if self.unknown else ""
         return f"{count} trials: about {_duration(RUN_S + self.known_s / jobs)} ({source}, in {folders}){rest}"
 
@@ -102,7 +106,8 @@ def estimate(
         guessed=sources["guessed"],
         unknown=found.count(None),
         limit_s=limit_s,
-        folders=[folder for folder, of_folder in past.items() if known.uses(of_folder, wanted)],
+        folders=[folder for folder, of_folder in past.items() if known.uses(of_folder, wanted)]
+        or [folder for folder, of_folder in past.items() if of_folder],
     )
 
 
@@ -162,6 +167,16 @@ _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: _is_steered(trial),
     lambda _: "all",
 )
+
+
+def _listed(folders: Sequence[Path]) -> str:
+    """Return folders in words; those of one parent are counted if there are many."""
+    by_parent = Counter(folder.parent for folder in folders)
+    few = [str(folder) for folder in folders if by_parent[folder.parent] <= MOST_LISTED]
+    many = [
+        f"{count} folders of {os.path.relpath(parent)}" for parent, count in by_parent.items() if count > MOST_LISTED
+    ]
+    return ", ".join([*few, *many])
 
 
 def _duration(seconds: float) -> str:
