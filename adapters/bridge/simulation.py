@@ -69,6 +69,7 @@ class BridgeSimulation(Simulation):
         self._states = np.full((64, STATE_WIDTH), np.nan)  # by body
         self._reply: StepReply | None = None  # of the latest frame, if it was read
         self._replied: IntArray = np.empty(0, np.int64)
+        self._is_finite = True  # all states of the latest frame
         self._before: Motions | None = None
         if self.capabilities.planar:
             check_vector_in_plane(self.engine, "gravity [m/s2]", self.world.gravity)
@@ -127,13 +128,13 @@ class BridgeSimulation(Simulation):
         bodies = self.bodies.moving()
         reply = self._exchange(seconds / substeps, substeps, is_read, bodies)
         self._reply, self._replied, self._before = reply if is_read else None, bodies, None
-        self._states[bodies] = reply.states[-1]
+        self._is_finite = bool(np.isfinite(reply.states).all())
+        self._states[bodies] = reply.states[-1] if self._is_finite else np.nan
         if is_read:
             earlier = reply.states[:-1]
-            linear, angular = earlier[:, :, LINEAR].copy(), earlier[:, :, ANGULAR].copy()
-            for substep in range(substeps):
-                self.as_driven(bodies, linear[substep], angular[substep])
-            self._before = Motions(bodies, earlier[:, :, POSITION], linear, angular)
+            for state in earlier:
+                self.as_driven(bodies, state[:, LINEAR], state[:, ANGULAR])
+            self._before = Motions(bodies, earlier[:, :, POSITION], earlier[:, :, LINEAR], earlier[:, :, ANGULAR])
         elapsed = perf_counter() - begin
         if reply.engine_s > elapsed + _CLOCK_S:
             raise ProtocolError(f"the engine reports steps of {reply.engine_s:g} s in a frame of {elapsed:g} s")
@@ -160,7 +161,7 @@ class BridgeSimulation(Simulation):
 
     def _contacts(self) -> Contacts:
         reply = self._reply
-        if reply is None or not np.isfinite(reply.states).all():
+        if reply is None or not self._is_finite:
             return Contacts.empty()
         before = reply.states[-2 if self.contacts_at == "start" else -1]
         contacts = self._as_contacts(reply.contacts, self._replied, before, reply.states[-1])

@@ -139,6 +139,11 @@ class Playback:
             if is_late or self.monitor.is_over or (self.builder.is_done and self.simulated_s >= end):
                 return "completed" if self.monitor.collapse is None else "collapsed"
 
+    def has_diverged(self) -> bool:
+        """Return whether a pose is not finite now."""
+        _, position, quaternion = self._simulation.poses()
+        return not (np.isfinite(position).all() and np.isfinite(quaternion).all())
+
     def frames_of(self, level: int) -> list[FrameRow]:
         """Return the frames in which ``level`` was placed, including each brick's second."""
         until = self._seated_s + _ROUNDING_S

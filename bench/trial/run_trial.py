@@ -86,6 +86,9 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
         status, message = "out_of_memory", "the process ran out of memory"
     except PeerError as error:  # an engine in a separate process failed, or its process did
         status, message = error.status, str(error)
+    except ValueError as error:  # the core refuses bodies whose poses are not finite
+        has_diverged = playback is not None and playback.has_diverged()
+        status, message = ("diverged", "") if has_diverged else ("error", f"{type(error).__name__}: {error}")
     except Exception as error:  # any error of an engine or of the core is this trial's outcome
         status, message = "error", f"{type(error).__name__}: {error}"
     if playback is None:
@@ -261,6 +264,11 @@ def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
         return {"frame_ratio_level": level, "frame_ratio_message": awake.message}
+    if awake.frame_ms == 0.0:
+        return {
+            "frame_ratio_level": level,
+            "frame_ratio_message": "the engine's own clock is too coarse to time a frame",
+        }
     return {"frame_ratio_level": level, "frame_ratio": statistics.fmean(steered_ms) / awake.frame_ms}
 
 

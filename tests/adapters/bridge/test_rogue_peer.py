@@ -105,3 +105,10 @@ def test_no_process_stays_when_the_harness_is_killed() -> None:
     harness.stdout.close()
     for peer in peers:
         peer.wait(5)
+
+
+@pytest.mark.parametrize("entry", ["nan"], indirect=True)
+def test_a_state_that_is_not_finite_ends_a_trial_with_the_extension_too(entry: ExternalEntry) -> None:
+    trial = Trial("rogue_peer", "default", "plank_tower", "plank_tower-1", {"levels": 1}, "at_rest", 0, 0)
+    record = run_trial(trial, Limits(trial_wall_s=600), "abc", lambda _: None).record
+    assert record.status == "diverged", record.message
