@@ -79,6 +79,8 @@ class StepReply:
     """Contact points of the last substep, shape (k, 14)."""
     forces: FloatArray
     """Forces of earlier substeps, shape (l, 6)."""
+    is_finite: bool
+    """Whether all states are finite."""
 
 
 def json_body(content: object) -> bytes:
@@ -145,18 +147,26 @@ def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepRe
             f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces has "
             f"{_REPLY_HEAD + sum(sizes)} numbers, got {len(words)}"
         )
-    ends = [_REPLY_HEAD + sum(sizes[:part]) for part in range(1, 5)]  # slices: np.split costs more than all the rest
-    ids, moved, seen, felt = (words[end - size : end] for end, size in zip(ends, sizes, strict=True))
+    of_moved, of_points = (
+        _REPLY_HEAD + listed,
+        _REPLY_HEAD + listed + sizes[1],
+    )  # slices: np.split costs more than the rest
+    of_forces = of_points + sizes[2]
+    ids = words[_REPLY_HEAD:of_moved]
     if blocks != states or len(ids) != len(bodies) or (ids != bodies).any():
         raise ProtocolError(
             f"the answer must have {states} states of the bodies that are live or moved, by rising id, "
             f"{_listed(bodies)}; got {blocks} of {_listed(ids)}"
         )
-    contacts, felt = seen.reshape(points, CONTACT_WIDTH), felt.reshape(forces, FORCE_WIDTH)
-    rows = moved.reshape(blocks, listed, STATE_WIDTH)
-    if not np.isfinite(words).all() and np.isfinite(rows).all():
+    rows = words[of_moved:of_points].reshape(blocks, listed, STATE_WIDTH)
+    contacts = words[of_points:of_forces].reshape(points, CONTACT_WIDTH)
+    felt = words[of_forces:].reshape(forces, FORCE_WIDTH)
+    with np.errstate(all="ignore"):
+        is_whole = math.isfinite(words.sum())  # a sum is not finite if a term is not
+    is_finite = is_whole or bool(np.isfinite(rows).all())
+    if is_finite and not is_whole:
         raise ProtocolError("a contact point or a force in the answer is not finite, though all states are")
-    return StepReply(engine_s, rows, contacts, felt)
+    return StepReply(engine_s, rows, contacts, felt, is_finite)
 
 
 def _listed(ids: FloatArray | IntArray) -> str:

@@ -69,7 +69,6 @@ class BridgeSimulation(Simulation):
         self._states = np.full((64, STATE_WIDTH), np.nan)  # by body
         self._reply: StepReply | None = None  # of the latest frame, if it was read
         self._replied: IntArray = np.empty(0, np.int64)
-        self._is_finite = True  # all states of the latest frame
         self._before: Motions | None = None
         if self.capabilities.planar:
             check_vector_in_plane(self.engine, "gravity [m/s2]", self.world.gravity)
@@ -128,8 +127,7 @@ class BridgeSimulation(Simulation):
         bodies = self.bodies.moving()
         reply = self._exchange(seconds / substeps, substeps, is_read, bodies)
         self._reply, self._replied, self._before = reply if is_read else None, bodies, None
-        self._is_finite = bool(np.isfinite(reply.states).all())
-        self._states[bodies] = reply.states[-1] if self._is_finite else np.nan
+        self._states[bodies] = reply.states[-1] if reply.is_finite else np.nan
         if is_read:
             earlier = reply.states[:-1]
             for state in earlier:
@@ -161,7 +159,7 @@ class BridgeSimulation(Simulation):
 
     def _contacts(self) -> Contacts:
         reply = self._reply
-        if reply is None or not self._is_finite:
+        if reply is None or not reply.is_finite:
             return Contacts.empty()
         before = reply.states[-2 if self.contacts_at == "start" else -1]
         contacts = self._as_contacts(reply.contacts, self._replied, before, reply.states[-1])
