@@ -1,7 +1,7 @@
-"""Chipmunk's contacts, put in order of our ids and lifted from its plane to three dimensions.
+"""Read Chipmunk's contacts, sort them by the suite's ids and lift them from its plane to three dimensions.
 
-Compiled, because a stack of frozen bricks costs Chipmunk some microseconds a step: a few dozen calls of NumPy
-on three contacts would cost ten times that. Lengths are in engine units unless a docstring says otherwise.
+The functions are compiled, because a few dozen calls of NumPy cost ten times as much as Chipmunk's step of a frozen
+stack (some microseconds). Lengths are in engine units unless a docstring says otherwise.
 """
 
 from __future__ import annotations

@@ -163,7 +163,7 @@ def _knob(where: str, knob: Any) -> Knob:
     if type(follows_world) is not bool:
         raise ProfileFileError(f"{where}.follows_world must be true or false, got {follows_world!r}")
     if follows_world and type(value) not in (int, float):
-        raise ProfileFileError(f"{where}.follows_world is for lengths; the value is {value!r}")
+        raise ProfileFileError(f"{where}.follows_world is for lengths; the value is {value!r}: delete follows_world")
     return Knob(value, _text(where, knob, "reason"), follows_world)
 
 

@@ -36,9 +36,8 @@ def warm_up(policy: str = "equilibrium") -> float:
     """Compile all kernels of ``policy``, or read them from Numba's cache; return the time [s].
 
     ``StabilityExtension`` calls it, once in a process for each policy, so that nothing is compiled while a simulation
-    runs.
-    Call it where the wait matters least, such as when a container is built: compiling takes a minute or two, once per
-    version. Long compilations, and a cache that is not writable, are reported to the logger ``stability_core``.
+    runs. Call it where the wait matters least, such as when a container is built: compiling takes a minute or two, once
+    per version. Long compilations, and a cache that is not writable, are reported to the logger ``stability_core``.
 
     Raises:
         UnknownNameError: if there is no such policy.
@@ -151,10 +150,8 @@ class StabilityExtension:
         """Unfreeze ``bodies`` and the frozen bodies that rest on them, at once, as an impact on them would.
 
         Call it before an impulse or an explosion is applied, so that it moves them in the same frame. Call it also if
-        the port
-        cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name the belt. An
-        unfrozen
-        body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
+        the port cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name the
+        belt. An unfrozen body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -201,10 +198,8 @@ class StabilityExtension:
         """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
 
         The cost depends on the live bodies and the changes, not on the number of frozen bodies; it is negligible while
-        nothing
-        is live. If it raises, nothing changes, except that a port whose ``sleep`` or ``wake`` raised may have carried
-        out a
-        part of the batch: the next update repeats that batch.
+        nothing is live. If it raises, nothing changes, except that a port whose ``sleep`` or ``wake`` raised may have
+        carried out a part of the batch: the next update repeats that batch.
 
         Raises:
             ValueError: if dt is not positive, or the port returns malformed contacts or masses.
@@ -228,10 +223,8 @@ class StabilityExtension:
         """Judge bodies in place by statics, at once: freeze those that stand, without waiting for their rest.
 
         Use it for stacks that exist when the simulation starts, or are set down whole: call it before the first step,
-        with an
-        engine that lists the contacts of the present poses. Bodies that cannot stand, move, or slide at a contact stay
-        live.
-        Policies that require rest only (``at_rest``, ``pile``) adopt nothing.
+        with an engine that lists the contacts of the present poses. Bodies that cannot stand, move, or slide at a
+        contact stay live. Policies that require rest only (``at_rest``, ``pile``) adopt nothing.
 
         Args:
             bodies: the live bodies to judge; None for all.

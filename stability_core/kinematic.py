@@ -6,10 +6,9 @@ Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVIN
 - MOVING: nothing may freeze on it. Bodies that rested on it unfreeze in the frame in which it begins to move.
 
 It begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes of the
-smallest
-body that has touched it, and it is FIXED again once it has kept its place for ``still_s``. The path of its surface is
-the
-sum of the greatest relative speeds at its contacts with frozen bodies, which shows turns about its centre and belts.
+smallest body that has touched it, and it is FIXED again once it has kept its place for ``still_s``. The path of its
+surface is the sum of the greatest relative speeds at its contacts with frozen bodies, which shows turns about its
+centre and belts.
 """
 
 from __future__ import annotations

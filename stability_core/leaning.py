@@ -1,8 +1,7 @@
 """Leaning stability (Thomsen and Kraus 2015, Eqs 3 and 5-7): a body that stands on one contact and leans on another.
 
 The rule is the paper's, with its known weakness: it assumes that friction at the upper contact holds as much weight as
-it
-can, so between 50 and 65 degrees it accepts an inverted V that must slip.
+it can, so between 50 and 65 degrees it accepts an inverted V that must slip.
 """
 
 from __future__ import annotations

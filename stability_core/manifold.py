@@ -141,9 +141,7 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
     """Rebuild the patches of ``body`` on all bodies that it stands on or leans against in ``contacts``.
 
     A frozen body keeps its patches, so it gets patches on the stack only (ground and frozen bodies); frozen bodies that
-    stand
-    on it get patches on it as well.
-    O(rows times neighbours), whatever the height of the stack.
+    stand on it get patches on it as well. O(rows times neighbours), whatever the height of the stack.
 
     Args:
         graph: with at least as many spare patches as there are rows.

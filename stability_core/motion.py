@@ -185,9 +185,8 @@ def list_due(
     """List the bodies whose stability must be decided now; return their number.
 
     A deferred body is tested in the next frame, a refused one after another ``rest_s``. While it and its neighbours
-    keep
-    their places, a body that would fall is tested after 2, 4, 8 times that, and a body in doubt not before ``doubt_s``,
-    because solves are expensive.
+    keep their places, a body that would fall is tested after 2, 4, 8 times that, and a body in doubt not before
+    ``doubt_s``, because solves are expensive.
 
     Args:
         bodies: the table.

@@ -1,9 +1,8 @@
 """The core's view of a physics engine: contacts, sleep and mass, and nothing else.
 
 SI units, float64, struct of arrays, in the coordinates of the engine: gravity defines the vertical. Body ids are
-integers
-from 0, never reused, of any size: memory grows with the number of bodies that live. "Sleep" means an exact freeze: a
-frozen body does not move at all, even if it is hit.
+integers from 0, never reused, of any size: memory grows with the number of bodies that live. "Sleep" means an exact
+freeze: a frozen body does not move at all, even if it is hit.
 """
 
 from __future__ import annotations
@@ -23,9 +22,8 @@ GROUND = -1
 """Id of everything that never moves and was never spawned: floor, table, walls.
 
 A body that the host will ever move (a lift, a door, a conveyor belt) has its own id and infinite mass, see ``Masses``.
-If
-a part of the ground starts to move all the same, list it as such a body from then on, and name the bodies that rest on
-it to ``StabilityExtension.wake``.
+If a part of the ground starts to move all the same, list it as such a body from then on, and name the bodies that rest
+on it to ``StabilityExtension.wake``.
 """
 
 
@@ -79,10 +77,8 @@ class Masses:
     it has moved it is live from then on, and if its mass has changed the stack is judged with the new mass.
 
     A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that its
-    motion
-    is seen. While it keeps its place it counts as ground; when it begins to move, all bodies on it unfreeze. A body
-    that moves
-    in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
+    motion is seen. While it keeps its place it counts as ground; when it begins to move, all bodies on it unfreeze. A
+    body that moves in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
     (``Contacts.relative_velocity``); if the engine lists none, name it to ``StabilityExtension.wake``.
     """
 

@@ -43,8 +43,7 @@ def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     """Check a port on your own simulation: array shapes, signs of normals and separations, and exact freezing.
 
     The simulation is stepped, and must come to rest with a body on the ground, or on anything else that never moves.
-    That
-    body is frozen for a while, and unfrozen.
+    That body is frozen for a while, and unfrozen.
 
     Args:
         port: the port, without an extension.

@@ -1,10 +1,9 @@
 """Pushes: contact forces of live bodies on frozen ones beyond their weight.
 
 A body that lies on a stack presses with its weight, which statics knows. A motor, a robot or a user that leans on a
-stack
-presses with a force that only the engine knows. If the engine reports contact forces, those at side faces count, and
-all
-forces of bodies that the user holds or the host moves. The mean over ``load_s`` is used, so that a bump is no push.
+stack presses with a force that only the engine knows. If the engine reports contact forces, those at side faces count,
+and all forces of bodies that the user holds or the host moves. The mean over ``load_s`` is used, so that a bump is no
+push.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 A patch joins an upper body to its support or leaning partner. Patches hang in two linked lists, one of each body's
 supports and one of its loads, so that a change costs as much as the touched bodies, at any height. Frozen pairs keep
-the
-patch of their freezing, because engines drop such contacts.
+the patch of their freezing, because engines drop such contacts.
 """
 
 from __future__ import annotations

@@ -60,4 +60,4 @@ def does_not_list_what_passes_by(rig: Rig) -> None:
         seen = _fly(rig, speed, EDGE / 2 + 3.9e-3 + 5e-3)
         listed = [row for row in seen if not np.isnan(row[1])]
         require(not listed, f"a cube that passes by at {speed} m/s is listed in {len(listed)} frames")
-        require(seen[-1][3], f"a cube that passes by at {speed} m/s was stopped")
+        require(seen[-1][3], f"a cube that passes by at {speed} m/s was stopped, must fly on")

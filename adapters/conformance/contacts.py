@@ -162,7 +162,10 @@ def reports_every_pair(rig: Rig) -> None:
         simulation.step(simulation.info.frame_s)
         contacts = simulation.port.contacts()
         _require_well_formed(simulation, contacts)
-        require(pairs(contacts) == {(bridge, rider)}, f"pairs {pairs(contacts)} once the bridge is frozen")
+        require(
+            pairs(contacts) == {(bridge, rider)},
+            f"pairs {pairs(contacts)} after the freeze, must be {(bridge, rider)} alone",
+        )
 
 
 def reports_the_speed_of_impact(rig: Rig) -> None:

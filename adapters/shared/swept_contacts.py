@@ -121,7 +121,7 @@ def _edge_towards(box: FloatArray, direction: FloatArray) -> tuple[FloatArray, F
 
 @numba.njit(cache=True)
 def _crossing(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> FloatArray:
-    """Return point (3,) [m] on a's edge that is nearest to b's edge, for boxes that meet edge on edge."""
+    """Return the point (3,) [m] on the edge of a box that is nearest to an edge of the other, for crossing edges."""
     p, u = _edge_towards(box_a, normal)
     q, v = _edge_towards(box_b, -normal)
     w = q - p

@@ -92,8 +92,7 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
     """Return the order in which to paint boxes that do not overlap, seen from ``toward``: the painter's algorithm.
 
     Of two boxes that a plane parallel to one of their faces divides, the box on the viewer's side is painted later.
-    Boxes
-    that do not overlap in the picture, even grazing, may come in any order.
+    Boxes that do not overlap in the picture, even grazing, may come in any order.
     """
     order: TopologicalSorter[int] = TopologicalSorter(dict.fromkeys(range(len(boxes)), ()))
     corners = boxes.corners

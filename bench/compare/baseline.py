@@ -111,7 +111,9 @@ def read_baseline(path: Path) -> Baseline:
     except (JsonError, RecordError) as error:
         raise BaselineError(str(error)) from error
     except ValidationError as error:
-        raise BaselineError(f"{path}: not a baseline of this suite: {_first(error)}") from error
+        raise BaselineError(
+            f"{path}: not a baseline of this suite: {_first(error)}; make it again with 'bench baseline'"
+        ) from error
     seen: set[str] = set()
     for record in baseline.trials:
         if record.trial in seen:
@@ -200,7 +202,7 @@ def _study(path: Path) -> _KeptStudy:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise BaselineError(f"{path}: not valid TOML: {error}") from error
     except ValidationError as error:
-        raise BaselineError(f"{path}: not the study file of a run: {_first(error)}") from error
+        raise BaselineError(f"{path}: not the study file of a run: {_first(error)}; restore the file") from error
 
 
 def _machines(folder: Path) -> dict[str, Machine]:
@@ -209,13 +211,15 @@ def _machines(folder: Path) -> dict[str, Machine]:
     for path in sorted(folder.glob("environment*.json")):
         environment = parse(read_file(path), str(path))
         if not isinstance(environment, dict):
-            raise BaselineError(f"{path}: not the environment file of a run")
+            raise BaselineError(f"{path}: not the environment file of a run; run the study again, or restore the file")
         description = {key: value for key, value in environment.items() if key != SESSIONS}
         name = digest(description) if path.name == ENVIRONMENT else path.stem.removeprefix("environment-")
         try:
             machines[name] = _machine(description)
         except (KeyError, TypeError, AttributeError, ValidationError):
-            raise BaselineError(f"{path}: not the environment file of a run") from None
+            raise BaselineError(
+                f"{path}: not the environment file of a run; run the study again, or restore the file"
+            ) from None
     return machines
 
 
@@ -230,7 +234,7 @@ def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part
         try:
             found[record.trial] = shares(read_frames(path), record.timed_frames)
         except (pa.ArrowInvalid, OSError, KeyError, TypeError, ValueError) as error:
-            raise BaselineError(f"{path}: not the frames of a trial: {error}") from error
+            raise BaselineError(f"{path}: not the frames of a trial: {error}; run the trial again") from error
     return {trial: parts for trial, parts in found.items() if parts}
 
 

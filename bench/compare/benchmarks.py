@@ -1,8 +1,7 @@
 """Comparison of two files of pytest-benchmark: the cost of a frame with the extension, in frames without it.
 
 ``tests/benchmarks/test_frame_speed.py`` times both on the same stack, alternating. Only their ratio is compared,
-because
-times of two runs depend on the machine. Each second of frames gives one figure:
+because times of two runs depend on the machine. Each second of frames gives one figure:
 
     frame ratio            r_k = mean frame time of the k-th second with the extension
                                  / median frame time of the frames without it just before

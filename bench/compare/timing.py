@@ -2,10 +2,9 @@
 
 Times of two runs cannot be compared, because a shared machine may run twice as fast a minute later. But the parts of a
 frame run within a millisecond: their ratio, its median over the frames of a trial, varies by some percent where the
-times
-themselves vary by a factor. The yardstick is the unchanged part: the core, if both sides run the same sources, as when
-builds of an engine are compared; else the engine's step, if it is of one version and all poses are the same, so that
-its work was the same.
+times themselves vary by a factor. The yardstick is the unchanged part: the core, if both sides run the same sources, as
+when builds of an engine are compared; else the engine's step, if it is of one version and all poses are the same, so
+that its work was the same.
 
 The median describes a typical frame; it does not show rare events such as freezing.
 """

@@ -1,8 +1,7 @@
 """Run a study on a Dask cluster: workers run the trials, each in a process of its own, and one writer collects them.
 
 Scheduler and workers are Dask's own (``dask scheduler``, ``dask worker``), started from the same checkout. A worker
-runs
-as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another.
+runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 Several threads may read the exit status of a child at the same time. ``multiprocessing`` reads it from a pipe, which
 holds it once, so the second of two threads finds the end of the pipe and records 255. That happens here, because
-starting
-a trial polls all children while other threads wait for theirs. So one lock guards the read.
+starting a trial polls all children while other threads wait for theirs. So one lock guards the read.
 """
 
 from __future__ import annotations

@@ -130,8 +130,7 @@ class IsolatedTrial:
         """End the process without an outcome.
 
         The process is killed rather than its future cancelled, because a result that arrives at the same moment would
-        break the
-        thread that waits for it. No result can arrive before the process has reported its number.
+        break the thread that waits for it. No result can arrive before the process has reported its number.
         """
         if self._pid is None:
             self.future.cancel()  # type: ignore[no-untyped-call]
@@ -147,8 +146,7 @@ class IsolatedTrial:
         """Return whether the process died of its own alarm, not of an alarm that its engine set before the limit.
 
         Either that alarm or pebble ends a step that does not return. Pebble counts polls of 0.1 s, each of which takes
-        a little
-        longer, so its limit comes seconds late after minutes.
+        a little longer, so its limit comes seconds late after minutes.
         """
         return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 

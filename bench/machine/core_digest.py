@@ -2,8 +2,7 @@
 
 The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name, without docstrings, other
 strings that stand alone, comments and layout, so that an edit of prose outdates no page. Any other change counts, even
-a
-change without effect on results, such as a renamed variable.
+a change without effect on results, such as a renamed variable.
 """
 
 from __future__ import annotations

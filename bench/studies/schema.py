@@ -105,7 +105,9 @@ class ChosenScenario(_Model):
     def _can_be_built(self) -> ChosenScenario:
         for name, value in self.parameters.items():
             if value == []:
-                raise ValueError(f"parameter '{name}': an empty list leaves no variant")
+                raise ValueError(
+                    f"parameter '{name}': an empty list leaves no variant; name a value or leave the parameter out"
+                )
         if self.bisect is not None and self.bisect.parameter in self.parameters:
             raise ValueError(f"parameter '{self.bisect.parameter}' is bisected: take it out of 'parameters'")
         for parameters in self.known_variants():
@@ -232,7 +234,7 @@ class Study(_Model):
         if not self.set_ups():
             raise ValueError("field 'profiles': must not be empty without a sweep of one of the engines")
         if not admitted:
-            raise ValueError("the rules of 'include' and 'exclude' leave no trial")
+            raise ValueError("the rules of 'include' and 'exclude' leave no trial; remove or widen one")
         for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
                 profile_named(engine, profile)

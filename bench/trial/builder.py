@@ -171,8 +171,8 @@ class Builder:
         """Return the shift [m] of planned heights that lets the group hang ``CLEARANCE`` above its support.
 
         The support is a fixed box or a brick of a lower level. A brick planned beside the group is no support, though
-        it may
-        overlap it in plan by the micrometres by which it has moved. Poured bricks do not lie where they were planned.
+        it may overlap it in plan by the micrometres by which it has moved. Poured bricks do not lie where they were
+        planned.
         """
         _, position, quaternion = self._simulation.poses()
         plan, group = self.plan, Boxes.of(action.bricks)

@@ -120,8 +120,7 @@ def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
     """Return how far [m] each brick's level has sunk into the level below, shape (n,); the ground does not sink.
 
     The mean of a level is compared, because a tower that leans as one lowers one side of a level and lifts the other,
-    which
-    is no sink.
+    which is no sink.
     """
     if not len(position):
         return np.empty(0)

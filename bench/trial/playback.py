@@ -145,7 +145,7 @@ class Playback:
         return not (np.isfinite(position).all() and np.isfinite(quaternion).all())
 
     def frames_of(self, level: int) -> list[FrameRow]:
-        """Return the frames in which ``level`` was placed, including each brick's second."""
+        """Return the frames in which ``level`` was placed and its last brick settled (``SEATING_S``)."""
         until = self._seated_s + _ROUNDING_S
         return [row for row in self.rows if row.level == level and row.time_s <= until]
 

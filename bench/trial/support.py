@@ -19,10 +19,8 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
     """Return the heights [m] of the centres below which bricks without their support have dropped, shape (n,).
 
     A brick has dropped when it has fallen by half its thickness, or by half of the room below it where that is less.
-    Minus
-    infinity for a brick that kept its support: its plan has no more room below it than before, or only so little (less
-    than
-    half the thickness of the removed brick) as placement noise leaves.
+    Minus infinity for a brick that kept its support: its plan has no more room below it than before, or only so little
+    (less than half the thickness of the removed brick) as placement noise leaves.
 
     Args:
         plan: plan of the remaining bricks.

@@ -76,7 +76,9 @@ class ResultsFolder:
         try:
             return [from_flat(row) for row in published_rows(file)]
         except (ValueError, pa.ArrowException) as error:
-            raise RecordError(f"{file}: not a table of trials ({error})") from error
+            raise RecordError(
+                f"{file}: not a table of trials ({error}); restore the file, or make the page again"
+            ) from error
 
     def _with_creep(self, record: TrialRecord) -> TrialRecord:
         """Add to a record from before format 3 the creep that its recorded poses prove, if there are any."""

@@ -2,8 +2,7 @@
 
 Each brick is a node with an animated pose. Below it is a box for each state of the brick, of which the animation shows
 one at a time (scale 1 or 0, in steps). Fixed boxes are static nodes. glTF's y axis points up, so the root node turns
-our
-z axis to it.
+the z axis to it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """A replay that opens in any browser, offline: play, scrub, turn, several trials side by side.
 
 The page draws with three.js, which the wheel `jupyter-threejs-sage` ships. The script is written once beside the
-replays,
-because a page opened from a disk may load a classic script from its own folder, but neither modules nor data.
+replays, because a page opened from a disk may load a classic script from its own folder, but neither modules nor data.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The cost of height: levels reached against milliseconds per frame, for engines with several set-ups.
 
 A frame's time is the median over the frames in which the highest level that stood was the top level: the cost of a
-stack
-at its tallest. A stack that fell early therefore has the time of the standing stack, not of its rubble.
+stack at its tallest. A stack that fell early therefore has the time of the standing stack, not of its rubble.
 """
 
 from __future__ import annotations

@@ -56,14 +56,12 @@ def deviation(values: Sequence[float]) -> float | None:
 
 
 def success_rate(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
-    """Return the share of successes; None without trials.
+    """Return the success rate with its interval; None without trials.
 
     The interval is of a two-stage bootstrap: scenes are drawn, then seeds within each (Davison and Hinkley, Bootstrap
     Methods and their Application, 1997, section 3.8), because trials of a scene are alike. With one seed per scene
-    there is
-    no interval. A share of 0 or 1 gets an interval of no width, because the bootstrap cannot estimate an event that
-    never
-    happened.
+    there is no interval. A rate of 0 or 1 gets an interval of no width, because the bootstrap cannot estimate an event
+    that never happened.
 
     Args:
         by_scene: for each scene, the success of each of its seeds.

@@ -1,8 +1,7 @@
 """Pairs of scenes: one must stand, the other must fall, and little but the deciding quantity differs.
 
 Only a pair with both outcomes correct counts: a rule that freezes everything holds the scene that must fall, a rule
-that
-freezes nothing may drop the scene that must stand, and each alone gets half of all trials right.
+that freezes nothing may drop the scene that must stand, and each alone gets half of all trials right.
 """
 
 from __future__ import annotations

@@ -19,8 +19,7 @@ level 1, any other brick is one level above the highest brick that it stands on 
 that make up several levels are a prebuilt stack: they are set down without a gap, not dropped from ``CLEARANCE``.
 
 ``size``, ``mass`` and ``yaw`` change the whole scene: a factor on lengths, the clearance included; a factor on masses;
-a
-turn about z. Statics does not depend on them, so no answer may. Falls take sqrt(``size``) times as long, so for a
+a turn about z. Statics does not depend on them, so no answer may. Falls take sqrt(``size``) times as long, so for a
 ``size`` above 1 all times grow by that factor, including the time of watching.
 
 Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. Where they differ, or

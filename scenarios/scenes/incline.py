@@ -6,8 +6,7 @@ weight presses on the ground and on the block's corner. On the lower half of the
 middle, and lies on it all the same.
 
 Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks below
-it
-was frozen where it landed.
+it was frozen where it landed.
 """
 
 from __future__ import annotations

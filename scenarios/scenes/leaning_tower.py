@@ -6,8 +6,7 @@ the tower balances on an edge, and within 5 % of that the energy of laying a pla
 The default ratio L / d = 8.5 lies half-way: eight planks keep 3.4 mm inside the edge, nine reach 3.4 mm beyond it.
 
 Look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. A tower
-that
-stands at ten levels is a false stand; a tower that falls early slides or sinks.
+that stands at ten levels is a false stand; a tower that falls early slides or sinks.
 """
 
 from __future__ import annotations

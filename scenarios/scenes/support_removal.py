@@ -6,8 +6,7 @@ case a brick has lost the support under one side of its centre of mass, or the p
 One cube on another drops straight down when the lower one is taken, upright and in its place seen from above.
 
 Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is removed: without it a
-brick
-falls far enough to be seen, not by a thickness onto the next one.
+brick falls far enough to be seen, not by a thickness onto the next one.
 
 Look for: engines whose bricks sleep may leave them hanging in the air when their support goes. Bricks that rested on it
 must fall, and no others.

@@ -11,8 +11,7 @@ While neither proves anything, the pyramids get one more side at each corner, in
 pyramid's force: there its error falls fourfold each time, and the true cone decides. A case that stays open is a doubt.
 
 Each program is elastic: it minimises the sum of missing forces and moments. So it always has a solution, the two
-pyramids
-bracket the true cone's residual, and no verdict depends on a solver's exit status.
+pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
 """
 
 from __future__ import annotations

@@ -63,10 +63,8 @@ def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gr
     """Return the bodies whose contact forces must be solved again for the ``seeds``; all other forces may stay.
 
     These are the seeds, all bodies that bear them, down to the ground, and bodies beside or above without balancing
-    kept
-    forces. If new forces balance these bodies, with the kept forces on their border, then the whole stack is in
-    balance:
-    O(bodies found).
+    kept forces. If new forces balance these bodies, with the kept forces on their border, then the whole stack is in
+    balance: O(bodies found).
 
     Args:
         graph: the stack.

@@ -1,8 +1,7 @@
 """The Coulomb cone of a contact: |f_t| <= mu f_n, its projection and the derivative of that projection.
 
 Nothing is linearised: there is no pyramid in place of the cone. With mu = 0 the cone is the ray along the normal, so
-the
-same code serves forces of a known direction.
+the same code serves forces of a known direction.
 """
 
 from __future__ import annotations

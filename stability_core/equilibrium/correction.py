@@ -5,9 +5,9 @@ Of all forces with A f = w inside cones K' a little narrower than Coulomb's, the
 f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
 
 A step dy of Newton's method forecasts the forces f + P_K'' A^T dy, which balance but may leave K'. As soon as they lie
-in
-the true cones K they are the proof, and the search ends before the minimum. The room between K' and K makes that soon:
-mostly at once, because the forces of before lie inside. If there are no such forces, nothing is proven either way.
+in the true cones K they are the proof, and the search ends before the minimum. The room between K' and K makes that
+soon: mostly at once, because the forces of before lie inside. If there are no such forces, nothing is proven either
+way.
 """
 
 from __future__ import annotations

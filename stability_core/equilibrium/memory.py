@@ -1,9 +1,8 @@
 """The certificate: contact forces that last held the stack, and the start of the next search.
 
 Bodies that bear a change are solved again; the forces kept for all other bodies still hold those. ``is_held``
-recomputes
-that from the present patches. Forces that are out of date, or belong to another patch, fail there, and their bodies are
-solved as well.
+recomputes that from the present patches. Forces that are out of date, or belong to another patch, fail there, and their
+bodies are solved as well.
 """
 
 from __future__ import annotations

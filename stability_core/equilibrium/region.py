@@ -225,8 +225,8 @@ def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -
     """Return True if a body topples alone and the stack bears its load meanwhile.
 
     It turns about the border of its contact area and presses there, with no more than its weight, at the point nearest
-    to
-    its centre of mass. If that point lies in the ``region`` (k, 3) of its supports, they bear it. False means unknown.
+    to its centre of mass. If that point lies in the ``region`` (k, 3) of its supports, they bear it. False means
+    unknown.
     """
     support = support_polygon(graph, body)
     if not topples_alone(graph, body, support):

@@ -68,9 +68,9 @@ def decide(
     """Decide whether the changed bodies fall by themselves; else correct the former forces; else start from scratch.
 
     Only the changed bodies are tested for a fall. Vertical forces from the top down are tried next (see
-    ``passing_down``),
-    because they cost less than a step of the correction. The correction takes one to four steps for nearly all standing
-    stacks; meanwhile its unbalanced bodies are tested for a fall as well. See ``correction`` and ``newton`` for a step.
+    ``passing_down``), because they cost less than a step of the correction. The correction takes one to four steps for
+    nearly all standing stacks; meanwhile its unbalanced bodies are tested for a fall as well. See ``correction`` and
+    ``newton`` for a step.
 
     Args:
         problem: n bodies and m contacts, z up.

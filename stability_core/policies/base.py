@@ -52,8 +52,7 @@ class Policy(ABC):
         """Set the strength of gravity [m/s2], or note another direction: no earlier proof holds any more.
 
         The graph is turned so that z is up, and lists every frozen body as changed. A policy that remembers proofs or
-        forces
-        forgets them here.
+        forces forgets them here.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)
@@ -63,9 +62,8 @@ class Policy(ABC):
         """Bring the stack up to date with one frame.
 
         Every policy takes the same steps: build the patches of the worklist (``lay_due``); freeze the accepted
-        candidates,
-        lowest first; rebuild their patches (``lay_frozen``); and find the unbalanced bodies among all affected ones
-        (``take_changed``). A policy that takes them in one compiled call costs microseconds.
+        candidates, lowest first; rebuild their patches (``lay_frozen``); and find the unbalanced bodies among all
+        affected ones (``take_changed``). A policy that takes them in one compiled call costs microseconds.
 
         Args:
             graph: the stack, with enough spare patches; it lists the bodies that changed since the last call.

@@ -1,8 +1,7 @@
 """The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the stack with it.
 
 Cheap proofs come first. A body that topples alone is refused, and a body in the safe region of its supports is
-accepted,
-in O(1) at any height. Only the remaining bodies are solved, with the bodies that bear them: leaning bodies,
+accepted, in O(1) at any height. Only the remaining bodies are solved, with the bodies that bear them: leaning bodies,
 counterweights, lost supports. Bodies that move in the mechanism fall.
 
 A proof holds for frozen bodies only: there is no certificate for a stack with a live load, nor after a change of mass,
@@ -219,10 +218,8 @@ class Equilibrium(Policy):
         """Freeze the bodies of ``group`` that stand: remove falling ones until the rest stands.
 
         Bodies that statics leaves in doubt are frozen too, without a proof, once the engine has held all of them for
-        long enough.
-        Return the frozen bodies, the reason, and the rows of the solved patches. A standing group takes one to four
-        steps of a
-        solve of the bodies that bear it; a falling group a few steps of its own bodies.
+        long enough. Return the frozen bodies, the reason, and the rows of the solved patches. A standing group takes
+        one to four steps of a solve of the bodies that bear it; a falling group a few steps of its own bodies.
         """
         bodies = graph.bodies
         while len(group):
@@ -260,8 +257,7 @@ class Equilibrium(Policy):
         """Return the frozen bodies that move in the mechanism of an unbalanced part of the stack.
 
         A stack that stands with a live load is not proven to stand without it. A body frozen in doubt unfreezes at any
-        change
-        around it.
+        change around it.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
         doubtful: IntArray = unproven[in_doubt]
@@ -281,10 +277,8 @@ class Equilibrium(Policy):
         """Return which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
 
         The loads of live bodies on a rigid stack are one of many ways to share their weight. If the stack does not bear
-        them,
-        the live bodies that do not fall themselves are solved together with it. If that does not prove that the stack
-        bears the
-        load, the loaded bodies are unfrozen, and the rest is judged again without them.
+        them, the live bodies that do not fall themselves are solved together with it. If that does not prove that the
+        stack bears the load, the loaded bodies are unfrozen, and the rest is judged again without them.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
@@ -315,8 +309,7 @@ class Equilibrium(Policy):
         """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and which of them are known to be held, (k,).
 
         A body on level contacts presses with its weight. Only the engine knows the force of a wedged body; if it
-        reports no
-        forces, see ``live_load``.
+        reports no forces, see ``live_load``.
         """
         told = buffers.clock.item(TOLD) > 0.0
         if told and not is_upright(graph, live):
@@ -354,8 +347,7 @@ class Equilibrium(Policy):
         """Return the frozen bodies that move in an ``answer``'s mechanism, shape (k,); the seeds if nothing is known.
 
         Live bodies may fall from a standing stack, or be in doubt, and so may bodies that the engine held before they
-        froze:
-        they are removed, and the rest must bear their loads.
+        froze: they are removed, and the rest must bear their loads.
         """
         bodies, ids, level = graph.bodies, part.ids, part.level
         may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)

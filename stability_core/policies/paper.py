@@ -1,8 +1,7 @@
 """The policy of Thomsen and Kraus 2015: a body is stable if its centre of mass lies above its contact area.
 
 The flat test is a vertical ray from C_stack into the combined contact area; an object that does not lie flat may pass
-the
-leaning test instead. The overall test repeats the test that the object passed, with all its later loads.
+the leaning test instead. The overall test repeats the test that the object passed, with all its later loads.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """The sleeping rule for piles, after Hsu and Keyser 2010: bodies inside the pile freeze, its slope stays live.
 
 S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Their method models
-a
-pile by its shape, bounded by an angle of repose; it deactivates objects within the pile, by more than their own
-momentum;
-and it is meant for random piles, not for structures. The decision from contacts, sleep and mass is our reading:
+a pile by its shape, bounded by an angle of repose; it deactivates objects within the pile, by more than their own
+momentum; and it is meant for random piles, not for structures. The decision from contacts, sleep and mass is our
+reading:
 
 - The pile of a body is the set of frozen bodies joined to it by contacts. It stands on a base: the convex hull, in
   plan,

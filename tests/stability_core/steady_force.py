@@ -11,9 +11,9 @@ A case is a stack (tower, wall or leaning tower), a live body through which a fo
 - a cube that stands on the ground and touches the stack's side, pressed horizontally against it;
 - the topmost plank, pressed downwards or along the stack, at any slope between.
 
-A user holds the live body: the extension has been notified (``disturb``). The force grows from zero within
-``GROWTH_S`` and
-lasts until ``PRESSED_S``. The stack moves if any body, also the live one, is then more than ``MOVED`` off its place.
+A user holds the live body: the extension has been notified (``disturb``). The force grows from zero within ``GROWTH_S``
+and lasts until ``PRESSED_S``. The stack moves if any body, also the live one, is then more than ``MOVED`` off its
+place.
 
 The limit is the force up to which forces in the Coulomb cones balance all bodies (``scenarios.statics.force_balance``),
 found by bisection. A draw counts only if the judge (``scenarios.statics.truth``) calls the pile stable at 0.5 and at

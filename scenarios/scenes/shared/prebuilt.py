@@ -152,7 +152,9 @@ def _robbed(scene: Scene) -> Scene:
         scene = _raised(scene)
         taken = _load_bearing(scene)
     if taken is None:
-        raise ValueError(f"{scene.variant}: no single brick bears the rest, so that nothing falls without it")
+        raise ValueError(
+            f"{scene.variant}: no single brick bears the rest, so nothing falls without it; use built = 'one_by_one'"
+        )
     time = scene.done_s + STANDS_S
     rest = _without(scene, {*_removed(scene), taken})
     theory = f"{scene.expectation.theory}; exact statics finds no equilibrium without brick {taken}"
