@@ -29,7 +29,7 @@ def outcomes_here(
     """Yield outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all of them."""
     core_policies = _core_policies(study)
     try:
-        start_server(study.engines, core_policies)
+        start_server(study.engines, core_policies, reads_contacts=study.limits.forces)
         if core_policies:
             console.print("compiling the core once", soft_wrap=True)
         with interruption.at_once():

@@ -49,17 +49,20 @@ CONTEXT = _Context()
 """Replacement for ``multiprocessing.get_context("forkserver")``."""
 
 
-def start_server(engines: Sequence[str], core_policies: Sequence[str]) -> None:
+def start_server(engines: Sequence[str], core_policies: Sequence[str], *, reads_contacts: bool = False) -> None:
     """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor the trials.
 
     Args:
         engines: engines whose modules it loads.
         core_policies: policies for which it compiles the core; none if no trial uses the core.
+        reads_contacts: whether trials of an engine alone read contacts, too.
     """
     modules = [ENGINES[engine].module for engine in engines]
     core = ["bench.execution.preload_core"] if core_policies else []
+    contacts = ["bench.execution.preload_contacts"] if core_policies or reads_contacts else []
     os.environ[WANTED_POLICIES] = ",".join(core_policies)
-    forkserver.set_forkserver_preload(["bench.execution.worker", *modules, *core, "bench.execution.preload"])
+    last = "bench.execution.preload"
+    forkserver.set_forkserver_preload(["bench.execution.worker", *modules, *core, *contacts, last])
     resource_tracker.ensure_running()  # its start would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # works in a cluster worker's threads too
     try:
