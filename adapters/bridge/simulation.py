@@ -1,11 +1,11 @@
-"""A world of an engine in a process of its own: one message a frame.
+"""A world of an engine in a separate process, with one message per frame.
 
-What the host does between two frames, spawning, freezing or pushing bodies, is collected and sent with the next step.
-Until then the states that are shown are what they must be by then: a pushed body has its new velocity, a moved one its
-new pose. The state of a frozen body is the last one before it was frozen, and is never asked for again.
+The simulation collects the host's changes between two frames (bodies spawned, frozen, pushed and so on) and sends them
+with the next step. Until then it predicts the states: a pushed body has its new velocity, a moved one its new pose. The
+state of a frozen body is the last one before its freeze; no message requests it again.
 
 ``find_contacts`` starts a second process, opens a world in it with the same bodies, weightless and at rest, and reads
-the contacts of one very short step: the world itself does not notice.
+the contacts of one very short step, so that the world itself does not change.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ class Baseline(_Model):
         return self.machines.get(record.environment)
 
     def repeats_itself(self, record: TrialRecord) -> bool:
-        """Return whether the trial's engine is known to repeat bit for bit in every process."""
+        """Return whether the trial's engine repeats bit for bit in every process, by its capabilities."""
         machine = self.machine(record)
         engine = machine.engines.get(record.engine) if machine else None
         return engine is not None and engine.deterministic == "across processes"

@@ -99,7 +99,7 @@ class Results:
             environment.
 
         Raises:
-            ResultsError: if the folder cannot be written, another run is at work in it, or what it holds came from
+            ResultsError: if the folder cannot be written, another run is at work in it, or its trials came from
                 another study or environment and this is not accepted.
         """
         check_folder(folder)
