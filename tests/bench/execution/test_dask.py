@@ -114,7 +114,7 @@ def test_a_worker_of_another_checkout_is_refused() -> None:
     )
     decisive = {name: describe(["bullet"])[name] for name in dask._DECISIVE} | {"sources": "other"}
     order = Order("run", ("bullet",), (), Limits(), decisive)
-    with pytest.raises(ClusterError, match=r"differs in: sources\. Start it anew from the same checkout"):
+    with pytest.raises(ClusterError, match=r"differs in: sources; start it again from the same checkout"):
         dask._run_trial(plan_trials(study)[0], order)
 
 
