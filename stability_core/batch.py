@@ -46,6 +46,8 @@ def unfreeze(world: World, row: int) -> None:
 class Batch:
     """The bodies that one frame freezes and unfreezes, by row, with the reasons."""
 
+    __slots__ = ("_world", "deferred", "frozen", "woken")
+
     def __init__(self, world: World) -> None:
         """Start an empty batch for the bodies of ``world``."""
         self._world = world

@@ -330,27 +330,20 @@ class StabilityExtension:
 
         Each of ``contacts`` may need a patch for either body, before and after it freezes.
         """
-        batch = Batch(self._world)
-        news, self._news = self._news, {}
-        batch.wake(news)
-        moved = self._due(MOVED)
-        if len(moved):
-            batch.leave_moved(moved)
+        batch, worklist = Batch(self._world), self._world.buffers.worklist
+        if self._news:
+            news, self._news = self._news, {}
+            batch.wake(news)
+        if moved := worklist.item(MOVED, 0):
+            batch.leave_moved(worklist[MOVED, 1 : 1 + moved])
         self._world.make_room(4 * contacts)
         self.policy.budget = budget
         batch.frozen, unbalanced, batch.deferred = self.policy.settle(self._world.graph, self._world.buffers)
-        struck = self._due(STRUCK)
-        if len(struck):
-            batch.wake_struck(struck.copy())
+        if struck := worklist.item(STRUCK, 0):
+            batch.wake_struck(worklist[STRUCK, 1 : 1 + struck].copy())
         if len(unbalanced):
             batch.wake_above(unbalanced, "unbalanced")
         return self._send(batch)
-
-    def _due(self, kind: int) -> IntArray:
-        """Return the rows of one list of the latest frame, shape (k,)."""
-        worklist = self._world.buffers.worklist
-        rows: IntArray = worklist[kind, 1 : 1 + worklist.item(kind, 0)]
-        return rows
 
     def _send(self, batch: Batch) -> Change:
         """Send a batch to the engine and note its reasons; if the engine raises, the next update tries again."""
