@@ -98,9 +98,7 @@ class PymunkSimulation(SubstepSimulation):
     # -- actions --------------------------------------------------------------------------------------
 
     def _push(self, body: int, impulse: Vector) -> None:
-        x, y, z = impulse
-        if y != 0.0:
-            raise ValueError(f"pymunk is planar: an impulse must lie in the x-z plane, got {impulse} N s")
+        x, _, z = impulse
         planar = self._engine.bodies[body]
         planar.apply_impulse_at_world_point((x * UNITS_PER_METRE, z * UNITS_PER_METRE), planar.position)
         self._engine.reader.note_change()

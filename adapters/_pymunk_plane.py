@@ -12,19 +12,10 @@ from stability_core.port import FloatArray
 
 UNITS_PER_METRE = 1000.0
 
-MAX_OFF_PLANE = 1e-9
-"""Distance [m] from the plane, and component of a quaternion, that are rounding, no more."""
-
 
 def planar_gravity(gravity: Vector) -> tuple[float, float]:
-    """Return gravity in engine units.
-
-    Raises:
-        ValueError: if it leaves the engine's plane.
-    """
-    x, y, z = gravity
-    if y != 0.0:
-        raise ValueError(f"pymunk is planar: gravity must lie in the x-z plane, got {gravity} m/s2")
+    """Return gravity in engine units."""
+    x, _, z = gravity
     return x * UNITS_PER_METRE, z * UNITS_PER_METRE
 
 
@@ -34,17 +25,9 @@ def moment(brick: Brick) -> float:
 
 
 def in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, float], float]:
-    """Return position [mm] and angle [rad] in the engine's plane.
-
-    Raises:
-        ValueError: if the pose leaves the plane.
-    """
-    x, y, z = position
-    w, i, j, k = quaternion
-    if abs(y) > MAX_OFF_PLANE:
-        raise ValueError(f"pymunk is planar: put the brick's centre at y = 0, got y = {y} m")
-    if max(abs(i), abs(k)) > MAX_OFF_PLANE:
-        raise ValueError(f"pymunk is planar: turn bricks about the y axis only, got quaternion {quaternion}")
+    """Return position [mm] and angle [rad] in the engine's plane."""
+    x, _, z = position
+    w, _, j, _ = quaternion
     return (x * UNITS_PER_METRE, z * UNITS_PER_METRE), -2 * math.atan2(j, w)
 
 

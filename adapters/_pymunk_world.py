@@ -38,7 +38,7 @@ class PymunkWorld:
         self._new_statics: list[int] = []
 
     def set_gravity(self, gravity: Vector) -> None:
-        """Set gravity [m/s2]; ``ValueError`` if it leaves the plane."""
+        """Set gravity [m/s2]."""
         self.space.gravity = planar_gravity(gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
@@ -63,7 +63,7 @@ class PymunkWorld:
         self.reader.remove(body)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a body, and stop it; ``ValueError`` if the pose leaves the plane."""
+        """Set the pose of a body, and stop it."""
         planar = self.bodies[body]
         planar.position, planar.angle = in_plane(position, quaternion)
         halt(planar)

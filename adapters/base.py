@@ -18,7 +18,14 @@ from adapters.profile import Capabilities, EngineInfo, Knob, KnobValue, Profile,
 from adapters.shared.bodies import NO_FORCE, Bodies
 from adapters.shared.contact_completion import fixed_id, prepare
 from adapters.shared.ground import ground_box
-from adapters.shared.input_checks import check_box, check_finite, check_mass, check_pose
+from adapters.shared.input_checks import (
+    check_box,
+    check_finite,
+    check_mass,
+    check_pose,
+    check_pose_in_plane,
+    check_vector_in_plane,
+)
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, FloatArray, IntArray
 
@@ -42,6 +49,8 @@ class Simulation(EngineHooks):
         """
         for box in world.fixed:
             check_box(box)
+            self._check_pose_in_plane(box.position, box.quaternion)
+        self._check_vector_in_plane("gravity", world.gravity, "m/s2")
         self.world = world
         self.expected = tuple(expected)
         self._unfitted = profile
@@ -88,10 +97,12 @@ class Simulation(EngineHooks):
         """Put a brick at rest into the world, live or moved by the host; return its id.
 
         Raises:
-            ValueError: if size or mass is not positive and finite, or the pose is not finite.
+            ValueError: if size or mass is not positive and finite, or the pose is not finite, or leaves the plane of a
+                planar engine.
         """
         check_mass(brick)
         check_box(brick)
+        self._check_pose_in_plane(brick.position, brick.quaternion)
         body = self.bodies.new_id()
         (self._spawn_moved if brick.moved else self._spawn)(body, brick)
         self._port.add(body, brick.size)
@@ -115,10 +126,11 @@ class Simulation(EngineHooks):
 
         Raises:
             KeyError: if there is no such body.
-            ValueError: if the impulse is not finite.
+            ValueError: if the impulse is not finite, or leaves the plane of a planar engine.
         """
         self.bodies.check_known((body,))
         check_finite("impulse", impulse, "N s")
+        self._check_vector_in_plane("an impulse", impulse, "N s")
         if body in self.bodies.live:
             self._push(body, impulse)
 
@@ -133,8 +145,7 @@ class Simulation(EngineHooks):
         """
         self.bodies.check_known((body,))
         check_finite("force", force, "N")
-        if self.capabilities.planar and force[1] != 0.0:
-            raise ValueError(f"{self.engine} is planar: a force must lie in the x-z plane, got {force} N")
+        self._check_vector_in_plane("a force", force, "N")
         if any(force):
             self.bodies.steady[body] = force
         else:
@@ -164,6 +175,7 @@ class Simulation(EngineHooks):
             ValueError: if it is not finite, or leaves the plane of a planar engine.
         """
         check_finite("gravity", gravity, "m/s2")
+        self._check_vector_in_plane("gravity", gravity, "m/s2")
         self._set_gravity(gravity)
         self.world = replace(self.world, gravity=gravity)
 
@@ -172,10 +184,11 @@ class Simulation(EngineHooks):
 
         Raises:
             KeyError: if there is no such body.
-            ValueError: if the pose is not finite.
+            ValueError: if the pose is not finite, or leaves the plane of a planar engine.
         """
         self.bodies.check_known((body,))
         check_pose(position, quaternion)
+        self._check_pose_in_plane(position, quaternion)
         self._move(body, position, quaternion)
         self._port.note_move(body)
 
@@ -223,6 +236,14 @@ class Simulation(EngineHooks):
     def close(self) -> None:
         """Free the engine's memory; the simulation cannot be used afterwards."""
         self._close()
+
+    def _check_vector_in_plane(self, quantity: str, value: Vector, unit: str) -> None:
+        if self.capabilities.planar:
+            check_vector_in_plane(self.engine, quantity, value, unit)
+
+    def _check_pose_in_plane(self, position: Vector, quaternion: Quaternion) -> None:
+        if self.capabilities.planar:
+            check_pose_in_plane(self.engine, position, quaternion)
 
     def _end_force(self, body: int) -> None:
         """Let no steady force act on a body any more; on frozen and moved ones none does."""

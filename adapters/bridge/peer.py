@@ -78,7 +78,7 @@ class Peer:
         self._end = weakref.finalize(self, _end, process, self._printed)
 
     def ask(self, kind: Kind, body: bytes) -> bytearray:
-        """Return send a message and return the body of the answer.
+        """Send a message and return the body of the answer.
 
         Raises:
             PeerError: if the engine answers with an error.

@@ -40,7 +40,6 @@ from adapters.bridge.messages import (
     step_reply,
 )
 from adapters.bridge.peer import SILENCE_S, Peer
-from adapters.bridge.plane import check_pose_in_plane, check_vector_in_plane
 from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces, mean_force
@@ -70,8 +69,6 @@ class BridgeSimulation(Simulation):
         self._reply: StepReply | None = None  # of the latest frame, if it was read
         self._replied: IntArray = np.empty(0, np.int64)
         self._before: Motions | None = None
-        if self.capabilities.planar:
-            check_vector_in_plane(self.engine, "gravity [m/s2]", self.world.gravity)
         self._finder: Peer | None = None  # process in which contacts are found, once it is needed
         self._peer = self._started()
         self._peer.ask(Kind.OPEN, json_body(self._opening()))
@@ -93,16 +90,12 @@ class BridgeSimulation(Simulation):
         self._commands.append((Code.REMOVE, body))
 
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        if self.capabilities.planar:
-            check_pose_in_plane(self.engine, position, quaternion)
         self._commands.append((Code.MOVE, body, *position, *quaternion))
         self._place(body, position, quaternion)
 
     # -- actions -----------------------------------------------------------------------------------
 
     def _push(self, body: int, impulse: Vector) -> None:
-        if self.capabilities.planar:
-            check_vector_in_plane(self.engine, "an impulse [N s]", impulse)
         self._commands.append((Code.PUSH, body, *impulse))
         self._states[body, LINEAR] += np.array(impulse) / self.bricks[body].mass
 
@@ -113,8 +106,6 @@ class BridgeSimulation(Simulation):
         self._commands.append((Code.DRIVE, body, *linear, *angular))
 
     def _set_gravity(self, gravity: Vector) -> None:
-        if self.capabilities.planar:
-            check_vector_in_plane(self.engine, "gravity [m/s2]", gravity)
         self._commands.append((Code.GRAVITY, 0.0, *gravity))
 
     # -- time --------------------------------------------------------------------------------------
@@ -224,8 +215,6 @@ class BridgeSimulation(Simulation):
         }
 
     def _insert(self, code: Code, body: int, brick: Brick) -> None:
-        if self.capabilities.planar:
-            check_pose_in_plane(self.engine, brick.position, brick.quaternion)
         self._commands.append((code, body, *brick.size, brick.mass, *brick.position, *brick.quaternion))
         if body >= len(self._states):
             self._states = np.concatenate([self._states, np.full_like(self._states, np.nan)])
@@ -236,7 +225,7 @@ class BridgeSimulation(Simulation):
         self._states[body] = (*position, *quaternion, *(0.0,) * 6)
 
     def _exchange(self, substep_s: float, substeps: int, is_read: bool, bodies: IntArray) -> StepReply:
-        """Return send the collected commands with a step, and return the answer."""
+        """Send the collected commands with a step, and return the answer."""
         question = step_body(substep_s, substeps, is_read, self._commands)
         self._commands.clear()
         return step_reply(self._peer.ask(Kind.STEP, question), bodies, substeps + 1 if is_read else 1)

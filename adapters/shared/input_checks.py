@@ -8,6 +8,9 @@ import numpy as np
 
 from scenarios.model import Brick, Quaternion, Vector
 
+MAX_OFF_PLANE = 1e-9
+"""Distance [m] from the plane of a planar engine, and component of a quaternion, that are rounding, no more."""
+
 
 def check_finite(quantity: str, value: Vector, unit: str) -> None:
     """Raise ``ValueError`` unless all components are finite."""
@@ -33,3 +36,19 @@ def check_pose(position: Vector, quaternion: Quaternion) -> None:
     check_finite("position", position, "m")
     if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
         raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}")
+
+
+def check_vector_in_plane(engine: str, quantity: str, value: Vector, unit: str) -> None:
+    """Raise ``ValueError`` unless a vector lies in the plane of a planar engine."""
+    if value[1] != 0.0:
+        raise ValueError(f"{engine} is planar: {quantity} must lie in the x-z plane, got {value} {unit}")
+
+
+def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -> None:
+    """Raise ``ValueError`` unless a pose lies in the plane of a planar engine."""
+    _, y, _ = position
+    _, i, _, k = quaternion
+    if abs(y) > MAX_OFF_PLANE:
+        raise ValueError(f"{engine} is planar: put the brick's centre at y = 0, got y = {y} m")
+    if max(abs(i), abs(k)) > MAX_OFF_PLANE:
+        raise ValueError(f"{engine} is planar: turn bricks about the y axis only, got quaternion {quaternion}")
