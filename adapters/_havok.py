@@ -29,33 +29,24 @@ from typing import ClassVar
 
 from adapters import wasm
 from adapters.bridge.description import Detection
-from adapters.bridge.simulation import BridgeSimulation
 from adapters.profile import Capabilities, Profile
 from adapters.profile_files import load_settings
+from adapters.wasm.simulation import WasmSimulation
 
 _SETTINGS = load_settings("havok")
 _SAID = wasm.description("havok")
 
 
-class HavokSimulation(BridgeSimulation):
+class HavokSimulation(WasmSimulation):
     """One world of Havok."""
 
     engine: ClassVar[str] = "havok"
+    package: ClassVar[str] = "@babylonjs/havok"
     profiles: ClassVar[Mapping[str, Profile]] = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
     iterations: ClassVar[str] = _SAID.iterations
     capabilities: ClassVar[Capabilities] = _SAID.capabilities
     contacts_at: ClassVar[Detection] = _SAID.contacts_at
-
-    @classmethod
-    def check_installed(cls) -> None:
-        """Raise ``ImportError`` if Node or the package is missing."""
-        wasm.check_package(cls.engine, "@babylonjs/havok")
-
-    @classmethod
-    def command(cls) -> list[str]:
-        """Return the command that starts it."""
-        return [str(wasm.node()), str(wasm.FOLDER / "peer.mjs"), cls.engine]
 
     def _open(self) -> None:
         if self.info.sleeping == "raised":
