@@ -55,8 +55,8 @@ KEPT = Path("results/tight_courses")
 """What engines and judge said: each is asked once, the core anew in each run."""
 REFINED = {"mujoco": "tuned@substeps=64", "bullet": "tuned@substeps=32"}
 """Engines that are asked again where verdict and engines differ, with an eighth of the step: what a step does to a
-contact that only just holds shrinks with the step, what statics does to it stays. PhysX is not asked: there, side
-contacts stick when its step is small, as the controls show (5 of 24 stand)."""
+contact that only just holds shrinks with the step, what statics does to it stays. PhysX is not asked: its side contacts
+may stick at a small step, so that cases which only prestress could hold stand."""
 CONTROLS = 100
 """Cases in doubt that fall in all three engines, drawn to be asked again as well: these must go on falling."""
 PAGE = Path(__file__).parents[2] / "docs" / "results" / "truth" / "tight_courses.md"
