@@ -12,15 +12,13 @@ from adapters.base import Simulation
 from bench.trial.drives import Drives
 from bench.trial.gravity import TurningGravity
 from bench.trial.manipulator import Listener, Manipulator
-from bench.trial.measure import FloatArray, Plan
+from bench.trial.measure import EARLY_S, FloatArray, Plan
 from bench.trial.support import drop_heights
 from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
 """Time [s] for which a brick is held before it is pushed or pulled: the extension unfreezes it in the next frame."""
-_EARLY_S = 1e-9
-"""Time [s] by which an action may lie ahead and still be due, because frame times are rounded sums."""
 
 
 class Builder:
@@ -75,7 +73,7 @@ class Builder:
         for body in self._manipulator.pull_on(time):
             self._forget(body)
             self._plan_anew()
-        self._manipulator.press_on(time + _EARLY_S)
+        self._manipulator.press_on(time + EARLY_S)
         while action := self._due(time):
             self._pending.pop()
             self._carry_out(action, time)
@@ -149,7 +147,7 @@ class Builder:
             self.plan = replace(self.plan, drop_below=np.array(rows))
 
     def _due(self, time: float) -> Action | None:
-        if self._pending and self._pending[-1].time <= time + _EARLY_S:
+        if self._pending and self._pending[-1].time <= time + EARLY_S:
             return self._pending[-1]
         return None
 

@@ -27,6 +27,8 @@ from scenarios.statics import falling
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+EARLY_S = 1e-9
+"""Time [s] by which an action may lie ahead and still be due, because frame times are rounded sums."""
 TILT_LIMIT = falling.TILT_LIMIT
 """Angle [rad] from the plan beyond which a brick has toppled."""
 SLIDE_LIMIT = falling.SLIDE_LIMIT

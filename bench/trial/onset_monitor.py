@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from adapters.base import Simulation
-from bench.trial.measure import FloatArray
+from bench.trial.measure import EARLY_S, FloatArray
 from bench.trial.own_contacts import OwnContacts, limit_slope
 from scenarios.model import Scene, Tilt, Vector, World
 
@@ -16,8 +16,6 @@ MOVED = 0.01
 """Distance from its place before the tilt from which a brick has moved, in thicknesses."""
 TURNED = math.radians(0.5)
 """Angle [rad] from which it has turned."""
-_EARLY_S = 1e-9
-"""Frame times are rounded sums [s]."""
 
 
 class OnsetMonitor:
@@ -42,7 +40,7 @@ class OnsetMonitor:
 
     def see(self, time: float, position: FloatArray, quaternion: FloatArray) -> None:
         """Take one frame, which ended at ``time`` [s]."""
-        if time <= self._first.time + _EARLY_S:
+        if time <= self._first.time + EARLY_S:
             self._rest = position, quaternion
             if self._contacts is not None:
                 self._contacts.see(self._simulation.port.contacts())

@@ -9,11 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.trial.measure import FloatArray
+from bench.trial.measure import EARLY_S, FloatArray
 from scenarios.model import MustMove
-
-_EARLY_S = 1e-9
-"""Frame times are rounded sums [s]."""
 
 
 @dataclass(slots=True)
@@ -53,7 +50,7 @@ class SleepAudit:
         """
         sleeps = False
         for one in self._watched:
-            if one.moved_after_s is not None or one.due.brick not in poses or begin < one.due.from_s - _EARLY_S:
+            if one.moved_after_s is not None or one.due.brick not in poses or begin < one.due.from_s - EARLY_S:
                 continue
             pose, before = poses[one.due.brick], self._before.get(one.due.brick)
             if one.start is None:

@@ -34,6 +34,7 @@ from adapters.base import Simulation
 from bench.machine.core_digest import present_core
 from bench.publishing.page_marks import write_page
 from bench.trial.gravity import turned
+from bench.trial.onset_monitor import MOVED, TURNED
 from bench.trial.own_contacts import OwnContacts, limit_slope
 from scenarios.model import Brick, Vector, World
 from scenarios.planks import MU, THICKNESS, WIDTH
@@ -53,8 +54,6 @@ SLOWED, BEYOND = 1.0, 1.0
 """From how far below the limit on gravity turns slowly, and how far beyond it goes on [deg]."""
 REST_S, LONGEST_REST_S = 1.0, 5.0
 """How long a stack stands alone before the tilt [s], and how long the extension may take to freeze all of it."""
-MOVED, TURNED = 0.01 * THICKNESS, math.radians(0.5)
-"""Onset [m, rad]."""
 NEAR_EXACT, NEAR_ONSET = 0.05, 0.25
 """Tolerances [deg]."""
 RIDGES: tuple[Ridge, ...] = ("bisector", "face")
@@ -157,7 +156,7 @@ def _tilt(
         _, now, turn = simulation.poses()
         moved = float(np.linalg.norm(now - position, axis=1).max())
         angle = 2 * math.acos(min(1.0, float(np.abs((turn * quaternion).sum(axis=1)).min())))
-        if moved > MOVED or angle > TURNED:
+        if moved > MOVED * THICKNESS or angle > TURNED:
             return degrees, wake
     return math.nan, wake
 
