@@ -31,12 +31,20 @@ def quick_start() -> list[str]:
     return block[1].splitlines()
 
 
+def block_of(name: str) -> str:
+    """The generated block of a document."""
+    document = (ROOT / BLOCKS[name][0]).read_text(encoding="utf-8")
+    found = re.search(rf"<!-- begin {name}\b.*?<!-- end {name} -->", document, re.DOTALL)
+    assert found is not None
+    return found[0]
+
+
 def test_quick_start_is_the_main_job_and_the_tests():
     assert quick_start() == ["pip install uv && uv run -m bench run", "uv run pytest"]
 
 
 def test_the_headline_table_is_the_published_one():
-    document = (ROOT / BLOCKS["headline"][0]).read_text(encoding="utf-8")
+    document = block_of("headline")
     published = (PAPER / "tables.md").read_text(encoding="utf-8")
     rows = [line for line in document.splitlines() if line.startswith(("| scene ", "| four_", "| card_", "| leaning_"))]
     assert len(rows) > 10
@@ -92,11 +100,11 @@ def test_the_core_of_a_study_is_that_of_its_run(name: str):
         assert core in {ran_with, UNKNOWN}
 
 
-@pytest.mark.parametrize(("block", "page"), [("headline", "paper"), ("many_seeds", "publish"), ("pairs", "truth")])
+@pytest.mark.parametrize(
+    ("block", "page"), [("headline", "paper"), ("many_seeds", "publish"), ("pairs", "truth"), ("ratios", "ratio")]
+)
 def test_a_document_says_below_a_table_that_it_is_of_an_earlier_core(block: str, page: str):
-    document = (ROOT / BLOCKS[block][0]).read_text(encoding="utf-8")
-    found = re.search(rf"<!-- begin {block}\b.*?<!-- end {block} -->", document, re.DOTALL)
-    assert found is not None
+    found = block_of(block)
     output = warning(core_of(PAGES[f"{page}/tables.md"]), present_core())
-    assert ("Made with an earlier core" in found[0]) == bool(output), AGAIN
-    assert output in found[0]
+    assert ("Made with an earlier core" in found) == bool(output), AGAIN
+    assert output in found

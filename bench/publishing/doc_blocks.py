@@ -19,13 +19,15 @@ from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
 from reports import load
 from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord
-from reports.statistics.groups import groups_of
+from reports.statistics.groups import GroupKey, groups_of
+from reports.statistics.intervals import paired_ratio
 from reports.statistics.pairs import ALL, pair_rows
 from reports.tables.capabilities import capability_table
 from reports.tables.correctness import correctness_table
 from reports.tables.outcomes import outcomes_table
 from reports.tables.pairs import right_of_judged
 from reports.tables.table import NOTHING, Table, to_markdown
+from reports.tables.wording import ratio_text
 from scenarios.registry import SCENARIOS, build
 from scenarios.scenario import Scenario
 
@@ -62,6 +64,21 @@ def pairs_block() -> str:
     engines, policies = (tuple(dict.fromkeys(getattr(row.set_up, key) for row in rows)) for key in ("engine", "policy"))
     cells = ((engine, *(counted[engine, policy] for policy in policies)) for engine in engines)
     return _untitled(Table("", ("engine", *policies), tuple(cells))) + _caveat("truth")
+
+
+def ratios_block() -> str:
+    """Return the frame ratios of the policy ``paper`` with enough pairs: a row per scene and profile."""
+    groups = [group for name in RATIOS for group in groups_of(_records(name)) if group.key.policy == "paper"]
+    estimates = {group.key: paired_ratio(group.measured("frame_ratio")) for group in groups}
+    timed = {key: estimate for key, estimate in estimates.items() if estimate is not None}
+    engines = tuple(dict.fromkeys(key.engine for key in timed))
+    scenes = dict.fromkeys((key.scene, key.profile) for key in timed)
+    rows = tuple(
+        (scene, profile, *(ratio_text(timed.get(GroupKey(scene, engine, profile, "paper"))) for engine in engines))
+        for scene, profile in scenes
+    )
+    table = _untitled(Table("", ("scene", "profile", *engines), rows))
+    return table + "".join(dict.fromkeys(map(_caveat, RATIOS)))
 
 
 def results_block() -> str:
@@ -143,8 +160,11 @@ def _untitled(table: Table) -> str:
 
 HEADLINE = "paper"
 """The publication whose table and picture ``docs/findings.md`` shows."""
+RATIOS = ("ratio", "publish")
+"""Publications with enough pairs of times for ratios."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "headline": ("docs/findings.md", headline_block),
+    "ratios": ("docs/findings.md", ratios_block),
     "many_seeds": ("docs/findings.md", many_seeds_block),
     "pairs": ("README.md", pairs_block),
     "results": ("docs/results/README.md", results_block),

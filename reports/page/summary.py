@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from reports.records.trial import Status, TrialRecord
 from reports.statistics.groups import ALONE
 from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScore
-from reports.tables.wording import percent
+from reports.tables.wording import percent, ratio_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ def _verdict(engine: EngineScores) -> EngineVerdict:
     for one in judged:
         who = "Alone" if one.policy == ALONE else f"With {one.policy}"
         sentences.append(f"{who}: {one.summary}{_holds_everything(one)}.")
-    sentences += [_cost(one) for one in scores if one.frame_ratio is not None]
+    sentences += [_cost(one) for one in scores if one.frame_ratios]
     sentences += _budget(scores)
     sentences += _trouble(engine.trials)
     return EngineVerdict(engine.engine, engine.profile, engine.version, _headline(judged), tuple(sentences), scores)
@@ -72,10 +72,13 @@ def _holds_everything(one: PolicyScore) -> str:
 
 
 def _cost(one: PolicyScore) -> str:
-    ratio, awake = one.frame_ratio or 0.0, "the frame time of the same stack all awake"
-    if ratio <= 1:
-        return f"With {one.policy} a frame takes {ratio:.2f} of {awake}."
-    return f"With {one.policy} a frame takes {ratio:.2f} times {awake}: no gain of time here."
+    """Return the ratio of the middle scene, or of the higher of two, with the interval of its pairs."""
+    by_value = sorted(one.frame_ratios, key=lambda estimate: estimate.value)
+    ratio = by_value[len(by_value) // 2]
+    saves = ratio.high is not None and ratio.high < 1
+    of_scenes = "" if len(by_value) == 1 else f"; the middle one of {len(by_value)} scenes"
+    text = f"a frame takes {ratio_text(ratio)} times the frame time of the same stack all awake"
+    return f"With {one.policy} {text} ({ratio.n} pairs{of_scenes}){'' if saves else ': no certain gain of time here'}."
 
 
 def _budget(scores: Sequence[PolicyScore]) -> list[str]:

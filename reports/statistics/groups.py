@@ -93,6 +93,10 @@ class Group:
         measured = ([value for value in repeats if value is not None] for repeats in seeds)
         return [statistics.median(repeats) for repeats in measured if repeats]
 
+    def measured(self, field: str) -> list[float]:
+        """Return a measured field, one value per trial, repeats included. Trials without it are left out."""
+        return [value for trial in self.trials if (value := getattr(trial, field)) is not None]
+
     def estimate(self, field: str) -> Estimate | None:
         """Return the median of a field over seeds. Times of several machines have no common median."""
         several = len({trial.host for trial in self.trials if trial.timed_frames is not None}) > 1

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group, grouped, ordered_policies
-from reports.statistics.intervals import Estimate, success_rate
+from reports.statistics.intervals import Estimate, paired_ratio, success_rate
 from reports.statistics.pairs import pair_success_rates, pairs_of
 from reports.statistics.success_rates import SuccessRates, count, success_rates
 
@@ -31,8 +31,8 @@ class PolicyScore:
     """Success rates of pairs of scenes; None if there are none."""
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms]."""
-    frame_ratio: float | None
-    """Median over scenes of the frame time over the frame time of the same stack all awake."""
+    frame_ratios: tuple[Estimate, ...]
+    """Frame time over the frame time of the same stack all awake, of each scene with enough pairs."""
 
     @property
     def headline(self) -> SuccessRates | None:
@@ -91,8 +91,13 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
         trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
         pairs=pair_success_rates(pairs_of(groups)),
         frame_ms_p99=_middle(groups, "frame_ms_p99"),
-        frame_ratio=_middle(groups, "frame_ratio"),
+        frame_ratios=_ratios(groups),
     )
+
+
+def _ratios(groups: Sequence[Group]) -> tuple[Estimate, ...]:
+    estimates = [paired_ratio(group.measured("frame_ratio")) for group in groups]
+    return tuple(estimate for estimate in estimates if estimate is not None)
 
 
 def _middle(groups: Sequence[Group], field: str) -> float | None:

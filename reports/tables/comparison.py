@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.statistics.groups import ALONE, Group, GroupKey, compare_groups
-from reports.statistics.intervals import deviation
+from reports.statistics.intervals import LEAST_RATIOS, deviation, paired_ratio
 from reports.statistics.survival import PairedTest, holm
 from reports.tables.outcomes import ADOPTED_NOTE, adopted_mark, outcome
 from reports.tables.table import NOTHING, Table
-from reports.tables.wording import median_level, number, troubles
+from reports.tables.wording import median_level, number, ratio_text, troubles
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,11 @@ COLUMNS = (
     ),
     Column("p50", "median frame time ± median absolute deviation over seeds", "ms"),
     Column("p99", "99th percentile of the frame time ± median absolute deviation over seeds", "ms"),
-    Column("ratio", "frame time over the frame time of the same standing stack all awake [95 % interval]"),
+    Column(
+        "ratio",
+        "frame time over the frame time of the same standing stack all awake: the median of at least "
+        f"{LEAST_RATIOS} pairs [95 % interval; of five pairs their range]",
+    ),
     Column(
         "against none",
         "pairs of a seed with the engine alone: higher levels / lower levels; p of no difference, by Holm's method "
@@ -146,8 +150,8 @@ def _timed(group: Group, field: str) -> Entry:
 
 
 def _ratio(group: Group) -> Entry:
-    estimate = group.estimate("frame_ratio")
-    return Entry(number(estimate, 2), math.nan if estimate is None else estimate.value)
+    estimate = paired_ratio(group.measured("frame_ratio"))
+    return Entry(ratio_text(estimate), math.nan if estimate is None else estimate.value)
 
 
 def _paired(tested: tuple[PairedTest, float] | None) -> Entry:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
+from reports.statistics.intervals import LEAST_RATIOS, paired_ratio
 from reports.tables.grouping import Measure, engine_names, median_rows, played_in_order
 from reports.tables.table import NOTHING, Table
+from reports.tables.wording import ratio_text
 
 _BRIDGE = Measure("bridge", "bridge_ms", "{:.3f}")
 """Shown if an engine runs in a separate process."""
@@ -17,7 +19,6 @@ MEASURES = (
     Measure("core", "core_ms", "{:.3f}"),
     Measure("port", "port_ms", "{:.3f}"),
     _BRIDGE,
-    Measure("ratio at level", "frame_ratio", "{:.2f}"),
 )
 _KEYS = ("scene", "engine_name", "policy", "machine")
 
@@ -29,7 +30,7 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
     has_bridge = bool(trials["bridge_ms"].notna().any())
     measures = [measure for measure in MEASURES if has_bridge or measure is not _BRIDGE]
     rows = median_rows(trials, _KEYS, measures)
-    rows["ratio at level"] += _levels(trials)
+    rows["ratio at level"] = _ratios(trials)
     if not several:
         rows = rows.drop(columns="machine")
     notes = (
@@ -40,16 +41,23 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
         *(["Bridge: the transfer to an engine in a separate process, and back; in no other time."] * has_bridge),
         "Ratio: mean frame time while the level was placed, live bricks included, over the mean frame time of up to a "
         "second of the same stack all awake without the extension, reloaded where it falls. Above 1 the extension "
-        "costs more than it saves.",
+        "costs more than it saves. Each trial is a pair of times: the median of at least "
+        f"{LEAST_RATIOS} pairs and its 95 % interval from order statistics. Of five pairs the interval is their range, "
+        "which encloses the median with 93.75 %. Fewer pairs give a dash.",
     )
     return Table.of("Frame time", rows.rename(columns={"engine_name": "engine"}), notes, id="frame_time")
 
 
-def _levels(trials: pd.DataFrame) -> list[str]:
-    """Return, for each row, the levels at which ratios were measured, such as `` at 20-25``; empty if none were."""
+def _ratios(trials: pd.DataFrame) -> list[str]:
+    """Return the ratio of each row with its interval and levels, such as ``0.07 [0.06, 0.09] at 20-25``, or a dash."""
     played = played_in_order(trials)
-    level = played["frame_ratio_level"].where(played["frame_ratio"].notna())
-    ends = level.groupby([played[key] for key in _KEYS], sort=False).agg(["min", "max"])
-    return [
-        "" if pd.isna(low) else f" at {low}" if low == high else f" at {low}-{high}" for low, high in ends.to_numpy()
-    ]
+    groups = played.groupby(list(_KEYS), sort=False, dropna=False)
+    return [_ratio(group.loc[group["frame_ratio"].notna()]) for _, group in groups]
+
+
+def _ratio(measured: pd.DataFrame) -> str:
+    estimate = paired_ratio(measured["frame_ratio"].tolist())
+    if estimate is None:
+        return NOTHING
+    low, high = measured["frame_ratio_level"].min(), measured["frame_ratio_level"].max()
+    return f"{ratio_text(estimate)} at {low}" + ("" if low == high else f"-{high}")

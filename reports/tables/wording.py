@@ -26,6 +26,11 @@ def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
     return _with_interval(estimate, digits, scale, "")
 
 
+def ratio_text(estimate: Estimate | None) -> str:
+    """Return a ratio with its interval, to 0.01; below 0.1 to 0.001: ``0.027 [0.026, 0.030]``."""
+    return number(estimate, 3 if estimate is not None and estimate.value < 0.1 else 2)
+
+
 def percent(estimate: Estimate | None) -> str:
     """Return a share in percent, and its interval if that has a width: ``88 % [71, 97]``."""
     if estimate is None:

@@ -7,6 +7,7 @@ from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import StudyError, check_study, load_study, study_names
 from bench.studies.selection import Selection, selected
 from bench.studies.toml_text import to_toml
+from reports.statistics.intervals import LEAST_RATIOS
 from scenarios.lookup import UnknownNameError
 from scenarios.model import Scene
 
@@ -23,6 +24,12 @@ def test_every_study_that_comes_with_the_suite_is_valid_and_its_trials_have_ids_
     ids = [trial.id for trial in plan_trials(load_study(name))]
     assert ids
     assert len(set(ids)) == len(ids)
+
+
+@pytest.mark.parametrize("name", study_names())
+def test_a_study_that_measures_ratios_has_enough_pairs_of_them(name: str) -> None:
+    study = load_study(name)
+    assert not study.limits.ratio or study.seeds * study.repeats >= LEAST_RATIOS
 
 
 def test_the_paper_study_has_a_side_that_must_stand_and_one_that_must_fall() -> None:

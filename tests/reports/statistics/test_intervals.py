@@ -1,9 +1,11 @@
 """Medians, spreads and rates, against cases that are worked by hand or whose interval has a closed form."""
 
+import math
+
 import pytest
 from scipy import stats
 
-from reports.statistics.intervals import deviation, median, success_rate
+from reports.statistics.intervals import LEAST_RATIOS, deviation, median, paired_ratio, success_rate
 
 
 def test_a_median_lies_between_the_ends_of_its_interval_which_are_values() -> None:
@@ -29,6 +31,24 @@ def test_one_seed_says_so_and_gives_no_interval() -> None:
 def test_nothing_has_no_median_and_no_share() -> None:
     assert median([]) is None
     assert success_rate([[], []]) is None
+
+
+@pytest.mark.parametrize("n", [5, 6, 9, 20, 61])
+def test_the_interval_of_a_ratio_encloses_the_median_as_often_as_it_says(n: int) -> None:
+    """Counted over all ways in which n pairs fall on either side of the median; five allow no more than 93.75 %."""
+    ratios = [float(rank) for rank in range(1, n + 1)]
+    estimate = paired_ratio(ratios[::-1])
+    assert estimate is not None
+    assert (estimate.n, estimate.value) == (n, (n + 1) / 2)
+    low, high = int(estimate.low), int(estimate.high)
+    assert low == n + 1 - high, "as far from either end"
+    below = [math.comb(n, count) / 2**n for count in range(n + 1)]  # chance of so many pairs below the median
+    assert sum(below[low:high]) >= (0.95 if n > 5 else 0.9375)
+    assert sum(below[low + 1 : high - 1]) < 0.95, "a narrower one would enclose it less often"
+
+
+def test_fewer_than_five_pairs_give_no_ratio() -> None:
+    assert paired_ratio([0.1] * (LEAST_RATIOS - 1)) is None
 
 
 def test_the_deviation_is_that_of_the_median() -> None:

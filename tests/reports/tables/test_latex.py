@@ -14,9 +14,16 @@ from reports.tables.pairs import pair_tables
 from reports.tables.study import study_tables
 from tests.reports.studies import FALLS, STANDS, failed, fallen, record
 
+PAIRED = [(0, 0), (1, 0), (2, 0), (2, 1), (2, 2)]
+
+
+def ratio(number: int) -> dict[str, float]:
+    return {"frame_ratio": 0.1 * (number + 1), "frame_ratio_level": 5}
+
+
 RECORDS = [
     *(fallen(4 + seed, seed=seed) for seed in range(3)),
-    *(record(policy="at_rest", seed=seed, frame_ratio=0.1 * (seed + 1)) for seed in range(3)),
+    *(record(policy="at_rest", seed=seed, repeat=repeat, **ratio(seed + repeat)) for seed, repeat in PAIRED),
     failed("unsupported", engine="pymunk"),
 ]
 
@@ -53,7 +60,7 @@ def test_a_row_has_its_medians_deviations_and_bounds() -> None:
     assert cells[0][5].startswith("5 [4")
     assert cells[0][7] == "1.100(100)"
     assert cells[1][5] == r"none fell, $\geq$30"
-    assert cells[1][9] == "0.20 [0.10, 0.30]"
+    assert cells[1][9] == "0.30 [0.10, 0.50]"
     assert cells[2][7] == "{--}"
     assert {len(row) for row in cells} == {10}
 
@@ -90,7 +97,7 @@ def test_any_table_is_a_longtable_of_its_entries() -> None:
     assert re.findall(r"\\label\{tab:([\w-]+)\}", text) == [
         "outcomes", "correctness", "frame-time", "stability", "pairs", "pairs-by-family"
     ]  # fmt: skip
-    assert r"four\_stack & stands & bullet & 4 (3-5)/30 $\times$ 0/3 & 30/30 $\checkmark$ 3/3 \\" in text
+    assert r"four\_stack & stands & bullet & 4 (3-5)/30 $\times$ 0/3 & 30/30 $\checkmark$ 5/5 \\" in text
     assert text.isascii()
     for name in ("toprule", "midrule", "bottomrule"):
         assert name in text

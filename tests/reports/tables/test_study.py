@@ -86,18 +86,22 @@ RECORDS = [
 ]
 
 
+def with_ratio(ratio: float, **fields) -> TrialRecord:
+    return record(policy="paper", **TIMES, **CORE_TIMES, frame_ratio=ratio, frame_ratio_level=25, **fields)
+
+
 def test_the_tables_are_those_that_were_read_and_found_right() -> None:
     assert to_markdown(study_tables(RECORDS)) == GOLDEN.read_text(encoding="utf-8")
 
 
 def test_they_can_be_read_at_a_hundred_columns() -> None:
     page = io.StringIO()
-    for table in study_tables(RECORDS):
+    for table in study_tables([*RECORDS, *(with_ratio(0.07 + 0.01 * n, repeat=n) for n in range(1, 5))]):
         render(table, Console(width=100, file=page))
     lines = page.getvalue().splitlines()
     assert max(map(len, lines)) <= 100
     assert any("falls at 7 ✗" in line and "30/30 ✓" in line for line in lines)
-    assert any(line.rstrip().endswith("0.07 at 25") for line in lines)
+    assert any(line.rstrip().endswith("0.090 [0.070, 0.110] at 25") for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -126,6 +130,19 @@ def test_a_censored_trial_marks_its_cell_as_a_lower_bound() -> None:
 def test_seeds_that_have_their_own_truth_are_counted_among_the_judged_only() -> None:
     studied = record(seed=1, verdict="none", height_levels=20)
     assert outcome([record(), studied]) == "25 (20-30)/30 ✓ 1/1"
+
+
+def test_five_pairs_of_times_give_a_ratio_and_four_give_none() -> None:
+    pairs = [with_ratio(0.01 * (5 + repeat), repeat=repeat) for repeat in range(5)]
+    several, single = study_tables([*pairs, *(with_ratio(0.07, engine="dart", seed=seed) for seed in range(4))])[2].rows
+    assert several[-1] == "0.070 [0.050, 0.090] at 25"
+    assert single[-1] == "-"
+
+
+def test_ratios_of_several_levels_name_them() -> None:
+    pairs = [with_ratio(0.07, repeat=repeat) for repeat in range(4)]
+    lower = record(policy="paper", repeat=4, **TIMES, frame_ratio=0.07, frame_ratio_level=20)
+    assert study_tables([*pairs, lower])[2].rows[0][-1] == "0.070 at 20-25"
 
 
 def test_times_of_several_machines_stand_in_rows_of_their_own() -> None:
