@@ -97,26 +97,28 @@ class Batch:
         if not self.frozen and not self.woken:
             return UNCHANGED._replace(deferred=later) if later else UNCHANGED
         asleep, awake = self._by_id(self.frozen), self._by_id(self.woken)
+        frozen, woken = tuple(asleep), tuple(awake)
         try:
-            if asleep:
-                port.sleep(tuple(asleep))
+            if frozen:
+                port.sleep(frozen)
         except BaseException:
             self._take_back(self.frozen)
             raise
         try:
-            if awake:
-                port.wake(tuple(awake))
+            if woken:
+                port.wake(woken)
         except BaseException:
             self._take_back(())
             raise
-        return Change(tuple(asleep), tuple(awake), asleep | awake if awake else asleep, later)
+        return Change(frozen, woken, asleep | awake if woken else asleep, later)
 
     def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
         """Return reasons by body id, by rising id, from reasons by row."""
         if not reasons:
             return {}
         ids = self._world.ids
-        return dict(sorted([(ids.item(row), reason) for row, reason in reasons.items()]))
+        named = {ids.item(row): reason for row, reason in reasons.items()}
+        return named if len(named) == 1 else dict(sorted(named.items()))
 
     def _take_back(self, asleep: Iterable[int]) -> None:
         """Undo a batch that the port did not carry out: the bodies ``asleep`` are live, bodies to wake are frozen."""

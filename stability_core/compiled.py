@@ -8,11 +8,13 @@ from typing import Any, TypeVar, cast
 from numba import njit
 from numba.core.errors import TypingError as WrongTypeError
 
-__all__ = ["NOT_KEPT", "WrongTypeError", "compiled"]
+__all__ = ["KEPT", "NOT_KEPT", "WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 NOT_KEPT: list[str] = []
 """Reasons why compiled kernels cannot be cached for later processes, by kernel; empty if there is a cache."""
+KEPT: list[Any] = []
+"""The kernels that have a cache."""
 
 
 def compiled(function: Kernel, **options: Any) -> Kernel:
@@ -23,7 +25,9 @@ def compiled(function: Kernel, **options: Any) -> Kernel:
         options: further options of Numba, such as ``fastmath``.
     """
     try:
-        return cast("Kernel", njit(cache=True, error_model="numpy", **options)(function))
+        kernel = njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError as error:  # neither the package's folder nor the user's is writable
         NOT_KEPT.append(str(error))
         return cast("Kernel", njit(error_model="numpy", **options)(function))
+    KEPT.append(kernel)
+    return cast("Kernel", kernel)

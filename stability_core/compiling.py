@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from stability_core.compiled import NOT_KEPT
+from stability_core.compiled import KEPT, NOT_KEPT
 from stability_core.frame import observe
 from stability_core.script import ScriptedExtension, ScriptedPort, play_script
 
@@ -38,15 +38,30 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
         _LOG.warning("compiled kernels cannot be kept: set NUMBA_CACHE_DIR to a folder that can be written")
     elif not _is_kept(observe):
         _LOG.warning("compiling for policy %r: a minute or two, once per version", policy)
-    port = ScriptedPort()
-    play_script(extension_of(port), port)
+    try:
+        _play(extension_of)
+    except (ImportError, AttributeError):  # an earlier version's kernel names a module or a class that is gone
+        _forget_kept()
+        _play(extension_of)
     seconds = time.perf_counter() - begin
     if seconds > _SILENT_S:
         _LOG.warning("compiled for policy %r in %.0f s, once per version", policy, seconds)
     return seconds
 
 
+def _play(extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> None:
+    port = ScriptedPort()
+    play_script(extension_of(port), port)
+
+
 def _is_kept(kernel: Any) -> bool:
     """Return whether a kernel is in the cache on disk, in this version or an earlier one."""
     folder = Path(kernel.stats.cache_path or "")
     return any(folder.glob(f"*.{kernel.py_func.__qualname__}-*.nbi"))
+
+
+def _forget_kept() -> None:
+    """Delete the index of every kernel in the cache on disk, so that each is compiled again."""
+    for kernel in KEPT:
+        for index in Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__qualname__}-*.nbi"):
+            index.unlink(missing_ok=True)

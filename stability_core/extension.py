@@ -286,9 +286,9 @@ class StabilityExtension:
         due, kept, frozen = self._world.observe(contacts, masses, dt)
         if frozen:
             self._follow_frozen(masses)
-        if self._leaving:
+        if self._leaving or self._left:
             self._forget(self._leaving)
-        self._left, self._leaving = frozenset(self._leaving), []
+            self._left, self._leaving = frozenset(self._leaving), []
         return due, kept
 
     def _follow_gravity(self) -> None:

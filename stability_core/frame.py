@@ -11,7 +11,18 @@ from stability_core.blows import list_struck
 from stability_core.compiled import compiled
 from stability_core.contact_filter import ContactRows, keep_contacts, note_sizes
 from stability_core.frame_arrays import ContactArrays, MassArrays
-from stability_core.frame_buffers import AT_REST, GONE, LEANING, LYING, MOVED, NOW, PUSHED, STRUCK, TOLD, next_frame
+from stability_core.frame_buffers import (
+    AT_REST,
+    GONE,
+    HAS_FORCES,
+    LEANING,
+    LYING,
+    MOVED,
+    NOW,
+    PUSHED,
+    STRUCK,
+    next_frame,
+)
 from stability_core.kinematic import follow_host, list_carried
 from stability_core.motion import list_due, list_shifted_loads, time_at_rest, track
 from stability_core.port import GROUND, FloatArray, IntArray
@@ -222,7 +233,7 @@ def observe(
     worklist[PUSHED, 0] = (
         list_pushed(bodies, kept[:count], limit, clock[NOW], dt, worklist[PUSHED, 1:]) if len(force) > 0 else 0
     )
-    clock[TOLD] = 1.0 if len(force) > 0 else 0.0
+    clock[HAS_FORCES] = 1.0 if len(force) > 0 else 0.0
     time_at_rest(bodies, rows, limit, dt)
     worklist[AT_REST, 0], worklist[LEANING, 0] = list_due(
         bodies, rows, limit, dt, worklist[AT_REST, 1:], worklist[LEANING, 1:]

@@ -25,7 +25,7 @@ STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning
 test; live bodies that newly lie on the stack, and those that no longer do; kinematic bodies that began to move, and
 frozen bodies that one of them moves; frozen bodies on which a push has changed."""
-STOOD, LENGTH, NOW, TOLD = range(4)
+STOOD, LENGTH, NOW, HAS_FORCES = range(4)
 """Entries of ``FrameBuffers.clock``."""
 
 

@@ -151,7 +151,7 @@ def _check_resting_contacts(contacts: Contacts, masses: Masses, body: int, size:
     if len(known) and np.abs(known).min() > APART * size:
         raise PortError(
             f"body {body} rests on the ground, but its contacts there have separations of {known.round(6).tolist()} m: "
-            "give the signed distance in metres, negative in overlap, or NaN if the engine cannot tell"
+            "give the signed distance in metres, negative in overlap, or NaN if the engine does not report it"
         )
     if not (contacts.friction[rows] > 0.0).any():
         raise PortError(

@@ -36,26 +36,8 @@ WORDS = {
 }
 """A pattern for each word that must not occur. A word ends at an underscore, so that identifiers count too."""
 
-OTHER_FOLDERS = ("docs/results/", "docs/history.md", "tests/test_style.py", "stability_core/")
-"""Published pages (remade by their generators), the changelog's past, this test; the core has its own list below."""
-
-CORE = {
-    "stability_core/frame.py": {"told": 2},
-    "stability_core/frame_buffers.py": {"told": 1},
-    "stability_core/port_check.py": {"tell": 1},
-    "stability_core/equilibrium/snapshot.py": {"nought": 1},
-    "stability_core/policies/equilibrium.py": {"told": 5},
-    "stability_core/policies/paper.py": {"old identifiers": 10},
-    "stability_core/policies/pile.py": {"heap": 10},
-}
-"""Uses in code of the core. Published pages name the core by a digest of its code (ADR-0012), so that a rename marks
-them all as made by an earlier core. The next change of behaviour in one of these files renames its uses."""
-
-DOCS = {
-    "docs/paper_map.md": {"old identifiers"},
-    "docs/adr/0002-kernels.md": {"old identifiers"},
-}
-"""Pages that name identifiers of the core."""
+OTHER_FOLDERS = ("docs/results/", "docs/history.md", "tests/test_style.py")
+"""Published pages (remade by their generators), the changelog's past, this test."""
 
 
 def _listed() -> list[str]:
@@ -75,19 +57,6 @@ def _count(text: str, word: str) -> int:
 @pytest.mark.parametrize("word", WORDS)
 def test_replaced_words_do_not_occur(word: str) -> None:
     uses = {
-        name: count
-        for name in _listed()
-        if not name.startswith(OTHER_FOLDERS) and word not in DOCS.get(name, ())
-        if (count := _count(_text(name), word))
+        name: count for name in _listed() if not name.startswith(OTHER_FOLDERS) if (count := _count(_text(name), word))
     }
     assert uses == {}
-
-
-def test_the_core_has_no_more_uses_than_those_that_its_digest_keeps() -> None:
-    uses = {
-        name: counts
-        for name in _listed()
-        if name.startswith("stability_core/")
-        if (counts := {word: count for word in WORDS if (count := _count(_text(name), word))})
-    }
-    assert uses == CORE

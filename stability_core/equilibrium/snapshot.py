@@ -82,7 +82,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     down = np.asarray(gravity, np.float64)
     strength = float(np.linalg.norm(down)) if down.shape == (3,) else np.nan
     if not (np.isfinite(strength) and strength > 0.0):
-        raise ValueError(f"gravity must be three finite numbers, not all nought, got {gravity}")
+        raise ValueError(f"gravity must be three finite numbers, not all zero, got {gravity}")
     _refuse_flipped(contacts, masses, index_a, index_b, -down / strength)
     upright = rotation_to_upright(-down / strength)
     snapshot, size = _problem(contacts, masses, index_a, index_b, upright, strength)

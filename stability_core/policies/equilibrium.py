@@ -31,7 +31,7 @@ from stability_core.equilibrium.region import (
 )
 from stability_core.equilibrium.safe_settle import LEFT, SAFE, UNSOLVED, finish, keep_proofs, settle_safely
 from stability_core.equilibrium.verdict import Answer, decide, takes_part
-from stability_core.frame_buffers import NOW, PUSHED, TOLD, FrameBuffers, listed
+from stability_core.frame_buffers import HAS_FORCES, NOW, PUSHED, FrameBuffers, listed
 from stability_core.policies.base import NOBODY, Decision, Policy
 from stability_core.port import BoolArray, FloatArray, IntArray
 from stability_core.settings import ROUNDING_S, Settings
@@ -151,10 +151,12 @@ class Equilibrium(Policy):
             reasons.update(together)
             unsolved = finish(graph, self._regions, buffers, self.limits, self._found[UNSOLVED])
             hand_on(graph, self._memory, patches, np.array(list(together), np.int64))
-        changed = self._found[UNSOLVED, :unsolved]
-        if buffers.worklist.item(PUSHED, 0):
-            changed = _together(changed, listed(buffers, PUSHED))
-        unbalanced = self._unbalanced(graph, buffers, changed) if len(changed) else NOBODY
+        unbalanced, pushed = NOBODY, buffers.worklist.item(PUSHED, 0)
+        if unsolved or pushed:
+            changed = self._found[UNSOLVED, :unsolved]
+            if pushed:
+                changed = _together(changed, listed(buffers, PUSHED))
+            unbalanced = self._unbalanced(graph, buffers, changed)
         self._wake_margin, self._wake_grip = self.settings.wake_margin, WAKE_GRIP
         return Decision(reasons, unbalanced, deferred)
 
@@ -311,11 +313,11 @@ class Equilibrium(Policy):
         A body on level contacts presses with its weight. Only the engine knows the force of a wedged body; if it
         reports no forces, see ``live_load``.
         """
-        told = buffers.clock.item(TOLD) > 0.0
-        if told and not is_upright(graph, live):
+        has_forces = buffers.clock.item(HAS_FORCES) > 0.0
+        if has_forces and not is_upright(graph, live):
             return contact_load(graph, buffers, part, self.limits, True), np.zeros(len(live), np.bool_)
         pressed, held = live_load(graph, self._memory, part, live, self.gravity, self._lift)
-        if told:
+        if has_forces:
             pressed += contact_load(graph, buffers, part, self.limits, False)
         return pressed, held
 

@@ -49,7 +49,7 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 
 
 @compiled
-def accept_flat(graph: Graph, candidates: IntArray) -> IntArray:
+def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
     """Freeze the ``candidates``, lowest first, that pass the flat test; return them, shape (k,).
 
     Lowest first, so that each candidate sees the bodies that it stands on.
@@ -65,7 +65,7 @@ def accept_flat(graph: Graph, candidates: IntArray) -> IntArray:
 
 
 @compiled
-def accept_leaning(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
+def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
     """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return them, shape (k,).
 
     Bodies that lean on each other, as the planks of an inverted V, pass together or not at all.
@@ -95,7 +95,7 @@ def accept_leaning(graph: Graph, candidates: IntArray, gravity: float, flat_widt
 
 
 @compiled
-def fallen_out(graph: Graph, bodies: IntArray, gravity: float, wake_margin: float) -> IntArray:
+def fail_overall_test(graph: Graph, bodies: IntArray, gravity: float, wake_margin: float) -> IntArray:
     """Return the frozen among ``bodies`` that fail the overall test, shape (k,).
 
     Hysteresis: unfreezing requires a centre well outside the area.
@@ -124,15 +124,15 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, gravity: float)
     # Contact areas
     lay_due(graph, buffers, limits)
     # Update of the stack data below changed bodies
-    concerned = carry_down(graph, take_changed(graph))
+    affected = carry_down(graph, take_changed(graph))
     # New members: flat test, then leaning test
-    flat = accept_flat(graph, lowest_first(graph, listed(buffers, AT_REST)))
-    leaning = accept_leaning(graph, lowest_first(graph, listed(buffers, LEANING)), gravity, limit.flat_width)
+    flat = pass_flat_test(graph, lowest_first(graph, listed(buffers, AT_REST)))
+    leaning = pass_leaning_test(graph, lowest_first(graph, listed(buffers, LEANING)), gravity, limit.flat_width)
     lay_frozen(graph, buffers, limits)
     # Update of the stack data below new members
-    concerned = np.concatenate((concerned, carry_down(graph, take_changed(graph))))
+    affected = np.concatenate((affected, carry_down(graph, take_changed(graph))))
     # Overall test of all affected bodies
-    return flat, leaning, fallen_out(graph, np.unique(concerned), gravity, limit.wake_margin)
+    return flat, leaning, fail_overall_test(graph, np.unique(affected), gravity, limit.wake_margin)
 
 
 class Paper(Policy):

@@ -57,14 +57,14 @@ def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, li
 
 
 @compiled
-def _heap_with(graph: Graph, root: int) -> IntArray:
+def _pile_with(graph: Graph, root: int) -> IntArray:
     """Return ``root`` and all frozen bodies that contacts join to it, directly or indirectly: O(pile)."""
     reached = np.zeros(len(graph.bodies), np.bool_)
-    heap = np.empty(len(graph.bodies), np.int64)
-    heap[0], size, done = root, 1, 0
+    pile = np.empty(len(graph.bodies), np.int64)
+    pile[0], size, done = root, 1, 0
     reached[root] = True
     while done < size:
-        row = graph.bodies[heap[done]]
+        row = graph.bodies[pile[done]]
         below, above = row.first_support, row.first_load
         while below != NONE or above != NONE:
             if below != NONE:
@@ -73,18 +73,18 @@ def _heap_with(graph: Graph, root: int) -> IntArray:
                 other, above = graph.patches[above].upper, graph.patches[above].next_load
             if other != GROUND and not reached[other] and graph.bodies[other].state == FROZEN:
                 reached[other] = True
-                heap[size] = other
+                pile[size] = other
                 size += 1
         done += 1
-    return heap[:size]
+    return pile[:size]
 
 
 @compiled
-def _base_of(graph: Graph, heap: IntArray) -> FloatArray:
+def _base_of(graph: Graph, pile: IntArray) -> FloatArray:
     """Return the convex hull, in plan, of the points [m] at which a pile stands on the ground, shape (k, 3)."""
-    points = np.empty((MAX_VERTICES * len(heap), 3))
+    points = np.empty((MAX_VERTICES * len(pile), 3))
     n = 0
-    for body in heap:
+    for body in pile:
         at = graph.bodies[body].first_support
         while at != NONE:
             patch = graph.patches[at]
@@ -142,7 +142,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
     asleep = np.empty(len(candidates), np.int64)
     n = 0
     for body in candidates:
-        if not (movers == body).any() and _lies_inside(graph, body, _base_of(graph, _heap_with(graph, body))):
+        if not (movers == body).any() and _lies_inside(graph, body, _base_of(graph, _pile_with(graph, body))):
             graph.bodies[body].state, graph.bodies[body].leans = FROZEN, False
             asleep[n] = body
             n += 1

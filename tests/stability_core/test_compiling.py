@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import importlib
 import logging
+import pickle
 import pkgutil
+from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 from numba.core.dispatcher import Dispatcher
@@ -108,3 +111,32 @@ def test_where_nothing_can_be_written_kernels_are_compiled_and_the_message_names
     with caplog.at_level(logging.WARNING, "stability_core"):
         warm_up("paper")
     assert "set NUMBA_CACHE_DIR to a folder that can be written" in caplog.messages[0]
+
+
+class OfAnEarlierVersion:
+    """An argument's class in the index of a kernel that an earlier version cached: its module is gone."""
+
+    def __reduce__(self):
+        return importlib.import_module, ("stability_core.of_an_earlier_version",)
+
+
+def test_a_kernel_that_an_earlier_version_cached_is_compiled_again(cold, monkeypatch):
+    """Numba reads the classes of a cached kernel's arguments before it compares the dates of the sources."""
+
+    def one_more(x):
+        return x + 1
+
+    def extension_of(port):
+        assert kernel(1) == 2
+        return StabilityExtension(port, policy="paper")
+
+    monkeypatch.setattr(compiled, "KEPT", [])
+    monkeypatch.setattr(compiling, "KEPT", compiled.KEPT)
+    kernel = compiled.compiled(one_more)
+    index = Path(kernel.stats.cache_path) / kernel._cache._cache_file._index_name
+    index.parent.mkdir(parents=True, exist_ok=True)
+    index.write_bytes(pickle.dumps(numba.__version__) + pickle.dumps((0.0, OfAnEarlierVersion())))
+    with pytest.raises(ModuleNotFoundError, match="of_an_earlier_version"):
+        kernel(1)
+    assert compiling.compile_policy("of two versions", extension_of) > 0.0
+    assert kernel(2) == 3
