@@ -1,4 +1,4 @@
-"""PyBullet: Bullet's sequential impulses on rigid bodies in maximal coordinates.
+"""PyBullet: Bullet's sequential impulses, on rigid bodies in maximal coordinates or, as shipped, on multibodies.
 
 Freezing: the body is stopped, its mass set to 0 and its state to asleep. That makes it static: nothing moves it by a
 single bit, and two frozen bodies are not even collided. Unfreezing restores the mass, and Bullet then computes inertia
@@ -20,8 +20,8 @@ Traps:
 - Handles of removed bodies are used again.
 - ``numSubSteps`` divides the forces it reports: substeps are stepped one by one.
 - The engine's own sleep does not end when a support is removed, and its speed threshold (between 0.2 and 0.3 m/s, for
-  2 s) is out of reach: ``sleepThreshold`` works on multibodies only. Multibodies, PyBullet's standard, stack worse and
-  are damped by 0.04.
+  2 s) is out of reach: ``sleepThreshold`` works on multibodies only. Those are PyBullet's standard and the profile
+  ``default``: they stack worse and are damped by 0.04.
 - A moved body is heavy, not kinematic: it must not collide with what never moves, nor with frozen bodies.
 """
 

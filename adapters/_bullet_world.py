@@ -35,9 +35,12 @@ KNOBS = frozenset(
         "splitImpulsePenetrationThreshold",
         "useSplitImpulse",
         "warmStartingFactor",
+        "useMaximalCoordinates",
     }
 )
-"""Parameters of PyBullet's engine that bear on contacts."""
+"""Parameters of PyBullet's engine that bear on contacts, and ``MAXIMAL_COORDINATES``."""
+MAXIMAL_COORDINATES = "useMaximalCoordinates"
+"""Knob of a body's kind, which PyBullet takes when the body is created: 1 for a rigid body, 0 for a multibody."""
 HEAVY = 1e6
 """Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
 step of 1/240 s, before the next step sets it anew."""
@@ -60,7 +63,9 @@ class BulletWorld:
         self._shapes: dict[Vector, int] = {}
         self._step_s = 0.0
         self.set_gravity(world.gravity)
-        self._configure(**info.profile.values)
+        values = dict(info.profile.values)
+        self._is_maximal = bool(values.pop(MAXIMAL_COORDINATES, True))
+        self._configure(**values)
 
     def set_step(self, seconds: float) -> None:
         """Set the length [s] of the steps that follow."""
@@ -132,7 +137,7 @@ class BulletWorld:
             baseCollisionShapeIndex=shape,
             basePosition=box.position,
             baseOrientation=scalar_last(box.quaternion),
-            useMaximalCoordinates=True,
+            useMaximalCoordinates=self._is_maximal,
             physicsClientId=self.client,
         )
         pybullet.changeDynamics(

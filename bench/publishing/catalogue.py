@@ -66,9 +66,10 @@ PUBLICATIONS: dict[str, Publication] = {
         "publish",
     ),
     "truth": Publication(
-        "every scene with a known answer, most of them in pairs, on five 3-D engines in `tuned`, by every policy",
+        "every scene with a known answer, most of them in pairs: engines in `tuned` by every policy; as shipped "
+        "(`default`) and in `game` alone, by their own sleeping and with `equilibrium`",
         "truth",
-        Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier")),
+        Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier", "box3d")),
     ),
     "any_stack": Publication(
         "stacks of public bug reports, and each at three times the size, profile `game`, five 3-D engines, "
@@ -100,7 +101,11 @@ PUBLICATIONS: dict[str, Publication] = {
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",
         "paper",
-        Selection(profiles=("default", "tuned"), policies=("none",)),
+        Selection(
+            engines=("bullet", "mujoco", "dart", "pymunk", "physx", "rapier", "box3d"),
+            profiles=("default", "tuned"),
+            policies=("none",),
+        ),
     ),
     "unity4": Publication(
         "the paper's stacks on an emulation of its engine, 30 seeds, without and with the extension", "unity4"

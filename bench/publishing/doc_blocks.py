@@ -15,6 +15,7 @@ from bench.machine.core_digest import present_core
 from bench.machine.environment import describe_engine
 from bench.machine.source_digest import PUBLISHED, ROOT
 from bench.publishing.catalogue import PUBLICATIONS
+from bench.publishing.holdings import differences, holdings
 from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
 from reports import load
 from reports.records.folder import ResultsFolder
@@ -58,8 +59,9 @@ def many_seeds_block() -> str:
 
 
 def pairs_block() -> str:
-    """Return the number of pairs with both outcomes correct, by engine and policy."""
-    rows = [row for row in pair_rows(groups_of(_records("truth"))) if row.family == ALL]
+    """Return the number of pairs with both outcomes correct in profile `tuned`, by engine and policy."""
+    tuned = [record for record in _records("truth") if record.profile == "tuned"]
+    rows = [row for row in pair_rows(groups_of(tuned)) if row.family == ALL]
     counted = {(row.set_up.engine, row.set_up.policy): right_of_judged(row.success_rates) for row in rows}
     engines, policies = (tuple(dict.fromkeys(getattr(row.set_up, key) for row in rows)) for key in ("engine", "policy"))
     cells = ((engine, *(counted[engine, policy] for policy in policies)) for engine in engines)
@@ -82,10 +84,19 @@ def ratios_block() -> str:
 
 
 def results_block() -> str:
-    """Return every published study, and the command behind it."""
+    """Return every published study, its content, and the command behind it."""
     there = {name: one for name, one in PUBLICATIONS.items() if ResultsFolder(PUBLISHED / name).trials_file.exists()}
-    rows = tuple((f"`{name}/`", one.shows, f"`{one.command}`") for name, one in there.items())
-    return _untitled(Table("", ("Folder", "Study", "Command"), rows))
+    rows = tuple(
+        (
+            f"`{name}/`",
+            one.shows,
+            holdings(PUBLISHED / name),
+            f"`{one.command}`",
+            differences(PUBLISHED / name, one) or NOTHING,
+        )
+        for name, one in there.items()
+    )
+    return _untitled(Table("", ("Folder", "Study", "Holds", "Command", "A run today differs"), rows))
 
 
 def cores_block() -> str:

@@ -1,5 +1,6 @@
 """What is special to Bullet: handles used again, its own sleep, and what a quiet frame reads."""
 
+import pybullet
 import pytest
 
 from adapters import Simulation, open_engine
@@ -19,7 +20,7 @@ def test_contacts_keep_their_bodies_when_bullet_uses_a_handle_again() -> None:
 
 
 def rest_for_three_seconds(sleeping: str) -> tuple[Simulation, int, int]:
-    simulation = open_engine("bullet", "default", sleeping=sleeping)  # type: ignore[arg-type]
+    simulation = open_engine("bullet", "tuned", sleeping=sleeping)  # type: ignore[arg-type]
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
     advance(simulation, 3.0)
@@ -49,4 +50,13 @@ def test_bullet_lists_only_the_contacts_of_live_bricks() -> None:
     place_on(simulation, 25)
     advance(simulation, 0.5)
     assert len(simulation.port.contacts()) == 4
+    simulation.close()
+
+
+@pytest.mark.parametrize(("profile", "kind"), [("default", 2), ("default@useMaximalCoordinates=1", 1), ("tuned", 1)])
+def test_bodies_are_multibodies_as_shipped_and_rigid_bodies_else(profile: str, kind: int) -> None:
+    simulation = open_engine("bullet", profile)
+    simulation.spawn(plank(0.0))
+    (handle,) = simulation._handles.values()  # type: ignore[attr-defined]
+    assert pybullet.getDynamicsInfo(handle, -1, simulation._client)[10] == kind  # type: ignore[attr-defined]
     simulation.close()

@@ -37,6 +37,12 @@ def test_the_paper_study_has_a_side_that_must_stand_and_one_that_must_fall() -> 
     assert {scene.expectation.outcome for scene in scenes} == {"stand", "fall"}
 
 
+def test_the_truth_study_has_every_engine_as_shipped_for_games_and_tuned() -> None:
+    study = load_study("truth")
+    trials = {(trial.engine, trial.profile) for trial in plan_trials(study)}
+    assert trials == {(engine, profile) for engine in study.engines for profile in ("default", "game", "tuned")}
+
+
 def test_another_description_makes_no_other_plan() -> None:
     study = check_study(VALID, "test")
     assert study.has_same_plan(study.model_copy(update={"description": "another text"}))

@@ -1,0 +1,63 @@
+"""What a published folder holds, and where the study or the profiles of today differ from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from bench.machine.environment import describe_engine
+from bench.publishing.catalogue import Publication
+from bench.studies.plan import plan_trials
+from reports.records.folder import ResultsFolder, published_rows
+
+_MOST_NAMES = 7
+"""Most names that are listed; of more only their number is given."""
+_SETTINGS = ("substeps", "frame_s")
+
+
+def holdings(folder: Path) -> str:
+    """Return the engines, profiles, policies, seeds and trials of a published folder, in one line."""
+    rows = list(published_rows(ResultsFolder(folder).trials_file))
+    lists = (_listed(rows, "engine"), _listed(rows, "profile"), _listed(rows, "policy", "policies"))
+    seeds = _counted(len({int(row["seed"]) for row in rows}), "seed")
+    repeats = len({int(row["repeat"]) for row in rows})
+    return "; ".join([*lists, seeds, *([f"{repeats} repeats"] if repeats > 1 else []), f"{len(rows):,} trials"])
+
+
+def differences(folder: Path, publication: Publication) -> str:
+    """Return what a run today would add or do otherwise, in one line; empty if nothing.
+
+    Trials are compared by their ids, and profiles by the settings in the folder's environment.
+    """
+    results = ResultsFolder(folder)
+    rows = list(published_rows(results.trials_file))
+    held, planned = {row["trial"] for row in rows}, {trial.id for trial in plan_trials(publication.resolved())}
+    lacking = len(planned - held)
+    parts = [f"{_counted(lacking, 'more trial')}"] if lacking else []
+    used = dict.fromkeys((row["engine"], row["profile"].partition("@")[0]) for row in rows)
+    changed = [f"{engine} `{name}`" for engine, name in used if _has_changed(results.engines, engine, name)]
+    if changed:
+        parts.append(f"other settings: {', '.join(changed)}")
+    return "; ".join(parts)
+
+
+def _listed(rows: Iterable[Mapping[str, Any]], column: str, plural: str = "") -> str:
+    names = list(dict.fromkeys(row[column] for row in rows))
+    return f"{len(names)} {plural or column + 's'}" if len(names) > _MOST_NAMES else ", ".join(names)
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count:,} {noun}" + ("" if count == 1 else "s")
+
+
+def _has_changed(engines: Mapping[str, Any], engine: str, profile: str) -> bool:
+    """Return whether a profile has other settings now than in the environment of the run."""
+    then = engines.get(engine, {}).get("profiles", {}).get(profile)
+    now = describe_engine(engine)["profiles"].get(profile)
+    return then is not None and (now is None or _settings(then) != _settings(now))
+
+
+def _settings(profile: Mapping[str, Any]) -> dict[str, Any]:
+    fixed = {name: profile[name] for name in _SETTINGS}
+    return fixed | {name: knob["value"] for name, knob in profile["knobs"].items()}
