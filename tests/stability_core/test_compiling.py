@@ -120,11 +120,12 @@ class OfAnEarlierVersion:
         return importlib.import_module, ("stability_core.of_an_earlier_version",)
 
 
+def one_more(x):
+    return x + 1
+
+
 def test_a_kernel_that_an_earlier_version_cached_is_compiled_again(cold, monkeypatch):
     """Numba reads the classes of a cached kernel's arguments before it compares the dates of the sources."""
-
-    def one_more(x):
-        return x + 1
 
     def extension_of(port):
         assert kernel(1) == 2
