@@ -1,4 +1,4 @@
-"""Thin adapters over real physics engines. An engine's package is imported in its own files only."""
+"""Thin adapters for physics engines. Only the files of an engine's adapter import the engine's package."""
 
 from adapters.base import Simulation
 from adapters.bridge.errors import PeerError

@@ -1,30 +1,30 @@
 """Box3D: Erin Catto's soft contacts in small substeps, in single precision, through the C API of ``robox3d``.
 
-Freezing: the body is stopped and made static; made dynamic again it has the mass and inertia of its shape. Static
-bodies are not collided with one another.
+Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again has the mass and inertia of
+its shape. Box3D does not collide static bodies with one another.
 
-Contacts are found anew at the present poses whenever they are read: a step of length 0 runs collision detection and
-solves nothing, so that later motion does not change by a bit. ``find_contacts`` does the same. Box3D lists points
-within its prediction distance as well; points that are further apart than a tenth of a millimetre are left out. Forces
-are those of the solver's latest iteration, times the number of iterations: exact where the load is steady. A point
-that the step of length 0 sees as a new one has none.
+Contacts: each reading detects them at the present poses, by a step of length 0. That step runs collision detection and
+solves nothing, so that later motion does not change by a bit. ``find_contacts`` does the same. Box3D also lists points
+within its prediction distance; the adapter omits points with a gap of more than 0.1 mm. The force of a contact is its
+impulse in the solver's latest iteration over the time of an iteration: exact under a steady load. A contact that only
+the step of length 0 has detected has no force.
 
-Friction: as shipped a pair has the geometric mean of both shapes' coefficients, and all shapes have the world's. The
-law is a cone: one constraint a manifold, and one against twist.
+Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
+the world's coefficient. The law is a cone: one constraint per manifold, and another against twist.
 
-Stiffness: contacts are springs whose sag under load falls with the square of their natural frequency, ``contactHertz``.
-Box3D silently caps it at an eighth of the rate of its iterations (which it calls substeps), and at twice that against
-static bodies.
+Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
+frequency, ``contactHertz``. Box3D silently caps this frequency at an eighth of the rate of its iterations (Box3D's name
+for them is substeps), and at a quarter of that rate against static bodies.
 
 Traps:
 
-- ``b3SetLengthUnitsPerMeter`` is global in the process and read whenever it is used, also as shapes are made and
-  bodies change their type: it is set anew before each such call. Tolerances are multiples of it, among them the slop
-  (5 mm), the distance of predicted contacts (20 mm) and that within which contacts are recycled (50 mm): too much for
-  a plank of 8 mm.
+- ``b3SetLengthUnitsPerMeter`` is global in the process. Box3D reads it in every step, when it creates a shape and when
+  a body changes its type, so that the adapter sets it before each of these calls. Tolerances are multiples of it: the
+  slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are recycled (50 mm).
+  These are too large for a plank of 8 mm.
 - The package's own ``World`` hides most of the API, and ``pybox3d`` is another engine.
-- A state that is not finite is only logged, and the step after it never ends: from then on nothing is stepped, and
-  poses are reported as NaN.
+- Box3D only logs a state that is not finite, and its next step never returns. From then on the adapter makes no step
+  and reports poses as NaN.
 """
 
 from __future__ import annotations
@@ -57,7 +57,8 @@ class Box3dSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "subStepCount"
     solver_noise = 1e-5
-    """[m/s] With 0, ``tuned`` showed 13 mm/s between a brick at rest and a platform that moves below it at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``. With 0, profile ``tuned`` reported 13 mm/s between a brick at rest and a
+    platform that moves below it at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,
@@ -153,7 +154,7 @@ class Box3dSimulation(SubstepSimulation):
 
     def _contacts(self) -> Contacts:
         if self.reads_forces and self._solved is None and self._substep_s:
-            self._solved = self._read()  # finding contacts drops some of the impulses
+            self._solved = self._read()  # before the step of length 0, which drops some of the impulses
         self._engine.step(0.0, 1)
         fresh = self._read()
         listed = fresh.exists & (fresh.separation <= NEAR * self.scale)
@@ -186,5 +187,5 @@ class Box3dSimulation(SubstepSimulation):
         return self._substep_s / self._engine.iterations
 
     def _read(self) -> Manifolds:
-        """Return the contacts that the latest step found, of live bodies."""
+        """Return the contacts of live bodies that the latest step detected."""
         return self._reader.read(self._engine.handles[body] for body in self.bodies.live)

@@ -1,4 +1,4 @@
-"""Box3D's contacts as arrays: its C structures, read in blocks."""
+"""Box3D's contacts as arrays, read from its C structures in blocks."""
 
 from __future__ import annotations
 
@@ -38,15 +38,18 @@ _CONTACT = np.dtype(
 )
 for _name, _dtype in (("b3ManifoldPoint", _POINT), ("b3Manifold", _MANIFOLD), ("b3ContactData", _CONTACT)):
     if ffi.sizeof(_name) != _dtype.itemsize:
-        raise ImportError(f"{_name} has {ffi.sizeof(_name)} bytes, not {_dtype.itemsize}: another version of Box3D")
+        raise ImportError(
+            f"{_name} has {ffi.sizeof(_name)} bytes, must have {_dtype.itemsize}: "
+            "install the version of robox3d in uv.lock (uv sync --group engines)"
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Manifolds:
-    """The contacts of some bodies, each once: up to four points of a pair of shapes, which share one normal."""
+    """Contacts of a set of bodies, without duplicates. A contact has up to four points, which share one normal."""
 
     contact: IntArray
-    """Box3D's indices of the contacts, rising, shape (n,)."""
+    """Box3D's indices of the contacts, in rising order, shape (n,)."""
     shape_a: IntArray
     """Indices of the first shapes, shape (n,)."""
     shape_b: IntArray
@@ -54,26 +57,27 @@ class Manifolds:
     normal: FloatArray
     """Unit normals from a to b in the world's frame, shape (n, 3)."""
     exists: BoolArray
-    """Whether there is a point, shape (n, 4)."""
+    """True for each entry that holds a point, shape (n, 4)."""
     anchor_a: FloatArray
-    """Points [m] from the centre of body a, along the world's axes, shape (n, 4, 3)."""
+    """Points [m] relative to the centre of body a, along the world's axes, shape (n, 4, 3)."""
     anchor_b: FloatArray
-    """Points [m] from the centre of body b, along the world's axes, shape (n, 4, 3)."""
+    """Points [m] relative to the centre of body b, along the world's axes, shape (n, 4, 3)."""
     separation: FloatArray
     """Distances [m], negative in penetration, shape (n, 4)."""
     pressure: FloatArray
     """Normal impulses [N s] of the solver's latest iteration, shape (n, 4); 0 where there is no point."""
     impulse: FloatArray
-    """Impulses [N s] on b in the solver's latest iteration, with friction, summed over the points, shape (n, 3)."""
+    """Impulses [N s] on body b in the solver's latest iteration: sums over the points, with friction, shape (n, 3)."""
 
     def impulses_at(self, fresh: Manifolds, listed: BoolArray) -> FloatArray:
-        """Return the impulses (n, 4, 3) [N s] at the points of a later detection, as a step of length 0 makes it.
+        """Return the impulses (n, 4, 3) [N s] at the points that a later step of length 0 has detected.
 
-        Box3D drops the impulse of a point whose features have changed, which happens at rest between planks that lie
-        flush. Here each point takes a share as large as the pressure at the nearest point that was solved.
+        Box3D drops the impulse of a point whose features have changed, which happens at rest between planks with flush
+        edges. This method divides the impulse of a contact among its points, in proportion to the normal impulse of the
+        nearest solved point.
 
         Args:
-            fresh: contacts as they are now; those that were not solved have no impulse.
+            fresh: contacts of the later detection; a contact that was not solved has no impulse.
             listed: the points that share the impulse of their contact, shape (n, 4).
         """
         if not len(self.contact):
@@ -90,14 +94,14 @@ class Manifolds:
 
 
 class ContactReader:
-    """Reads the contacts of bodies into memory that it keeps."""
+    """Reader of the contacts of bodies. It reuses its buffer from call to call."""
 
     def __init__(self) -> None:
         self._room = 256
         self._buffer = ffi.new("b3ContactData[]", self._room)
 
     def read(self, handles: Iterable[Any]) -> Manifolds:
-        """Return the contacts of bodies, also those with points that do not touch yet."""
+        """Return the contacts of bodies, including contacts whose points do not touch yet."""
         data, count = self._collect(list(handles))
         listed = np.frombuffer(ffi.buffer(data, count * _CONTACT.itemsize), _CONTACT)
         _, once = np.unique(listed["contact"], return_index=True)  # a contact of two of the bodies is listed twice
@@ -120,7 +124,7 @@ class ContactReader:
         )
 
     def _collect(self, handles: list[Any]) -> tuple[Any, int]:
-        """Return Box3D's rows of all contacts of the bodies, and how many there are."""
+        """Return Box3D's rows of all contacts of the bodies, and the number of rows."""
         get = lib.b3Body_GetContactData
         while True:
             count = 0

@@ -1,4 +1,4 @@
-"""Poses and velocities of Box3D's bodies, read in one call for many."""
+"""Poses and velocities of many Box3D bodies, read in one call."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from robox3d._ffi import ffi, shim
 from stability_core.port import FloatArray
 
 _BATCH: Any = shim
-"""Functions of the package that read many bodies in one call."""
+"""Module of the package whose functions read many bodies in one call."""
 
 
 def raw_handle(handle: Any) -> int:
-    """Return a body's handle as a number of 8 bytes, for arrays of them."""
+    """Return a body's handle as a number of 8 bytes, so that an array can hold many handles."""
     return int.from_bytes(ffi.buffer(ffi.addressof(handle)), "little")
 
 
 def poses_of(raw_handles: npt.NDArray[np.uint64]) -> FloatArray:
-    """Return positions and quaternions (x, y, z, w) of bodies (n,), shape (n, 7)."""
+    """Return positions [m] and quaternions (x, y, z, w) of bodies (n,), shape (n, 7)."""
     return _batch(_BATCH.rxBodyGetPoses, raw_handles, 7)
 
 
 def velocities_of(raw_handles: npt.NDArray[np.uint64]) -> FloatArray:
-    """Return linear and angular velocities of bodies (n,), shape (n, 6)."""
+    """Return linear [m/s] and angular [rad/s] velocities of bodies (n,), shape (n, 6)."""
     return _batch(_BATCH.rxBodyGetVelocities, raw_handles, 6)
 
 

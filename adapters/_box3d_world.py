@@ -1,6 +1,7 @@
-"""A world of Box3D, opened as the profile's knobs say, and its bodies.
+"""A world of Box3D with the settings of a profile, and its bodies.
 
-The C API takes definitions by address: each is held while it is used, because a pointer into a temporary crashes later.
+The C API takes definitions by address. A variable holds each definition during the call, because a pointer into a
+temporary object crashes later.
 """
 
 from __future__ import annotations
@@ -33,20 +34,20 @@ class Box3dWorld:
         self._knobs = profile.values
         self._friction = world.friction
         self.iterations = int(self._knobs["subStepCount"])
-        """Of the solver in a step."""
+        """Number of the solver's iterations per step."""
         self.has_diverged = False
         self.shapes: dict[int, int] = {}
         """Index of the shape of each body."""
         self.body_of = np.full(64, GROUND)
         """Body, ground or fixed box of each shape, by the shape's index."""
         self.raw_handles = np.zeros(64, np.uint64)
-        """Handle of each body as a number, by the body's id, as batch functions take them."""
+        """Handle of each body as a number, by the body's id: the input of batch functions."""
         self.handles: dict[int, Any] = {}
         """Handle of each body."""
         self.world = self._opened(world)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts."""
         self._add_box(body, box, lib.b3_staticBody)
 
     def add_live(self, body: int, brick: Brick) -> None:
@@ -58,17 +59,17 @@ class Box3dWorld:
         self._add(body, brick, lib.b3_kinematicBody)
 
     def remove(self, body: int) -> None:
-        """Take out a body."""
+        """Remove a body."""
         self.body_of[self.shapes.pop(body)] = GROUND
         lib.b3DestroyBody(self.handles.pop(body))
 
     def handle(self, body: int) -> Any:
-        """Return the handle of a body that is about to be changed, for which the engine gets this world's unit."""
+        """Set the engine's length unit to this world's, and return the handle of a body for a change."""
         self._set_length_unit()
         return self.handles[body]
 
     def read_knobs(self) -> dict[str, KnobValue]:
-        """Return the knobs that the engine shows."""
+        """Return the present values of the profile's knobs that the engine's interface reports."""
         self._set_length_unit()
         shown = {
             "lengthUnitsPerMeter": float(lib.b3GetLengthUnitsPerMeter()),
@@ -81,7 +82,7 @@ class Box3dWorld:
         lib.b3World_SetGravity(self.world, gravity)
 
     def step(self, seconds: float, iterations: int) -> None:
-        """Make one step, unless the world has diverged: the engine would never come back."""
+        """Make one step, unless the world has diverged, because the engine's step would then never return."""
         if not self.has_diverged:
             self._set_length_unit()
             lib.b3World_Step(self.world, seconds, iterations)
@@ -104,7 +105,7 @@ class Box3dWorld:
         return engine
 
     def _set_length_unit(self) -> None:
-        """Set the unit of the engine's tolerances, which all worlds of the process share."""
+        """Set the length unit of the engine's tolerances, because all worlds of the process share it."""
         lib.b3SetLengthUnitsPerMeter(self._knobs["lengthUnitsPerMeter"])
 
     def _add(self, body: int, brick: Brick, kind: int) -> None:
@@ -114,7 +115,7 @@ class Box3dWorld:
         self.raw_handles[body] = raw_handle(handle)
 
     def _add_box(self, body: int, box: Brick, kind: int) -> tuple[Any, int]:
-        """Add a static, dynamic or kinematic box, which contacts name ``body``; returns its handle and its shape."""
+        """Add a static, dynamic or kinematic box; ``body`` is its id in contacts. Return its handle and shape index."""
         self._set_length_unit()
         x, y, z = box.size
         body_definition, shape = lib.b3DefaultBodyDef(), lib.b3DefaultShapeDef()
@@ -131,17 +132,17 @@ class Box3dWorld:
 
 
 def set_velocity(handle: Any, linear: Vector = _STILL, angular: Vector = _STILL) -> None:
-    """Set both velocities of a body; without arguments it stops."""
+    """Set the linear [m/s] and angular [rad/s] velocity of a body; the default stops it."""
     lib.b3Body_SetLinearVelocity(handle, linear)
     lib.b3Body_SetAngularVelocity(handle, angular)
 
 
 def split(quaternion: Quaternion) -> tuple[Vector, float]:
-    """Return vector and scalar part, as Box3D's ``b3Quat`` has them."""
+    """Return the vector and the scalar part of a quaternion (w, x, y, z), in the order of Box3D's ``b3Quat``."""
     w, x, y, z = quaternion
     return (x, y, z), w
 
 
 def _with_room(array: IntArray | npt.NDArray[np.uint64], index: int) -> Any:
-    """Return the array, longer if there is no place ``index`` in it."""
+    """Return the array, enlarged if ``index`` lies beyond its end."""
     return array if index < len(array) else np.resize(array, 2 * index)

@@ -1,28 +1,30 @@
 """PyBullet: Bullet's sequential impulses, on rigid bodies in maximal coordinates or, as shipped, on multibodies.
 
-Freezing: the body is stopped, its mass set to 0 and its state to asleep. That makes it static: nothing moves it by a
-single bit, and two frozen bodies are not even collided. Unfreezing restores the mass, and Bullet then computes inertia
-and gravity anew. (A body created with mass 0 would never get gravity: bricks are created with theirs.)
+Freezing: the adapter stops the body, sets its mass to 0 and its activation state to asleep. The body is then static:
+nothing moves it by a single bit, and Bullet does not collide two frozen bodies. Unfreezing restores the mass, and
+Bullet then computes inertia and gravity again. (Bullet never applies gravity to a body created with mass 0, so that
+the adapter creates every brick with its mass.)
 
-Contacts are those that the latest step solved, found at the pose from which it started. Bullet lists penetrating points
-only, often three of a face's four corners; the port adds the others. It reports no approach speed, so that every live
-body's pose and velocity are recorded before each substep (``SubstepSimulation``).
+Contacts are those that the latest step solved, detected at the poses before that step. Bullet lists penetrating points
+only, often three of a face's four corners; the port adds the missing corners. Bullet reports no approach speed, so that
+``SubstepSimulation`` records the pose and the velocity of every live body before each substep.
 
 ``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
-first. Run there in mid-simulation, it would refresh Bullet's cached points, and a falling pile lies 10 mm elsewhere
-after a second. The second world has no cached points: it may list other corners than the next step solves.
+first. In the first world the call would refresh Bullet's cached points: a falling pile then lay 10 mm elsewhere after
+1 s. The second world has no cached points, so that it may list other corners than the next step solves.
 
-Friction: a pair's coefficient is the product of the two bodies', so each gets the square root. The law is a cone.
+Friction: the coefficient of a pair is the product of both bodies' coefficients, so that each body has the square root
+of the world's. The law is a cone.
 
 Traps:
 
-- The ground is a box, because on a plane Bullet needs ten steps to find four contact points.
-- Handles of removed bodies are used again.
-- ``numSubSteps`` divides the forces it reports: substeps are stepped one by one.
-- The engine's own sleep does not end when a support is removed, and its speed threshold (between 0.2 and 0.3 m/s, for
-  2 s) is out of reach: ``sleepThreshold`` works on multibodies only. Those are PyBullet's standard and the profile
-  ``default``: they stack worse and are damped by 0.04.
-- A moved body is heavy, not kinematic: it must not collide with what never moves, nor with frozen bodies.
+- The ground is a box, because on a plane Bullet needs ten steps to detect four contact points.
+- Bullet reuses the handles of removed bodies.
+- ``numSubSteps`` divides the reported forces, so that the adapter makes the substeps one by one.
+- The engine's own sleep does not end when a support is removed. Its speed threshold (between 0.2 and 0.3 m/s, for 2 s)
+  cannot be set, because ``sleepThreshold`` works on multibodies only. Multibodies are PyBullet's standard and the
+  profile ``default``: they stack worse and have a damping of 0.04.
+- A moved body is heavy, not kinematic, so that it must not collide with the ground, fixed boxes or frozen bodies.
 """
 
 from __future__ import annotations
@@ -71,7 +73,8 @@ class BulletSimulation(SubstepSimulation):
     def _open(self) -> None:
         if self.info.sleeping == "raised":
             raise NotImplementedError(
-                "bullet cannot raise its sleep threshold: PyBullet reaches that of multibodies only"
+                "bullet cannot raise its sleep threshold, because PyBullet sets it on multibodies only: "
+                "use policy 'none' or 'native'"
             )
         self._engine = BulletWorld(self.world, self.info)
         self._client = self._engine.client
@@ -172,7 +175,7 @@ class BulletSimulation(SubstepSimulation):
         pybullet.changeDynamics(
             handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self._client
         )
-        for other in self.bodies.moved:  # heavy, not kinematic: it would be stopped, and kick the brick once unfrozen
+        for other in self.bodies.moved:  # heavy, not kinematic: the brick would stop it, and be kicked when unfrozen
             self._engine.let_collide(self._handles[other], handle, do=False)
 
     def _unfreeze(self, body: int) -> None:
@@ -209,7 +212,7 @@ class BulletSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _listed(self) -> list[Listed]:
-        """Return Bullet's own row of every contact that touches a live body, each once, with bodies a and b."""
+        """Return every contact that touches a live body, without duplicates: bodies a and b, and Bullet's row."""
         body_of, handles = self._engine.body_of, self._handles
         read = partial(pybullet.getContactPoints, physicsClientId=self._client)
         pairs = live_pairs(

@@ -1,4 +1,4 @@
-"""A world of Bullet, opened as the profile's knobs say: its settings and its boxes."""
+"""A world of Bullet with the settings of a profile, and its boxes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from adapters.shared.quiet_import import silenced_stderr
 from adapters.shared.vectors import half_edges, scalar_last
 from scenarios.model import Brick, Vector, World
 
-with silenced_stderr():  # it announces when it was built
+with silenced_stderr():  # PyBullet prints its build date on import
     import pybullet
 
 
@@ -38,16 +38,16 @@ KNOBS = frozenset(
         "useMaximalCoordinates",
     }
 )
-"""Parameters of PyBullet's engine that bear on contacts, and ``MAXIMAL_COORDINATES``."""
+"""Parameters of PyBullet's engine that affect contacts, and ``MAXIMAL_COORDINATES``."""
 MAXIMAL_COORDINATES = "useMaximalCoordinates"
-"""Knob of a body's kind, which PyBullet takes when the body is created: 1 for a rigid body, 0 for a multibody."""
+"""Knob for the kind of every body, set at its creation: 1 for a rigid body, 0 for a multibody."""
 HEAVY = 1e6
-"""Mass [kg] of a moved body, which PyBullet cannot make kinematic: a load of 100 N changes its speed by 0.4 um/s in a
-step of 1/240 s, before the next step sets it anew."""
+"""Mass [kg] of a moved body, because PyBullet cannot make it kinematic. A load of 100 N changes its speed by 0.4 um/s
+in a step of 1/240 s, and the adapter sets the speed before each step."""
 
 
 class BulletWorld:
-    """An empty world in DIRECT mode. Bodies go by the handles that PyBullet gives them, which it uses again."""
+    """A world in DIRECT mode, with PyBullet's handle of each body. PyBullet reuses the handles of removed bodies."""
 
     def __init__(self, world: World, info: EngineInfo) -> None:
         self.client: int = pybullet.connect(pybullet.DIRECT)
@@ -59,7 +59,7 @@ class BulletWorld:
         """Handle of each body."""
         self.body_of: dict[int, int] = {}
         """Body, ground or fixed box of each handle."""
-        self._friction = math.sqrt(world.friction)  # a pair has the product of both
+        self._friction = math.sqrt(world.friction)  # the coefficient of a pair is the product of both bodies'
         self._shapes: dict[Vector, int] = {}
         self._step_s = 0.0
         self.set_gravity(world.gravity)
@@ -78,7 +78,7 @@ class BulletWorld:
         pybullet.setGravity(*gravity, physicsClientId=self.client)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts."""
         self.body_of[self._add_box(box, mass=0.0)] = body
 
     def add_live(self, body: int, brick: Brick) -> None:
@@ -90,17 +90,17 @@ class BulletWorld:
         self._add(body, brick, HEAVY)
 
     def remove(self, body: int) -> None:
-        """Take out a body."""
+        """Remove a body."""
         handle = self.handles.pop(body)
         del self.body_of[handle]
         pybullet.removeBody(handle, physicsClientId=self.client)
 
     def let_collide(self, handle: int, other: int, *, do: bool) -> None:
-        """Set whether two bodies collide; Bullet drops the contact that it remembers of them."""
+        """Set whether two bodies collide. Bullet also drops its cached contact of the pair."""
         pybullet.setCollisionFilterPair(handle, other, -1, -1, int(do), self.client)
 
     def wake(self, handle: int) -> None:
-        """End the engine's own sleep of a body, which a new velocity alone does not."""
+        """End the engine's own sleep of a body, because a new velocity alone does not end it."""
         pybullet.changeDynamics(handle, -1, activationState=self.awake, physicsClientId=self.client)
 
     def stop(self, handle: int) -> None:
@@ -112,7 +112,7 @@ class BulletWorld:
         pybullet.disconnect(self.client)
 
     def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
-        """Return those of the parameters that Bullet shows."""
+        """Return the present values of the named parameters that Bullet reports."""
         shown = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
         return {name: shown[name] for name in names if name in shown}
 
@@ -125,7 +125,7 @@ class BulletWorld:
         self.body_of[handle] = body
 
     def _add_box(self, box: Brick, mass: float) -> int:
-        """Add a box of this mass [kg] at rest, static if it has none; returns its handle."""
+        """Add a box of this mass [kg] at rest, static if the mass is 0; return its handle."""
         shape = self._shapes.get(box.size)
         if shape is None:
             shape = pybullet.createCollisionShape(

@@ -1,32 +1,35 @@
 """DART: every brick is a skeleton of one box on a free joint, stepped by a boxed LCP over all contacts.
 
-How it works here:
+Mechanisms:
 
-- Freeze: ``resetVelocities``, then ``setMobile(False)``. An immobile skeleton is left out of integration and of the
-  contact problem, so it drifts by exactly zero and costs almost nothing; contacts of two immobile skeletons vanish.
-- Contacts: DART collides first, then solves, then moves, so the contacts belong to the poses before the latest
-  substep. DART's normal points from object 2 to object 1: object 2 is our body a.
-- Friction: a pair takes the smaller coefficient of the two, so that the world's value on everything is the pair's.
-  The law is a box: up to sqrt(2) mu along the diagonal of the two tangents, and those are DART's
-  choice: no call in Python turns them, and a small tilt of the normal may.
-- Approach speed: DART reports none. The velocities before each substep are kept, and the fastest approach is taken.
+- Freeze: ``resetVelocities``, then ``setMobile(False)``. DART leaves an immobile skeleton out of integration and of the
+  contact problem, so that it drifts by exactly zero and costs almost nothing. DART lists no contacts between two
+  immobile skeletons.
+- Contacts: a step of DART collides first, then solves, then moves, so that the contacts belong to the poses before the
+  latest substep. DART's normal points from object 2 to object 1: object 2 is the suite's body a.
+- Friction: the coefficient of a pair is the smaller one of both bodies', and every body has the world's coefficient.
+  The law is a box: friction reaches sqrt(2) mu along the diagonal of the two tangents. DART chooses the tangents: no
+  call in Python turns them, but a small tilt of the normal may.
+- Approach speed: DART reports none. The adapter records the velocities before each substep and reports the fastest
+  approach.
 - ``find_contacts`` runs the world's collision group into a separate result. The group keeps nothing between steps, so
-  that the call changes nothing; but later steps can only be compared within what the solver repeats, see below.
+  that the call changes nothing. Later steps agree only to the solver's repeatability (see below).
 
 Traps:
 
-- DART keeps 1000 contacts as shipped and lets pairs share them beyond; ``_dart_limits`` raises that.
-- Penetration recovers at 1 mm/s at most, and more slowly below 0.4 mm at 240 Hz (a hundredth of the depth a step); no
-  knob in Python changes that. Only shorter steps keep a landing brick from sinking.
-- The matrix-free solver gives up when its iterations run out and starts afresh with the dense one, whose time grows
-  with the cube of the contacts. Its relative tolerance is in effect absolute [N s], for impulses below 1 N s.
+- As shipped DART keeps 1000 contacts, which the pairs share if there are more; ``_dart_limits`` raises the limit.
+- Penetration recovers at 1 mm/s at most, and at 240 Hz by a hundredth of the depth per step below 0.4 mm. No knob in
+  Python changes these rates. Only shorter steps keep a landing brick from sinking.
+- If the matrix-free solver exhausts its iterations, DART starts again with the dense solver, whose time grows with the
+  cube of the number of contacts. For impulses below 1 N s its relative tolerance is in effect absolute [N s].
 - With DART's own collision detector the matrix-free solver is not repeatable on tens of bricks: the same contacts in
-  the same order give impulses that differ within the tolerance, as memory happens to lie. FCL's and Bullet's were
-  repeatable, but there a brick on a frozen one stuck 1 deg above the friction angle (a turned friction box?).
-- DART's own sleeping engages under ``default`` after its half second; under the matrix-free solver a pile that rests
+  the same order give impulses that differ within the tolerance, depending on memory addresses. With FCL's and Bullet's
+  detectors it was repeatable, but a brick on a frozen brick stuck 1 deg above the friction angle (possibly because the
+  friction box was turned).
+- DART's own sleeping starts under ``default`` after 0.5 s at rest. Under the matrix-free solver a pile that rested
   below both speed thresholds was still awake after 3 s.
-- The Python wrapper of a collision object goes by its address. One that is kept beyond its skeleton answers for
-  whatever is made there next, so ``_remove`` forgets it first, together with the contacts that still point to it.
+- The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
+  skeleton is removed, so that ``_remove`` first forgets the wrapper and reads the contacts that still refer to it.
 """
 
 from __future__ import annotations
@@ -54,7 +57,7 @@ _SETTINGS = load_settings("dart", KNOBS.__contains__)
 
 
 class DartSimulation(SubstepSimulation):
-    """One DART world; see the module's docstring for how freezing, contacts and friction work."""
+    """One world of DART. The module's docstring describes freezing, contacts and friction."""
 
     engine = "dart"
     profiles = _SETTINGS.profiles
@@ -78,7 +81,7 @@ class DartSimulation(SubstepSimulation):
         self._engine = DartWorld(self.world, self.info.profile, self.expected)
         self._joints = self._engine.joints
         self._objects = CollisionObjects()
-        self._latest: Contacts | None = None  # of the latest step, once read
+        self._latest: Contacts | None = None  # contacts of the latest step; None until they are read
         for body, box in self._fixed_boxes():  # a box rather than a plane: box on box gives the best manifolds
             self._engine.add_fixed(body, box)
 
@@ -117,7 +120,7 @@ class DartSimulation(SubstepSimulation):
 
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
         velocities = np.array((*angular, *linear))
-        self._joints[body].setVelocities(velocities)  # contacts of the step are solved against it
+        self._joints[body].setVelocities(velocities)  # the solver's contacts use these velocities
         self._joints[body].setCommands(velocities)
 
     def _set_gravity(self, gravity: Vector) -> None:
@@ -187,7 +190,7 @@ class DartSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _read_contacts(self, result: Any) -> Contacts:
-        """Return all contacts of a collision, those of frozen bodies and of bodies removed since included."""
+        """Return all contacts of a collision result, including those of frozen and of removed bodies."""
         contacts = result.getContacts()
         if not contacts:
             return Contacts.empty()

@@ -12,14 +12,14 @@ from stability_core.port import FloatArray, IntArray
 
 
 class CollisionObjects:
-    """Finds the bodies of DART's collision objects, by the names of their skeletons.
+    """Map from DART's collision objects to bodies, which are the names of their skeletons.
 
-    Python's wrapper of a collision object goes by its address. One that is kept beyond its skeleton answers for
-    whatever is made there next, so that an object must be forgotten before its skeleton is removed.
+    The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
+    skeleton is removed, so that the caller must call ``forget`` before it removes a skeleton.
     """
 
     def __init__(self) -> None:
-        self._body_of: dict[Any, int] = {}  # filled as they are first met: a name costs several calls
+        self._body_of: dict[Any, int] = {}  # a cache, because reading a name takes several calls
 
     def pairs_of(self, contacts: Sequence[Any]) -> tuple[IntArray, IntArray]:
         """Return bodies a and b of contacts, each of shape (n,)."""
@@ -29,7 +29,7 @@ class CollisionObjects:
         )
 
     def body_of(self, collision_object: Any) -> int:
-        """Return the body, the ground or the fixed box that a collision object belongs to."""
+        """Return the id of the body, the ground or the fixed box to which a collision object belongs."""
         body = self._body_of.get(collision_object)
         if body is None:
             body = int(collision_object.getShapeFrame().getSkeleton().getName())
@@ -46,12 +46,12 @@ class CollisionObjects:
 
 
 def geometry_of(contacts: Sequence[Any]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return points (n, 3) [m], normals (n, 3) from a to b, and separations (n,) [m]."""
+    """Return points (n, 3) [m], normals (n, 3) from a to b, and separations (n,) [m], in the world's frame."""
     point = rows_of([contact.point for contact in contacts], 3)
     normal = rows_of([contact.normal for contact in contacts], 3)
     return point, normal, -np.array([contact.penetrationDepth for contact in contacts])
 
 
 def forces_of(contacts: Sequence[Any]) -> FloatArray:
-    """Return forces (n, 3) [N] on b."""
+    """Return the forces (n, 3) [N] of contacts on body b, in the world's frame."""
     return rows_of([contact.force for contact in contacts], 3)

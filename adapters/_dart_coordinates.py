@@ -1,4 +1,4 @@
-"""Coordinates of DART's free joints: a rotation vector [rad], then a position [m], in world axes."""
+"""Coordinates of DART's free joints: a rotation vector [rad], then a position [m], along the world's axes."""
 
 from __future__ import annotations
 
@@ -19,6 +19,6 @@ def coordinates_of(position: Vector, quaternion: Quaternion) -> FloatArray:
 
 
 def quaternions_of(rotation_vectors: FloatArray) -> FloatArray:
-    """Return rotation vectors (n, 3) [rad] as quaternions (n, 4), (w, x, y, z)."""
+    """Convert rotation vectors (n, 3) [rad] to quaternions (w, x, y, z), shape (n, 4)."""
     half = np.linalg.norm(rotation_vectors, axis=1, keepdims=True) / 2
     return np.hstack([np.cos(half), rotation_vectors / 2 * np.sinc(half / np.pi)])

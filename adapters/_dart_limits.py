@@ -1,8 +1,8 @@
-"""DART's limit on contacts, which its Python interface shows but does not let us set.
+"""DART's limit on contacts, which its Python interface can read but not set.
 
-``getCollisionOption`` returns a copy in dartpy 6.20, so that an assignment to its fields changes nothing. The C++
-method of that name is exported; it returns the solver's own option, whose field is then written in place. Both the old
-and the new value are compared with what dartpy shows: another memory layout is an error and not a wrong setting.
+In dartpy 6.20 ``getCollisionOption`` returns a copy, so that an assignment to its fields changes nothing. The C++
+method of the same name is exported and returns the solver's own option; this module writes the field there. It compares
+both the old and the new value with dartpy's, so that another memory layout raises an error.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 import dartpy
 
 SHIPPED = 1000
-"""DART's limit on all contacts of a world, as shipped."""
+"""DART's shipped limit on the number of contacts of a world."""
 PER_PAIR = 8
-"""Contacts for each pair of bodies: as many points as two faces have corners."""
+"""Contacts allowed per pair of bodies: the number of corners of two faces."""
 _GETTER = "_ZN4dart10constraint16ConstraintSolver18getCollisionOptionEv"
-"""``dart::constraint::ConstraintSolver::getCollisionOption()``."""
+"""Symbol of ``dart::constraint::ConstraintSolver::getCollisionOption()``."""
 
 
 class _CollisionOption(ctypes.Structure):
@@ -27,15 +27,15 @@ class _CollisionOption(ctypes.Structure):
 
 
 def contacts_for(bricks: int) -> int:
-    """Return a limit that no scene of so many bricks reaches; the ground is one body more."""
+    """Return a limit on contacts that no scene with this number of bricks, and the ground, reaches."""
     return max(SHIPPED, PER_PAIR * bricks * (bricks + 1) // 2)
 
 
 def raise_limit(solver: Any, contacts: int) -> None:
-    """Raise the limit of a world's constraint solver to a number of contacts; a higher one stays.
+    """Raise the limit of a world's constraint solver to a number of contacts; keep a higher limit.
 
     Raises:
-        NotImplementedError: if this build of dartpy offers no way to do so.
+        NotImplementedError: if this build of dartpy has another memory layout or does not export the method.
     """
     before = solver.getCollisionOption().maxNumContacts
     if before >= contacts:
@@ -50,7 +50,7 @@ def raise_limit(solver: Any, contacts: int) -> None:
 
 
 def _option_of(solver: Any) -> _CollisionOption | None:
-    """Return the solver's own option, in DART's memory; None if the C++ method is not exported."""
+    """Return the solver's option in DART's memory; None if the C++ method is not exported."""
     getter = getattr(ctypes.CDLL(dartpy.__file__), _GETTER, None)
     if getter is None:
         return None

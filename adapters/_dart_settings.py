@@ -1,4 +1,4 @@
-"""DART's knobs: where each is set, and how the solver's tolerances follow the mass of the bricks."""
+"""DART's knobs: the option that each knob sets, and the scaling of the solver's tolerances with the bricks' mass."""
 
 from __future__ import annotations
 
@@ -17,27 +17,26 @@ _MATRIX_FREE_OPTIONS = {
     "matrix_free_delta_tolerance": "mDeltaTolerance",
     "matrix_free_relative_tolerance": "mRelativeDeltaTolerance",
 }
-"""Knob -> field of ``MatrixFreeContactSolverOptions``."""
+"""Map from a knob to the field of ``MatrixFreeContactSolverOptions`` that it sets."""
 
 _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
-"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier or lighter bricks they are larger or smaller
-alike."""
+"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier or lighter bricks they scale with the mass."""
 _PLANK_MASS = 0.0119
-"""Mass [kg] of the planks for which they were chosen."""
+"""Mass [kg] of the plank for which ``_IMPULSE_TOLERANCES`` were chosen."""
 
 _DEACTIVATION_OPTIONS = {
     "deactivation": "mEnabled",
     "deactivation_linear_speed": "mLinearSpeedThreshold",
     "deactivation_angular_speed": "mAngularSpeedThreshold",
 }
-"""Knob -> field of ``DeactivationOptions``, DART's own sleeping."""
+"""Map from a knob to the field of ``DeactivationOptions``, DART's own sleeping, that it sets."""
 
 KNOBS = frozenset({"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS, *_DEACTIVATION_OPTIONS})
 """Knobs that a profile may have."""
 
 
 def configure(world: Any, knobs: Mapping[str, KnobValue], bricks: Sequence[Brick]) -> None:
-    """Set a world's knobs; ``bricks`` are those that are expected, which the impulse tolerances must suit."""
+    """Set a world's knobs, with impulse tolerances scaled to the mass of the expected ``bricks``."""
     if "collision_detector" in knobs:
         detectors = dartpy.simulation.CollisionDetectorType
         world.setCollisionDetector(getattr(detectors, str(knobs["collision_detector"])))
@@ -54,27 +53,27 @@ def configure(world: Any, knobs: Mapping[str, KnobValue], bricks: Sequence[Brick
 
 
 def _set_fields(options: Any, fields: Mapping[str, str], knobs: Mapping[str, KnobValue]) -> None:
-    """Write those of the knobs that are ``fields`` of a structure of options into it."""
+    """Write the knobs that are keys of ``fields`` into the fields of an options structure."""
     for knob, field in fields.items():
         if knob in knobs:
             setattr(options, field, knobs[knob])
 
 
 def _mass_in_planks(bricks: Sequence[Brick]) -> float:
-    """Return the mass that the impulse tolerances suit, over that of a plank.
+    """Return the reference mass of the impulse tolerances over the mass of a plank, without unit.
 
-    - The lightest expected brick is heavier than a plank: that brick. Blocks of 4 kg, solved to the 1e-7 N s of
-      planks of 12 g, take all iterations, and then the dense solver.
-    - The heaviest one is lighter than a plank: that brick. Planks of 12 mg, whose weight is 5e-7 N s a step, fall
-      through the ground if solved to 3e-7 N s.
-    - Otherwise a plank: pieces of planks are few.
+    - All expected bricks are heavier than a plank: the lightest brick. With the 1e-7 N s of planks of 12 g, blocks of
+      4 kg take all iterations, and then the dense solver.
+    - All expected bricks are lighter than a plank: the heaviest brick. With 3e-7 N s, planks of 12 mg, whose weight is
+      5e-7 N s per step, fall through the ground.
+    - Otherwise: a plank, because scenes have few pieces of planks.
     """
     masses = [brick.mass for brick in bricks if not brick.moved] or [_PLANK_MASS]
     return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)
 
 
 def read_knobs(world: Any, knobs: Mapping[str, KnobValue]) -> dict[str, KnobValue]:
-    """Return those of the knobs that are options of the world, but for those that follow the bricks' mass."""
+    """Return the present values of the knobs that are options of the world, except the impulse tolerances."""
     options = world.getConstraintSolver().getMatrixFreeContactSolverOptions()
     owners = ((_MATRIX_FREE_OPTIONS, options), (_DEACTIVATION_OPTIONS, world.getDeactivationOptions()))
     return {

@@ -1,4 +1,4 @@
-"""A world of DART, opened as the profile's knobs say: every brick is a skeleton of one box."""
+"""A world of DART with the settings of a profile, in which every brick is a skeleton of one box."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stability_core.port import FloatArray
 
 
 class DartWorld:
-    """A world, with the skeletons and the joints of its bodies. Contacts find a body by its skeleton's name."""
+    """A world, with the skeletons and joints of its bodies. The name of a skeleton is the body's id."""
 
     def __init__(self, world: World, profile: Profile, expected: Sequence[Brick]) -> None:
         self.world = dartpy.simulation.World()
@@ -30,15 +30,15 @@ class DartWorld:
         self.joints: dict[int, Any] = {}
         """Joint of each body."""
         self._friction = world.friction
-        self._room = 0  # bricks for whose contacts DART's limit is raised
+        self._room = 0  # number of bricks to which DART's limit on contacts is raised
         self._make_room(len(expected))
 
     def read_knobs(self) -> Mapping[str, KnobValue]:
-        """Return the knobs that the world shows."""
+        """Return the present values of the knobs that the world reports."""
         return read_knobs(self.world, self._knobs)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts."""
         skeleton = dartpy.dynamics.Skeleton(str(body))
         joint, node = skeleton.createWeldJointAndBodyNodePair()
         self._add_shape(node, box)
@@ -59,7 +59,7 @@ class DartWorld:
         inertia.setMoment(shape.computeInertia(brick.mass))
         node.setInertia(inertia)
         joint.setPositions(coordinates_of(brick.position, brick.quaternion))
-        self._make_room(len(self.skeletons) + 1)  # bricks may come that were not expected
+        self._make_room(len(self.skeletons) + 1)  # because the host may spawn bricks that were not expected
         self.world.addSkeleton(skeleton)
         self.skeletons[body] = skeleton
         self.joints[body] = joint
@@ -70,27 +70,27 @@ class DartWorld:
         self.joints[body].setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
 
     def remove(self, body: int) -> None:
-        """Take out a brick; no wrapper of its collision object may be left."""
+        """Remove a brick; the caller must hold no wrapper of its collision object."""
         self.world.getConstraintSolver().clearLastCollisionResult()
         del self.joints[body]
         self.world.removeSkeleton(self.skeletons.pop(body))
 
     def coordinates(self, bodies: Iterable[int]) -> FloatArray:
-        """Return free joints' coordinates (n, 6): rotation vectors [rad], then positions [m], in world axes."""
+        """Return free joints' coordinates (n, 6) in world axes: rotation vectors [rad], then positions [m]."""
         return rows_of([self.joints[body].getPositions() for body in bodies], 6)
 
     def rates(self, bodies: Iterable[int]) -> FloatArray:
-        """Return free joints' velocities (n, 6): angular [rad/s], then linear [m/s], in world axes."""
+        """Return free joints' velocities (n, 6): angular [rad/s], then linear [m/s], along the world's axes."""
         return rows_of([self.joints[body].getVelocities() for body in bodies], 6)
 
     def close(self) -> None:
-        """Free the world, from the leaves to the root: a wrapper that outlives it brings the process down."""
+        """Free the joints, the skeletons and then the world, because a wrapper that outlives the world crashes."""
         self.joints.clear()
         self.skeletons.clear()
         del self.world
 
     def _make_room(self, bricks: int) -> None:
-        """Raise DART's limit on contacts to what so many bricks can have."""
+        """Raise DART's limit on contacts to the greatest number that a scene of ``bricks`` bricks can have."""
         if bricks > self._room:
             self._room = max(bricks, 2 * self._room)
             raise_limit(self.world.getConstraintSolver(), contacts_for(self._room))

@@ -1,25 +1,29 @@
 """Havok, compiled to WebAssembly, in Node: npm package ``@babylonjs/havok``, single precision.
 
-Freezing: the body is stopped and made static. Made dynamic again it is given its mass and inertia anew, and is kept
-active. Static bodies are not collided with one another.
+Freezing: the adapter stops the body and makes it static. When it makes the body dynamic again, it sets the mass and the
+inertia and keeps the body active. Havok does not collide static bodies with one another.
 
-Contacts are events of each step, one a point, with positions and normals of the step's start; they are carried along
-with the bodies to the poses after the step. Havok promises no point at a positive gap, so that the port adds the
-corners from the bricks' geometry. There are no forces.
+Contacts: each step emits one event per point, with positions and normals at the start of the step. The bridge moves
+them with the bodies to the poses after the step. Havok guarantees no points at a positive gap, so that the port adds
+the corners from the bricks' geometry. Havok reports no forces.
 
-Friction: as shipped a pair has the geometric mean of both shapes' coefficients, and all shapes have the world's. The
-first step in which bodies touch has no friction: with one step a frame, as shipped, a plank 1 deg above the friction
-angle slides 82 mm where it should slide 52, and four conformance checks fail. With four steps all pass. A steady force
-is an impulse before each substep: the API has no forces.
+Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
+the world's coefficient. The first step in which bodies touch has no friction: with one step per frame, as shipped, a
+plank 1 deg above the friction angle slides 82 mm instead of 52 mm, and four conformance checks fail. With four steps
+all pass. The API has no forces, so that the adapter applies a steady force as an impulse before each substep.
 
-Ridges: where two bricks touch edge on edge the normal is that across both edges, as in Jolt.
+Ridges: where two bricks touch edge on edge, Havok reports the normal across both edges, as Jolt does.
 
-Traps: a box is rounded by a convex radius of half its thickness, at most 15 mm, so that the contact points of a plank
-lie inside its edges; a convex hull of the eight corners is not. ``HP_World_SetIdealStepTime`` is 1/60 s as shipped, and
-shorter steps are then solved as softly as one of 1/60 s; 0 switches that off. In a world of scale 1 slow slides stick
-(a plank slides 4 mm instead of 52): all profiles have ten times larger ones. Inertia is given for a mass of 1. Events
-share one place in memory and can be asked for once. Their fields are read from there, and the layout is compared with
-what the functions say whenever the process starts.
+Traps:
+
+- Havok rounds a box by a convex radius of half its thickness, at most 15 mm, so that the contact points of a plank lie
+  inside its edges. It does not round a convex hull of the eight corners.
+- ``HP_World_SetIdealStepTime`` is 1/60 s as shipped: contacts in shorter steps are then as soft as in a step of 1/60 s.
+  The value 0 disables this.
+- In a world of scale 1 slow slides stick (a plank slides 4 mm instead of 52 mm), so that all profiles have scale 10.
+- Havok expects the inertia for a mass of 1.
+- All events share one place in memory, and each can be read once. The peer reads their fields from memory and compares
+  the memory layout with the API's functions at each start of the process.
 """
 
 from __future__ import annotations
@@ -50,7 +54,5 @@ class HavokSimulation(WasmSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping == "raised":
-            raise NotImplementedError(
-                "Havok's threshold of sleeping cannot be set: leave it off, or use policy 'native'"
-            )
+            raise NotImplementedError("Havok's threshold of sleeping cannot be set: use policy 'none' or 'native'")
         super()._open()

@@ -1,22 +1,26 @@
 """Jolt, compiled to WebAssembly, in Node: npm package ``jolt-physics``, single precision, one thread.
 
-Freezing: the body is stopped and made static; made dynamic again it has the mass and inertia it had. Static bodies are
-not collided with one another.
+Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again keeps its mass and inertia.
+Jolt does not collide static bodies with one another.
 
-Contacts are reported at the start of each step, by a listener that is set only while contacts are read. Points are
-carried along with the bodies to the poses after the step. Jolt lists points within its speculative distance as well;
-those that are further apart than a tenth of a millimetre are left out. There are no forces.
+Contacts: a listener, set only while contacts are read, receives them with the poses at the start of each step. The
+bridge moves the points with the bodies to the poses after the step. Jolt also lists points within its speculative
+distance; the bridge omits points with a gap of more than 0.1 mm. Jolt reports no forces here.
 
-Friction: as shipped a pair has the geometric mean of both bodies' coefficients, and all bodies have the world's. The
-law is a cone: one constraint a point, in the direction of sliding.
+Friction: the coefficient of a pair is the geometric mean of both bodies' coefficients (as shipped), and every body has
+the world's coefficient. The law is a cone: one constraint per point, in the direction of sliding.
 
-Ridges: where two bricks touch edge on edge Jolt reports the normal across both edges, not that of a face. In a V the
-planks then press each other straight apart, as they ideally do, and it holds at much flatter angles than elsewhere.
+Ridges: where two bricks touch edge on edge, Jolt reports the normal across both edges, not that of a face. The two
+planks of a V then press horizontally against each other, as ideal planks do, so that the V holds at much flatter angles
+than on engines that report the normal of a face.
 
-Traps: a box is rounded by a convex radius of 50 mm as shipped, more than a plank has: it is 0. An overlap of less than
-the slop, 20 mm as shipped, is never pushed out. Nothing wakes when its support is removed or gravity turns: the peer
-wakes all bodies. Fields of Jolt's objects are read from memory, which is ten times as fast as its functions; their
-layout is compared with what the functions say whenever the process starts.
+Traps:
+
+- As shipped Jolt rounds a box by a convex radius of 50 mm, more than a plank's size: the adapter sets it to 0.
+- As shipped Jolt never resolves an overlap of less than the slop, 20 mm.
+- No body wakes when its support is removed or gravity changes, so that the peer wakes all bodies.
+- The peer reads the fields of Jolt's objects from memory, ten times as fast as by its functions. It compares the memory
+  layout with the functions at each start of the process.
 """
 
 from __future__ import annotations

@@ -1,28 +1,28 @@
 """MuJoCo 4: soft contacts, solved to convergence by Newton's method.
 
-Slots: MuJoCo compiles its model beforehand, so that every expected brick has a slot, a free body that is parked until
-it is spawned (``_mujoco_slots.py``). If a brick fits no free slot, the model is compiled anew with more slots, and the
-state is carried over (``_mujoco_world.py``).
+Slots: MuJoCo compiles its model in advance, so that the adapter reserves a slot for every expected brick. A slot is a
+free body that is parked (without collisions, weight or cost) until the brick is spawned (``_mujoco_slots.py``). If no
+free slot fits a brick, the adapter compiles a new model with more slots and copies the state (``_mujoco_world.py``).
 
-Freezing: MuJoCo cannot make a body static, so that each slot has a ghost, a mocap body with the same box. A frozen
-brick is parked, and its ghost stands and collides in its place. Nothing moves a mocap body: the drift is exactly zero.
-A ghost belongs to the world, so that contacts among ghosts and with the ground vanish. A world without a port has no
-ghosts.
+Freezing: MuJoCo cannot make a body static, so that each slot has a second body, a mocap body with the same box (its
+"ghost"). The adapter parks a frozen brick, and the ghost collides at the brick's pose. Nothing moves a mocap body: the
+drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because a ghost belongs
+to its world body. A world without a port has no ghosts.
 
-Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities of that moment: together they
-give the approach before the solver stops it.
+Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities at that time. Together they
+give the approach speed before the solver stops the bodies.
 
-``find_contacts`` runs MuJoCo's kinematics and collision on a copy of the state and changes nothing. Speculative
-contacts and sleeping are off meanwhile, so that distances are measured and sleeping pairs are listed.
+``find_contacts`` runs MuJoCo's kinematics and collision on a copy of the state and changes nothing. The call disables
+speculative contacts and sleeping, so that distances are measured and sleeping pairs are listed.
 
-Friction: a pair has the larger coefficient of its two geoms; all geoms have the world's.
+Friction: the coefficient of a pair is the larger one of its two geoms, and every geom has the world's coefficient.
 
 Traps:
 
 - Divergence silently resets the world unless ``autoreset`` is off.
-- A speculative contact carries a made-up distance, reported as unknown.
-- MuJoCo does not see that a sleeping brick's support went away.
-- Its warnings go to a file in the working directory unless they are caught.
+- A speculative contact has an invented distance; the adapter reports it as unknown (NaN).
+- MuJoCo does not wake a sleeping brick whose support was removed.
+- Without a handler MuJoCo writes its warnings to a file in the working directory.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
 
 def _knows(knob: str) -> bool:
-    """Return True if there is a knob of this name; MuJoCo itself refuses an unknown attribute of its XML."""
+    """Return True if a knob of this name may exist; MuJoCo itself rejects an unknown attribute of its XML."""
     return "." in knob or knob in (CONTACT_STEPS, "sleep")
 
 
@@ -57,7 +57,7 @@ _SETTINGS = load_settings("mujoco", _knows)
 
 
 class MujocoSimulation(SubstepSimulation):
-    """One MuJoCo world."""
+    """One world of MuJoCo."""
 
     engine = "mujoco"
     profiles = _SETTINGS.profiles
@@ -81,7 +81,7 @@ class MujocoSimulation(SubstepSimulation):
         self._engine = MujocoWorld(
             self.world, self.info.profile, self.bodies, self.expected, needs_ghosts=lambda: self.is_observed
         )
-        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies
+        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # poses of moved bodies
         self._approaches = Approaches()
 
     def _read_knobs(self) -> Mapping[str, KnobValue]:
@@ -138,7 +138,7 @@ class MujocoSimulation(SubstepSimulation):
             self._earlier_forces.append(record.forces_at(rows, geoms))
 
     def _record_motions(self, bodies: IntArray) -> None:
-        """Record nothing: MuJoCo keeps the velocities of its contacts itself."""
+        """Record nothing, because MuJoCo's own arrays hold the velocities at the start of the latest substep."""
 
     def _substep(self) -> None:
         mujoco.mj_step(self._engine.slots.model, self._engine.slots.data)
@@ -154,7 +154,7 @@ class MujocoSimulation(SubstepSimulation):
         return poses[:, :3], poses[:, 3:]
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        return self._engine.slots.poses[self._engine.slots_of(bodies), :3]  # of live bodies, whose ghosts are elsewhere
+        return self._engine.slots.poses[self._engine.slots_of(bodies), :3]  # these bodies are live: not at their ghosts
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         rows = self._engine.slots.velocities[self._engine.slots_of(bodies)]
@@ -174,7 +174,7 @@ class MujocoSimulation(SubstepSimulation):
         geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
         velocity = record.relative_velocities(geoms, found.pos[rows])
         speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
-        if len(speculative):  # a force before touch; the engine invents the distance that makes it stop the brick
+        if len(speculative):  # a force before the bodies touch, at an invented distance that makes it stop the brick
             separation[speculative] = np.nan
             velocity[speculative] += record.fall(geoms[speculative])
         force = mean_force(record.forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None

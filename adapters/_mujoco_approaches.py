@@ -1,4 +1,4 @@
-"""How fast pairs of MuJoCo's geoms approached in each substep of a frame, of which the fastest counts."""
+"""Approach velocities of pairs of MuJoCo's geoms in the substeps of a frame, and the fastest one of each pair."""
 
 from __future__ import annotations
 
@@ -11,24 +11,33 @@ _MAX_GEOMS = np.int64(1 << 31)
 
 
 class Approaches:
-    """The approaches of a frame's substeps but the last."""
+    """Approach velocities in all substeps of a frame except the last."""
 
     def __init__(self) -> None:
         self._substeps: list[tuple[IntArray, FloatArray, FloatArray]] = []  # pairs, speed along the normal, velocity
 
     def clear(self) -> None:
-        """Begin a frame."""
+        """Delete the record at the start of a frame."""
         self._substeps.clear()
 
     def add(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> None:
-        """Record a substep: geoms (n, 2), normals (n, 3), velocities (n, 3) [m/s] of the second against the first."""
+        """Record the contacts of one substep.
+
+        Args:
+            geoms: both geoms of each contact, shape (n, 2).
+            normals: unit normals from the first geom to the second, shape (n, 3).
+            velocity: velocities [m/s] of the second geom relative to the first, shape (n, 3).
+        """
         self._substeps.append((_pairs(geoms), dot(velocity, normals), velocity))
 
     def fastest(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Return ``velocity``, or that of the pair in an earlier substep where it approached faster."""
+        """Overwrite each velocity by that of an earlier substep in which the pair approached faster, and return all.
+
+        The arguments are those of ``add``, for the last substep.
+        """
         pairs, speed = _pairs(geoms), dot(velocity, normals)
         for earlier_pairs, earlier_speed, earlier_velocity in self._substeps:
-            order = np.lexsort((earlier_speed, earlier_pairs))  # of each pair, the fastest approach comes first
+            order = np.lexsort((earlier_speed, earlier_pairs))  # by pair, and its fastest approach first
             first = np.searchsorted(earlier_pairs[order], pairs)
             known = np.flatnonzero(first < len(order))
             match = order[first[known]]
@@ -39,5 +48,5 @@ class Approaches:
 
 
 def _pairs(geoms: IntArray) -> IntArray:
-    """Return a number (n,) for each pair of geoms, in their order."""
+    """Return a number (n,) for each ordered pair of geoms (n, 2)."""
     return geoms[:, 0] * _MAX_GEOMS + geoms[:, 1]

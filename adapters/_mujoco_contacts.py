@@ -12,11 +12,14 @@ from adapters.shared.vectors import cross
 from stability_core.port import GROUND, FloatArray, IntArray
 
 NOBODY = np.iinfo(np.int64).min
-"""Stands for the body of an empty slot."""
+"""Id that marks the geoms of an empty slot."""
 
 
 class Geoms:
-    """The geoms of one compiled world: whose they are, which are live, and which are still where they were."""
+    """Record of the geoms of one compiled model: the body of each, whether it is live, and whether its contacts hold.
+
+    The contacts of a geom hold (are current) until the geom gets another body or another pose after the latest step.
+    """
 
     def __init__(self, world: SlotModel) -> None:
         self._world = world
@@ -27,8 +30,8 @@ class Geoms:
         self._is_current = np.ones(world.geoms, bool)
 
     def assign(self, slot: int, body: int) -> None:
-        """Record whose a slot's geoms are. What they touched until now is no contact of the body in its new place."""
-        geoms = slice(1 + slot, self._world.first_fixed, self._world.slots)  # the brick's and, if there is one, a ghost
+        """Record the body of a slot's geoms. Their contacts are not current until the next frame."""
+        geoms = slice(1 + slot, self._world.first_fixed, self._world.slots)  # of the brick and of its ghost, if any
         self._body[geoms] = body
         self._is_current[geoms] = False
 
@@ -37,7 +40,7 @@ class Geoms:
         self._is_live[1 + slot] = is_live
 
     def begin_frame(self) -> None:
-        """Record that all geoms are where the contacts of the step that follows find them."""
+        """Record that the contacts of the next step are current for all geoms."""
         self._is_current[:] = True
 
     def bodies_of(self, geoms: IntArray) -> tuple[IntArray, IntArray]:
@@ -50,11 +53,16 @@ class Geoms:
         return np.flatnonzero(self._is_live[geoms].any(axis=1))
 
     def current_rows(self, geoms: IntArray) -> IntArray:
-        """Return the rows of pairs (n, 2) that touch a live body, where both bodies still are where they were."""
+        """Return the rows of pairs (n, 2) that touch a live body and are current for both bodies."""
         return np.flatnonzero(self._is_live[geoms].any(axis=1) & self._is_current[geoms].all(axis=1))
 
     def relative_velocities(self, geoms: IntArray, points: FloatArray) -> FloatArray:
-        """Return velocities (n, 3) [m/s] of the second geom against the first, at the start of the latest substep."""
+        """Return velocities (n, 3) [m/s] of the second geom relative to the first, at the start of the latest substep.
+
+        Args:
+            geoms: both geoms of each contact, shape (n, 2).
+            points: contact points [m] in the world's frame, shape (n, 3).
+        """
         data = self._world.data
         twists = data.cvel[geoms]  # angular, then linear at the centre of mass
         arms = points[:, None] - data.subtree_com[geoms]
@@ -62,10 +70,10 @@ class Geoms:
         return velocities[:, 1] - velocities[:, 0]
 
     def forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
-        """Return the forces of these rows of MuJoCo's contacts, between ``geoms`` (n, 2), in the latest substep.
+        """Return the forces of the given rows of MuJoCo's contacts in the latest substep, between ``geoms`` (n, 2).
 
-        A contact has three rows of constraint forces under the elliptic cone: along the normal and the two tangents.
-        Under the pyramid it has a pair of edges for each tangent, n + mu t and n - mu t.
+        - Elliptic cone: a contact has three constraint forces, along the normal n and the two tangents t.
+        - Pyramid: a contact has a pair of edges for each tangent, n + mu t and n - mu t.
         """
         data = self._world.data
         found = data.contact
@@ -82,7 +90,10 @@ class Geoms:
         return SubstepForces(*self.bodies_of(geoms), in_world)
 
     def fall(self, geoms: IntArray) -> FloatArray:
-        """Return what gravity adds to relative velocities (n, 3) [m/s] in one substep: those of bodies yet to touch."""
+        """Return the change (n, 3) [m/s] of the relative velocities of ``geoms`` (n, 2) by gravity in one substep.
+
+        A pair with a speculative contact falls freely for that substep, because its bodies do not touch yet.
+        """
         falls = self._is_live[geoms].astype(np.float64)
         option = self._world.model.opt
         gained: FloatArray = option.gravity * option.timestep

@@ -1,4 +1,4 @@
-"""A compiled MuJoCo world whose bricks can be put in, taken out and frozen without compiling it anew."""
+"""A compiled MuJoCo model to which bricks can be added, and in which they can be removed or frozen."""
 
 from __future__ import annotations
 
@@ -15,35 +15,35 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import FloatArray
 
 Shape: TypeAlias = tuple[Vector, float]
-"""Edge lengths [m] and mass [kg]: what makes one brick fit another's slot."""
+"""Edge lengths [m] and mass [kg] of a brick: bricks of the same shape fit the same slots."""
 
 CONTACT_STEPS = "contact_steps"
-"""Knob: the time constant of contacts, in steps; MuJoCo's ``solref`` has it in seconds."""
+"""Knob for the time constant of contacts, in steps; MuJoCo's ``solref`` has it in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3
 """Mass [kg] of a moved body, because MuJoCo's mocap bodies have no velocity in contacts. With 1e6 kg a tower of planks
-on it sank at one step a frame. Its pose is set anew before each step, so that a load does not shift it."""
+on it sank at one step per frame. The adapter sets its pose before each step, so that a load does not shift it."""
 
 _NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
-"""``contype`` and ``conaffinity``: two geoms collide if a bit of one's type is in the other's affinity. Moved bodies
-collide with live bricks only."""
+"""Collision masks ``contype`` and ``conaffinity``. Two geoms collide if the type of one geom and the affinity of the
+other share a bit. Moved bodies collide with live bricks only."""
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
 _SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
-"""Flags with which MuJoCo leaves out sleeping pairs, or lists distances that it did not measure."""
+"""Flags that make MuJoCo omit sleeping pairs, or list distances that it did not measure."""
 
 
 def shape_of(brick: Brick) -> Shape:
-    """Return what a slot must be like for a brick."""
+    """Return the shape of the slots that fit a brick."""
     return brick.size, HEAVY if brick.moved else brick.mass
 
 
 class SlotModel:
-    """The ground, a slot for each shape, if asked for a ghost for each slot, and the fixed boxes.
+    """Compiled model of the ground, a slot per shape, the fixed boxes and, with ``ghosts``, a ghost per slot.
 
-    A slot is a free body, parked until it is unparked; a ghost is a mocap body with the same box, which
-    nothing moves. Geom and body ids coincide: 0 is the ground, then come the slots, their ghosts and the fixed boxes.
+    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same box, which nothing moves.
+    MuJoCo's geom and body ids coincide: 0 is the ground, followed by the slots, their ghosts and the fixed boxes.
     """
 
     def __init__(self, shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> None:
@@ -53,11 +53,11 @@ class SlotModel:
         self.has_ghosts = ghosts
         self.model = mujoco.MjModel.from_xml_string(_mjcf(shapes, world, profile, ghosts=ghosts))
         self.data = mujoco.MjData(self.model)
-        # Views of MuJoCo's own memory, one row a slot.
+        # Views of MuJoCo's memory, one row per slot.
         self.poses: FloatArray = self.data.qpos.reshape(-1, 7)
         self.velocities: FloatArray = self.data.qvel.reshape(-1, 6)
         self._warm_starts: FloatArray = self.data.qacc_warmstart.reshape(-1, 6)
-        # A change of a geom's collision mask takes effect only together with its body's.
+        # A change of a geom's collision mask takes effect only together with the mask of its body.
         self._masks = (
             self.model.geom_contype,
             self.model.geom_conaffinity,
@@ -65,14 +65,14 @@ class SlotModel:
             self.model.body_conaffinity,
         )
         light = [1 + slot for slot, (_, mass) in enumerate(shapes) if mass < HEAVY]
-        if len(light) < self.slots and light:  # the solver's tolerance is in units of it: heavy bodies would blind it
+        if len(light) < self.slots and light:  # mean inertia scales the solver's tolerance: exclude heavy bodies
             inertia = self.model.body_inertia[light].mean()
             self.model.stat.meaninertia = (self.model.body_mass[light].mean() + inertia) / 2
         self._knobs = profile.values
         self._live_policy = _SLEEP_ALLOWED if "sleep" in profile.knobs else _SLEEP_NEVER
 
     def read_knobs(self) -> dict[str, KnobValue]:
-        """Return the knobs that are numbers of the model's options, and the time constant of contacts."""
+        """Return the present values of the numeric options, and the time constant of contacts in steps."""
         options = {name: name.removeprefix("option.") for name in self._knobs if name.startswith("option.")}
         read: dict[str, KnobValue] = {
             name: float(getattr(self.model.opt, option))
@@ -84,13 +84,13 @@ class SlotModel:
         return read
 
     def copy_state(self, smaller: SlotModel) -> None:
-        """Take over the poses, velocities and warm starts of another model's slots."""
+        """Copy the poses, velocities and warm starts of a model with fewer slots into the first slots."""
         self.poses[: smaller.slots] = smaller.poses
         self.velocities[: smaller.slots] = smaller.velocities
         self._warm_starts[: smaller.slots] = smaller._warm_starts
 
     def set_pose(self, slot: int, position: Vector, quaternion: Quaternion) -> None:
-        """Put a brick somewhere, at rest."""
+        """Set the pose of a brick ([m], quaternion w, x, y, z), at rest."""
         self.poses[slot, :3] = position
         self.poses[slot, 3:] = quaternion
         self._stop(slot)
@@ -98,52 +98,52 @@ class SlotModel:
     def set_motion(
         self, slot: int, position: FloatArray, quaternion: FloatArray, linear: Vector, angular: Vector
     ) -> None:
-        """Put a brick somewhere, and let it move at these velocities [m/s], [rad/s], in the world's frame."""
+        """Set the pose of a brick and its velocities [m/s], [rad/s], in the world's frame."""
         self.poses[slot, :3], self.poses[slot, 3:] = position, quaternion
         self.velocities[slot, :3] = linear
         inverse = self.poses[slot : slot + 1, 3:] * (1, -1, -1, -1)
         self.velocities[slot, 3:] = rotate(inverse, np.array([angular]))[0]
 
     def unpark(self, slot: int) -> None:
-        """Hand a brick to the engine."""
+        """Activate the parked brick of a slot: it collides, falls and may sleep."""
         self._collide(1 + slot, _LIVE)
         self.model.body_gravcomp[1 + slot] = 0
         self.model.tree_sleep_policy[slot] = self._live_policy
         self.wake(slot)
 
     def unpark_moved(self, slot: int) -> None:
-        """Hand a body to the engine that collides with live bricks alone and is not pulled by gravity."""
+        """Activate the parked body of a slot as a moved body: it collides with live bricks only and has no weight."""
         self._collide(1 + slot, _MOVED)
         self.model.tree_sleep_policy[slot] = _SLEEP_NEVER
         self.wake(slot)
 
     def park(self, slot: int) -> None:
-        """Let a brick collide with nothing, float and sleep, so that it costs nothing."""
+        """Deactivate a brick, so that it costs no time: it collides with nothing, has no weight and sleeps."""
         self._stop(slot)
         self._collide(1 + slot, _NOTHING)
         self.model.body_gravcomp[1 + slot] = 1
         self.model.tree_sleep_policy[slot] = _SLEEP_ALLOWED
         if self.data.tree_asleep[slot] < 0:
-            self.data.tree_asleep[slot] = -1  # the end of the count-down: it sleeps after one more step
+            self.data.tree_asleep[slot] = -1  # end of MuJoCo's count-down: the brick sleeps after the next step
 
     def wake(self, slot: int) -> None:
         """Wake a brick, and the island that it sleeps in, from the engine's own sleep."""
-        self.data.tree_awake[slot] = 1  # MuJoCo wakes what is asleep by one record and awake by another
+        self.data.tree_awake[slot] = 1  # MuJoCo wakes a tree whose two sleep records disagree
 
     def show_ghost(self, slot: int) -> None:
-        """Let the ghost stand where the brick is."""
+        """Place the ghost at the brick's pose, and make the ghost collide."""
         self.data.mocap_pos[slot] = self.poses[slot, :3]
         self.data.mocap_quat[slot] = self.poses[slot, 3:]
         self._collide(1 + self.slots + slot, _STILL)
 
     def hide_ghost(self, slot: int) -> None:
-        """Let the ghost collide with nothing, and the brick be exactly where the ghost stood."""
+        """Stop the ghost's collisions, and place the brick exactly at the ghost's pose."""
         self.poses[slot, :3] = self.data.mocap_pos[slot]
         self.poses[slot, 3:] = self.data.mocap_quat[slot]
         self._collide(1 + self.slots + slot, _NOTHING)
 
     def collided_copy(self) -> mujoco.MjData:
-        """Return a copy of the state, with the contacts of the present poses."""
+        """Return a copy of the state with the contacts at the present poses."""
         data = copy.copy(self.data)
         flags = self.model.opt.enableflags
         self.model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
@@ -163,11 +163,11 @@ class SlotModel:
 
 
 def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> str:
-    """Return the world as MuJoCo's XML; a profile's knob ``element.attribute`` is that attribute."""
+    """Return the world as MuJoCo's XML; a knob ``element.attribute`` sets the attribute of that element."""
     timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
         "option": {"timestep": timestep, "gravity": _numbers(world.gravity)},
-        "flag": {"sleep": "enable"},  # parked bricks sleep in every profile; live ones as the sleep policy says
+        "flag": {"sleep": "enable"},  # parked bricks sleep in every profile, live bricks by their sleep policy
         "geom": {"friction": world.friction, "contype": 0, "conaffinity": 0},
     }
     if CONTACT_STEPS in profile.knobs:

@@ -1,4 +1,4 @@
-"""A world of MuJoCo whose model is compiled when it is first needed, and anew when a brick fits no free slot."""
+"""A world of MuJoCo. It compiles a model on first use, and again when no free slot fits a brick."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stability_core.port import IntArray
 
 
 class MujocoWorld:
-    """The slots of the bodies, with the compiled model that has them and the record of whose its geoms are."""
+    """Slots of the bodies, with the compiled model and the record of its geoms."""
 
     def __init__(
         self,
@@ -31,10 +31,10 @@ class MujocoWorld:
 
         Args:
             world: friction, gravity and fixed boxes.
-            profile: how MuJoCo is set up.
+            profile: MuJoCo's settings.
             bodies: the adapter's record of its bodies.
             expected: the bricks that will be spawned.
-            needs_ghosts: whether bodies may be frozen; asked when the model is first compiled.
+            needs_ghosts: returns True if bodies may be frozen; called when the model is first compiled.
         """
         self.slot_of: dict[int, int] = {}
         """Slot of each body."""
@@ -47,12 +47,12 @@ class MujocoWorld:
 
     @property
     def slots(self) -> SlotModel:
-        """The compiled model, made when it is first needed: only then is it known whether bodies may be frozen."""
+        """The model, compiled on first use, because ``needs_ghosts`` is not known earlier."""
         return self._slots or self._compile(ghosts=self._needs_ghosts())
 
     @property
     def geoms(self) -> Geoms:
-        """The record of whose the model's geoms are."""
+        """The record of the model's geoms and their bodies."""
         if self._slots is None:
             self._compile(ghosts=self._needs_ghosts())
         return self._geoms
@@ -81,7 +81,7 @@ class MujocoWorld:
         self._wake_all()
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a body, or of the ghost that stands for it, and stop it."""
+        """Set the pose of a body ([m], quaternion w, x, y, z), and of its ghost if it is frozen, and stop it."""
         slot = self.slot_of[body]
         self.slots.set_pose(slot, position, quaternion)
         if body in self._bodies.frozen:
@@ -90,7 +90,7 @@ class MujocoWorld:
         self._wake_all()
 
     def freeze(self, body: int) -> None:
-        """Let the ghost stand where a live brick is, and park the brick."""
+        """Place the ghost at a live brick's pose, and park the brick."""
         if not self.slots.has_ghosts:
             self._compile(ghosts=True)
         slot = self.slot_of[body]
@@ -98,7 +98,7 @@ class MujocoWorld:
         self._retire(slot)
 
     def unfreeze(self, body: int) -> None:
-        """Let the brick live where its ghost stood."""
+        """Activate a frozen brick at the pose of its ghost, and hide the ghost."""
         slot = self.slot_of[body]
         self.slots.hide_ghost(slot)
         self._let_live(slot)
@@ -121,7 +121,7 @@ class MujocoWorld:
                 self.slots.wake(slot)
 
     def _compile(self, *, ghosts: bool) -> SlotModel:
-        """Compile a model for the present shapes, and carry the state over."""
+        """Compile a model for the present shapes, and copy the state of the old model."""
         old, new = self._slots, SlotModel(self._shapes, self._world, self._profile, ghosts=ghosts)
         if old is not None:
             for body in self._bodies.frozen:
@@ -139,7 +139,7 @@ class MujocoWorld:
         return new
 
     def _occupy_slot(self, body: int, brick: Brick) -> int:
-        """Put a brick into a slot that fits; returns the slot, still parked."""
+        """Put a brick into a slot that fits; return the slot, still parked."""
         slot = self._take_slot(shape_of(brick))
         self.slots.set_pose(slot, brick.position, brick.quaternion)
         self.slot_of[body] = slot
@@ -147,7 +147,7 @@ class MujocoWorld:
         return slot
 
     def _take_slot(self, shape: Shape) -> int:
-        """Return a free slot; if there is none, make as many as there are bodies, so that few models are compiled."""
+        """Return a free slot; without one, add as many slots as there are bodies, so that few models are compiled."""
         if not self._free[shape]:
             first, more = len(self._shapes), max(1, len(self.slot_of))
             self._shapes += [shape] * more

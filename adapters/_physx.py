@@ -1,28 +1,30 @@
 """PhysX 5 on the processor, through SAPIEN: the engine family of the paper, which extended PhysX 3 inside Unity 4.
 
-Freezing: the body becomes kinematic. Nothing moves a kinematic body by a single bit, and neither two of them nor one
-and the ground are collided. Unfreezing makes it dynamic again, at rest and awake. ``put_to_sleep`` is no freeze: the
-first touch ends it.
+Freezing: the adapter makes the body kinematic. Nothing moves a kinematic body by a single bit, and PhysX does not
+collide it with the ground or with another kinematic body. Unfreezing makes the body dynamic again, at rest and awake.
+SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes it.
 
-Contacts: up to four points a pair, as they were before the latest substep. PhysX lists points that lie apart by up to
-the contact offsets of both shapes; as shipped, that is more than two planks, so a brick "touches" the ground through
-others, with no impulse. Points farther apart than ``MAX_SEPARATION`` are left out. Normals point from the second body
-to the first, and all points of a pair share one: boxes are convex. SAPIEN lists pairs in the order of memory addresses:
-they are sorted by ids. All poses and velocities come in one packed block of 32-bit floats.
+Contacts: up to four points per pair, detected before the latest substep. PhysX lists points with a gap of up to the sum
+of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks, so that PhysX lists a brick
+and the ground with another brick between them, without impulse. The adapter omits points with a gap of more than
+``MAX_SEPARATION``. Normals point from the second body to the first, and all points of a pair share one normal, because
+boxes are convex. SAPIEN lists pairs in the order of memory addresses; the adapter sorts them by ids. All poses and
+velocities come in one packed block of 32-bit floats.
 
-``find_contacts`` takes one step of a microsecond in a second world with the same bodies, weightless and at rest, and
-reads the contacts that PhysX found at its start, which are those of the present poses. SAPIEN cannot collide without a
-step. The first world does not change.
+``find_contacts`` makes one step of 1 us in a second world with the same bodies, weightless and at rest, because SAPIEN
+cannot collide without a step. It reads the contacts that PhysX detected at the start of that step, at the present
+poses. The first world does not change.
 
-Friction: PhysX takes the mean of both materials; all have the world's, static and dynamic alike.
+Friction: the coefficient of a pair is the mean of both materials' coefficients, and every material has the world's
+coefficient, static and dynamic.
 
 Traps:
 
-- The scene's settings are global and read when a system is made: where gravity changes later, each body gets the
-  difference times its mass as a force.
-- PhysX computes a box's inertia from its density, at least 1e-6 kg m2, more than a plank has: the adapter sets it.
-- Until the next step contacts go on naming a removed component, by its address: the component is held until then.
-- SAPIEN warns of a missing Vulkan when it is imported, though nothing is rendered.
+- The scene's settings are global, and a system reads them at its creation. If gravity changes later, the adapter
+  applies the difference times the mass of each body as a force.
+- PhysX computes a box's inertia from its density, but at least 1e-6 kg m2, more than a plank has: the adapter sets it.
+- Until the next step contacts refer to a removed component by its address, so that the adapter keeps the component.
+- SAPIEN warns of a missing Vulkan on import, although nothing is rendered.
 """
 
 from __future__ import annotations
@@ -50,13 +52,13 @@ with silenced_stderr(), warnings.catch_warnings():
     import sapien
 
 _INSTANT = 1e-6
-"""Step [s] of a twin whose contacts are wanted: too short for its solver to press a gap shut."""
+"""Step [s] of the second world of ``find_contacts``: too short for its solver to close a gap."""
 
 _SETTINGS = load_settings("physx", KNOBS.__contains__)
 
 
 class PhysxSimulation(SubstepSimulation):
-    """A world of PhysX 5."""
+    """One world of PhysX 5."""
 
     engine = "physx"
     profiles = _SETTINGS.profiles
@@ -79,7 +81,7 @@ class PhysxSimulation(SubstepSimulation):
     def _open(self) -> None:
         self._engine = PhysxWorld(self.world, self.info.profile)
         self._components = self._engine.components
-        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # of moved bodies, in double precision
+        self._places: dict[int, tuple[FloatArray, FloatArray]] = {}  # poses of moved bodies, in double precision
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
 
@@ -192,11 +194,11 @@ class PhysxSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _listed(self) -> Iterator[Listed]:
-        """Return every pair that touches a live body, by rising ids: its bodies a and b, and its points, one at least.
+        """Yield every pair that touches a live body and has a point, by rising ids: bodies a and b, and the points.
 
-        Friction is found pair by pair, so that another order changes the last bits of forces.
+        The order matters, because friction forces are summed pair by pair: another order changes their last bits.
         """
-        body_of = self._engine.body_of.get  # None for a brick that was removed since the step
+        body_of = self._engine.body_of.get  # returns None for a brick that was removed after the latest step
 
         def ids_of(contact: Any) -> tuple[int | None, int | None]:
             first, second = contact.bodies

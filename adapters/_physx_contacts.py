@@ -1,4 +1,4 @@
-"""SAPIEN's contact points: which of them touch, and their impulses."""
+"""SAPIEN's contact points: selection of the points that touch, and their impulses."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MAX_SEPARATION = 1e-3
-"""Points farther apart than this [m] are not read: twice what the core takes for touch."""
+"""Greatest gap [m] of a point that the adapter reads: twice the gap that the core counts as touching."""
 
 Listed = tuple[int, int, list[Any]]
-"""Bodies a and b of a pair, and PhysX's points of it."""
+"""Bodies a and b of a pair, and PhysX's points of the pair."""
 
 
 def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntArray, IntArray], FloatArray]:
-    """Return the points that touch or nearly do.
+    """Return the contact points that touch or have a gap of at most ``MAX_SEPARATION``.
 
     Args:
         listed: pairs with their points.
@@ -55,7 +55,7 @@ def all_impulses(listed: Iterable[Listed]) -> tuple[tuple[IntArray, IntArray], F
 
 
 def _separation(separation: float, scale: float, *, is_pressed: bool) -> float | None:
-    """Return the separation [m] of a point that touches or nearly does, 0 where the solver let it bear; else None."""
+    """Return the separation [m] of a point, 0 if it has an impulse across a gap; None if the gap is too large."""
     if separation <= 0.0:
         return separation
     if is_pressed:

@@ -1,4 +1,4 @@
-"""Poses and velocities of SAPIEN's bodies: from one packed block, or body by body where few are asked for."""
+"""Poses and velocities of SAPIEN's bodies: from one packed block, or body by body if few are needed."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 STATE_ALONE, POSITION_ALONE = 50, 15
-"""What a body asked alone costs, in bodies of the packed block, of which each in the world costs 0.2 us: 10 us for its
-state, 3 us for its position."""
+"""Cost of reading one body alone, over the cost of one body in the packed block (0.2 us): 10 us for its state, 3 us for
+its position. The packed block holds every body of the world."""
 
 
 class BodyStates:
-    """Reads the states of the bodies of a system; ``components`` and ``bodies`` are the adapter's own records."""
+    """Reader of the states of a system's bodies; ``components`` and ``bodies`` belong to ``PhysxWorld``."""
 
     def __init__(self, system: Any, components: Mapping[int, Any], bodies: Mapping[Any, int]) -> None:
         self._system = system
@@ -30,7 +30,7 @@ class BodyStates:
         self._rows[listed] = np.arange(len(listed))
 
     def read(self, bodies: IntArray) -> FloatArray:
-        """Return quaternion (w, x, y, z), position [m], velocity [m/s] and spin [rad/s], shape (n, 13)."""
+        """Return quaternion (w, x, y, z), position [m], velocity [m/s] and spin [rad/s] of bodies, shape (n, 13)."""
         if 0 < len(bodies) * STATE_ALONE < len(self._components):
             return self._read_one_by_one(bodies)
         packed = np.frombuffer(self._system.pack(), np.float32).reshape(-1, 13)
@@ -38,14 +38,14 @@ class BodyStates:
         return state
 
     def positions(self, bodies: IntArray) -> FloatArray:
-        """Return the positions alone, shape (n, 3) [m]."""
+        """Return the positions [m] of bodies (n,), shape (n, 3)."""
         if len(bodies) * POSITION_ALONE < len(self._components):
             poses = [self._components[body].entity_pose.p for body in bodies.tolist()]
             return np.array(poses, np.float64).reshape(-1, 3)
         return self.read(bodies)[:, 4:7]
 
     def _read_one_by_one(self, bodies: IntArray) -> FloatArray:
-        """Return the same numbers as the packed block, which holds every frozen body as well."""
+        """Return the numbers of ``read``, without the packed block, because the block also holds every frozen body."""
         vectors: list[FloatArray] = []
         for body in bodies.tolist():
             component = self._components[body]

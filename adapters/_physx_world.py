@@ -1,4 +1,4 @@
-"""A world of SAPIEN, opened as the profile's knobs say, and its bodies, which SAPIEN calls components of entities."""
+"""A world of SAPIEN with the settings of a profile, and its bodies, which SAPIEN calls components of entities."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ KNOBS = frozenset({*_SCENE, *_BODY, *_SHAPE})
 
 
 class PhysxWorld:
-    """A world with the components of its bodies."""
+    """A world, with the components of its bodies."""
 
     def __init__(self, world: World, profile: Profile) -> None:
         knobs = profile.values
         self._for_bodies = {name: knobs[name] for name in _BODY if name in knobs}
         self._for_shapes = {name: knobs[name] for name in _SHAPE if name in knobs}
-        # Settings of the whole process, which a system reads as it is made.
+        # These settings belong to the process; a system reads them at its creation.
         physx.set_scene_config(gravity=world.gravity, **{name: knobs[name] for name in _SCENE if name in knobs})
         self._built_gravity = world.gravity
         self._gravity_change = np.zeros(3, np.float32)
@@ -43,12 +43,12 @@ class PhysxWorld:
         self.components: dict[int, Any] = {}
         """Component of each body."""
         self.body_of: dict[Any, int] = {}
-        """Body, ground or fixed box of each component; SAPIEN hands out the same object for one that is held."""
-        self._removed_components: list[Any] = []  # since the latest step
+        """Body, ground or fixed box of each component; SAPIEN returns the same object for a component in this map."""
+        self._removed_components: list[Any] = []  # removed after the latest step
         self.states = BodyStates(self.system, self.components, self.body_of)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts."""
         component = physx.PhysxRigidStaticComponent()
         self._add(component, box)
         self.body_of[component] = body
@@ -72,7 +72,10 @@ class PhysxWorld:
         self.components[body].kinematic = True
 
     def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
-        """Return the knobs as the process, the first body and its shape have them; the latter two once there is one."""
+        """Return the present values of the named knobs, from the process, the first body and its shape.
+
+        Without a body only the knobs of the process are returned.
+        """
         owners: list[tuple[tuple[str, ...], Any]] = [(_SCENE, physx.get_scene_config())]
         if self.components:
             first = next(iter(self.components.values()))
@@ -80,7 +83,7 @@ class PhysxWorld:
         return {name: getattr(owner, name) for knobs, owner in owners for name in knobs if name in set(names)}
 
     def remove(self, body: int) -> None:
-        """Take out a body, and hold its component until the next step, because contacts go on naming it."""
+        """Remove a body, and keep its component until the next step, because contacts still refer to it."""
         component = self.components.pop(body)
         del self.body_of[component]
         self._scene.remove_entity(component.entity)
@@ -92,13 +95,17 @@ class PhysxWorld:
         self._gravity_change = np.subtract(gravity, self._built_gravity).astype(np.float32)
 
     def add_gravity_change(self, masses: Mapping[int, float]) -> None:
-        """Let the difference from the system's gravity, which SAPIEN cannot change, act on bodies in the next step."""
+        """Apply the change of gravity as a force on bodies in the next step, because SAPIEN cannot change gravity.
+
+        Args:
+            masses: mass [kg] of each body.
+        """
         if self._gravity_change.any():
             for body, mass in masses.items():
                 self.components[body].add_force_torque(mass * self._gravity_change, np.zeros(3, np.float32))
 
     def forget_removed(self) -> None:
-        """Let go of the components that were removed before the latest step."""
+        """Release the components that were removed before the latest step."""
         self._removed_components.clear()
 
     def close(self) -> None:

@@ -1,31 +1,34 @@
-"""pymunk, which is Chipmunk: a planar engine. Its plane is the scene's x-z plane; every brick is centred on y = 0.
+"""pymunk, the Python package of Chipmunk: a planar engine in the scene's x-z plane, with every brick centred on y = 0.
 
-Units: one engine unit is a millimetre. Chipmunk allows overlaps of 0.1 units as shipped and its makers think
-of units as pixels: a plank is then some hundred units long, as a game would draw it. In metres the shipped
-slop would be deeper than a plank is thick.
+Units: one engine unit is a millimetre. As shipped Chipmunk allows overlaps of 0.1 units, because its authors consider a
+unit to be a pixel. A plank is then about a hundred units long, as in a game. In metres the shipped slop would exceed
+the thickness of a plank.
 
-Angle: Chipmunk turns +x towards its second axis, our +z. A rotation about +y turns +z towards +x, so the two
-differ in sign.
+Angle: a positive angle of Chipmunk turns +x towards its second axis, the scene's +z. A rotation about +y turns +z
+towards +x, so that the two angles differ in sign.
 
-Freezing: a frozen brick is a static body. Made dynamic again it has lost its mass and moment, so that the adapter sets
-both. A static body also keeps the push that was to cure its overlap (``v_bias``), which would move it once it is
-unfrozen; an integration over no time at all clears it.
+Freezing: a frozen brick is a static body. A body that becomes dynamic again has lost its mass and moment of inertia, so
+that the adapter sets both. A static body also keeps the pending correction of its overlap (``v_bias``), which would
+move it once it is unfrozen; an integration over a time of 0 clears it.
 
-Contacts: pairs that overlap, two points at most, none across a gap: a brick at rest overlaps by the slop and
-stays listed. The arbiters of two static bodies are kept for ever, with points in memory that other contacts
-soon reuse: taking a newly frozen body's shape out and in again drops them. Arbiters, and ``Body.id``, follow
-memory addresses: they are sorted, or two runs would differ. Each point stands for a line across the bricks'
-depth and is handed to the core as that line's two ends.
+Contacts: overlapping pairs, with at most two points, and no pair across a gap. A brick at rest overlaps its support by
+the slop, so that its contacts stay listed. Chipmunk keeps the arbiters of two static bodies for ever, with points in
+memory that other contacts soon reuse; the adapter removes and adds the shape of a newly frozen body again, which
+deletes its arbiters. The order of arbiters and of ``Body.id`` depends on memory addresses: the adapter sorts both, so
+that runs repeat. A point in the plane represents a line across the bricks' depth, and the adapter reports both ends of
+that line.
 
-``find_contacts`` runs Chipmunk's shape query for each live brick, the collision of a step without its arbiters, and
-changes nothing. Its normals between corners that meet are rounding, up to 90 degrees off: ``BoxTable`` replaces them.
+``find_contacts`` runs Chipmunk's shape query for each live brick: the collision of a step, without arbiters, which
+changes nothing. Between corners that meet, rounding determines the query's normals, with errors of up to 90 degrees;
+``BoxTable`` replaces these contacts.
 
-Friction: the pair's is the product of both shapes', so each has the square root.
+Friction: the coefficient of a pair is the product of both shapes' coefficients, so that each shape has the square root
+of the world's.
 
 Traps:
 
-- ``Body.sleep()`` on part of an island corrupts memory.
-- A change of type in a callback aborts the process.
+- ``Body.sleep()`` on a part of an island corrupts memory.
+- A change of the body type in a callback aborts the process.
 """
 
 from __future__ import annotations
@@ -49,7 +52,7 @@ _SETTINGS = load_settings("pymunk", lambda name: isinstance(getattr(pymunk.Space
 
 
 class PymunkSimulation(SubstepSimulation):
-    """One Chipmunk space."""
+    """One space of Chipmunk."""
 
     engine = "pymunk"
     profiles = _SETTINGS.profiles
@@ -73,10 +76,10 @@ class PymunkSimulation(SubstepSimulation):
     def _open(self) -> None:
         self.info = replace(self.info, unit_scale=UNITS_PER_METRE)
         self._engine = PymunkWorld(self.world, self.info.profile)
-        self._velocities_before: list[FloatArray] = []  # each substep of the latest frame, by id, shape (n, 3)
+        self._velocities_before: list[FloatArray] = []  # before each substep of the frame, by id, shape (n, 3)
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
-        self._contacts()  # none yet: this loads the compiled code before any frame is timed
+        self._contacts()  # returns none: it compiles or loads the kernels before any frame is timed
 
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return {name: getattr(self._engine.space, name) for name in self.info.profile.knobs}
@@ -123,7 +126,7 @@ class PymunkSimulation(SubstepSimulation):
         self._engine.forget_static_pairs()
         self._velocities_before.clear()
 
-    def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - all that there are, which costs one call
+    def _record_motions(self, bodies: IntArray) -> None:  # noqa: ARG002 - one call reads all bodies
         self._velocities_before.append(self._engine.reader.state()[:, 3:])
 
     def _substep(self) -> None:
@@ -156,7 +159,7 @@ class PymunkSimulation(SubstepSimulation):
         self._engine.unfreeze(body, self.bricks[body])
 
     def _contacts(self) -> Contacts:
-        state = self._engine.reader.state()  # read first: it passes through the same buffer
+        state = self._engine.reader.state()  # read before the arbiters, because both use the same buffer
         return self._lifted(*self._engine.reader.arbiters(), state)
 
     def _find_contacts(self) -> Contacts:
@@ -171,7 +174,7 @@ class PymunkSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _lifted(self, arbiters: IntArray, numbers: FloatArray, state: FloatArray) -> Contacts:
-        """Return contacts of these arbiters, as ``lift_contacts`` takes them."""
+        """Return the contacts of arbiters, in three dimensions and SI units: see ``lift_contacts``."""
         reader, fixed = self._engine.reader, self._engine.fixed_rows
         is_live = np.zeros(reader.rows, np.bool_)
         is_live[list(self.bodies.live)] = True

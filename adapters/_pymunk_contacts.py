@@ -1,7 +1,7 @@
-"""Read Chipmunk's contacts, sort them by the suite's ids and lift them from its plane to three dimensions.
+"""Kernels that sort Chipmunk's contacts by the suite's ids and lift them from its plane to three dimensions.
 
-The functions are compiled, because a few dozen calls of NumPy cost ten times as much as Chipmunk's step of a frozen
-stack (some microseconds). Lengths are in engine units unless a docstring says otherwise.
+The functions are compiled, because a few dozen NumPy calls take ten times as long as Chipmunk's step of a frozen stack
+(some microseconds). Lengths are in engine units unless a docstring states another unit.
 """
 
 from __future__ import annotations
@@ -27,26 +27,27 @@ def lift_contacts(
     depths: FloatArray,
     units_per_metre: float,
 ) -> Rows:
-    """Return contacts that touch a live body, in the order of our ids; each point becomes a line across the depth.
+    """Return the contacts that touch a live body, sorted by the suite's ids, with two points across the depth for each.
 
-    Chipmunk swaps a pair's bodies from step to step: here a is always the one with the lower id. Between corners
-    that coincide to the last bit it finds a normal of length zero, and no force: such a pair is left out.
+    Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower id. Between corners
+    that coincide to the last bit Chipmunk reports a normal of length zero and no force: the kernel skips this pair.
 
     Args:
-        engine_ids: every engine id, sorted.
-        ids: our id of each; the ground's is -1 and so finds the last row of what follows, fixed boxes those before it.
-        arbiters: engine ids of a and b and the number of points, shape (m, 3).
-        numbers: normal, then for two points each the place on a, the place on b, the distance, shape (m, 12).
-        is_live: by our id, shape (n + fixed,).
-        fixed: rows of what never moves: the ground's and the fixed boxes'.
-        state: by our id, the centre first, shape (n + fixed, 6).
-        before: velocity and spin before each substep by our id, shape (substeps, n + fixed, 3).
-        depths: extents along y [m] by our id, shape (n + fixed,).
-        units_per_metre: the engine's.
+        engine_ids: the engine's ids of all bodies, sorted.
+        ids: the suite's id of each engine id. Negative ids (ground -1, fixed boxes below) select the last rows of the
+            arrays below.
+        arbiters: engine ids of a and b, and the number of points, shape (m, 3).
+        numbers: normal, then for each of two points its place on a, its place on b, and the distance, shape (m, 12).
+        is_live: whether each body is live, by the suite's id, shape (n + fixed,).
+        fixed: number of rows of the ground and the fixed boxes.
+        state: states by the suite's id, the centre first, shape (n + fixed, 6).
+        before: velocity and spin before each substep, by the suite's id, shape (substeps, n + fixed, 3).
+        depths: extents along y [m] by the suite's id, shape (n + fixed,).
+        units_per_metre: engine units per metre.
 
     Returns:
-        In SI units, k rows each: body ids (k, 2), points (k, 3), normals (k, 3), separations (k,), and velocities
-        of b against a (k, 3) of the substep in which the two closed in fastest; NaN if none was recorded.
+        In SI units, k rows each: body ids (k, 2), points (k, 3), normals (k, 3), separations (k,), and velocities of b
+        relative to a (k, 3) in the substep with the fastest approach; NaN if no substep was recorded.
     """
     rows = len(is_live)
     order, keys = np.empty(len(arbiters), np.int64), np.empty(len(arbiters), np.int64)
@@ -58,7 +59,7 @@ def lift_contacts(
         has_normal = numbers[k, 0] != 0.0 or numbers[k, 1] != 0.0
         if has_normal and (is_live[a] or is_live[b]):
             key = (min(a, b) + fixed) * rows + max(a, b) + fixed
-            place = live  # insertion sort: the rows are few, and argsort takes seconds to compile
+            place = live  # insertion sort, because the rows are few and argsort takes seconds to compile
             while place > 0 and keys[place - 1] > key:
                 order[place], keys[place] = order[place - 1], keys[place - 1]
                 place -= 1
@@ -94,11 +95,11 @@ def lift_contacts(
 def _fastest_approach(
     a: int, b: int, x: float, z: float, nx: float, nz: float, state: FloatArray, before: FloatArray
 ) -> tuple[float, float]:
-    """Return velocity of b against a at (x, z), of that substep in which they closed in fastest along (nx, nz)."""
+    """Return the velocity of b relative to a at (x, z) in the substep with the fastest approach along (nx, nz)."""
     fastest, vx, vz = np.inf, np.nan, np.nan
     for substep in range(len(before)):
         of_a, of_b = before[substep, a], before[substep, b]
-        # A spin w carries the arm (x, z) with velocity w (-z, x).
+        # A body of spin w moves the end of an arm (x, z) at the velocity w (-z, x).
         ux = of_b[0] - of_b[2] * (z - state[b, 1]) - of_a[0] + of_a[2] * (z - state[a, 1])
         uz = of_b[1] + of_b[2] * (x - state[b, 0]) - of_a[1] - of_a[2] * (x - state[a, 0])
         closing = ux * nx + uz * nz

@@ -1,4 +1,4 @@
-"""From the scene to Chipmunk's plane, in millimetres, and back: its first axis is x, its second z."""
+"""Conversions between the scene [m] and Chipmunk's plane [mm], whose first axis is x and whose second axis is z."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ UNITS_PER_METRE = 1000.0
 
 
 def planar_gravity(gravity: Vector) -> tuple[float, float]:
-    """Return gravity in engine units."""
+    """Return the components of gravity [m/s2] in the plane, in engine units [mm/s2]."""
     x, _, z = gravity
     return x * UNITS_PER_METRE, z * UNITS_PER_METRE
 
 
 def moment(brick: Brick) -> float:
-    """Return moment of inertia [kg mm2] about y."""
+    """Return the moment of inertia [kg mm2] of a brick about the y axis."""
     return brick.mass * (brick.size[0] ** 2 + brick.size[2] ** 2) / 12 * UNITS_PER_METRE**2
 
 
 def in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, float], float]:
-    """Return position [mm] and angle [rad] in the engine's plane."""
+    """Return a pose's position [mm] and angle [rad] in the engine's plane."""
     x, _, z = position
     w, _, j, _ = quaternion
     return (x * UNITS_PER_METRE, z * UNITS_PER_METRE), -2 * math.atan2(j, w)
 
 
 def lift(planar: FloatArray) -> FloatArray:
-    """Return vectors (n, 2) of the engine's plane as vectors (n, 3)."""
+    """Convert vectors (n, 2) in the engine's plane to vectors (n, 3) with y = 0."""
     vectors = np.zeros((len(planar), 3))
     vectors[:, ::2] = planar
     return vectors
 
 
 def halt(planar: pymunk.Body) -> None:
-    """Stop a body, and drop the push out of its overlaps that would move it in its next step."""
+    """Stop a body, and clear the pending correction of its overlap, which would move it in its next step."""
     planar.velocity = 0.0, 0.0
     planar.angular_velocity = 0.0
     pymunk.Body.update_position(planar, 0.0)

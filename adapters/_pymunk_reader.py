@@ -1,7 +1,7 @@
-"""Reads Chipmunk's bodies and contacts through its batch arrays, by our ids instead of its own.
+"""Reader of Chipmunk's bodies and contacts, by its batch arrays and with the suite's ids.
 
-Rows of arrays are our ids. The ground's row is the last, -1, and before it come those of the fixed boxes, so that their
-negative ids find them.
+The row of a body in an array is its id in the suite. The ground has the last row, -1, and the fixed boxes have the rows
+before it, so that their negative ids select these rows.
 """
 
 from __future__ import annotations
@@ -36,27 +36,27 @@ _STATE = (
 )
 
 Arbiters = tuple[IntArray, FloatArray]
-"""Engine ids of a and b and the number of points, shape (m, 3); normal, then for two points each the place on a, the
-place on b and the distance, shape (m, 12)."""
+"""Engine ids of a and b and the number of points, shape (m, 3); normal, then for each of two points its place on a, its
+place on b, and the distance, shape (m, 12), in engine units."""
 
 
 class SpaceReader:
-    """Reads one space."""
+    """Reader of one space, which keeps the latest state until a body changes."""
 
     def __init__(self, space: pymunk.Space, fixed_rows: int) -> None:
         self._space = space
         self._buffer = batch.Buffer()
         self._latest: FloatArray | None = None
         self.rows = fixed_rows
-        """One a body id given out so far, and those of the ground and the fixed boxes."""
+        """Number of rows: one per body id assigned so far, plus those of the ground and the fixed boxes."""
         self.engine_ids = np.empty(0, np.int64)
-        """Of every body, sorted; they are addresses, in no order of their own."""
+        """The engine's id of every body, sorted. These ids are memory addresses."""
         self.ids = np.empty(0, np.int64)
-        """Ours, in the order of the engine's."""
+        """The suite's id of every body, in the order of ``engine_ids``."""
         self._fixed_rows = fixed_rows
 
     def add(self, planar: pymunk.Body, body: int) -> None:
-        """Take notice of a new body that goes by the id ``body``."""
+        """Register a new body under the suite's id ``body``."""
         rank = np.searchsorted(self.engine_ids, planar.id)
         self.engine_ids = np.insert(self.engine_ids, rank, planar.id)
         self.ids = np.insert(self.ids, rank, body)
@@ -64,19 +64,19 @@ class SpaceReader:
         self._latest = None
 
     def remove(self, body: int) -> None:
-        """Take notice that a body was removed."""
+        """Delete the record of a removed body."""
         stays = self.ids != body
         self.engine_ids, self.ids = self.engine_ids[stays], self.ids[stays]
         self._latest = None
 
     def note_change(self) -> None:
-        """Take notice that a body has moved, or has another velocity."""
+        """Mark the latest state as outdated, after a change of a pose or a velocity."""
         self._latest = None
 
     def state(self) -> FloatArray:
         """Return place (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (rows, 6).
 
-        Read once, until something changes.
+        The engine is read only after a change.
         """
         if self._latest is None:
             self._buffer.clear()
@@ -87,13 +87,13 @@ class SpaceReader:
         return self._latest
 
     def arbiters(self) -> Arbiters:
-        """Return the contacts of the latest step; views, until the buffer is filled again by ``state``."""
+        """Return the contacts of the latest step, as views that are valid until ``state`` refills the buffer."""
         self._buffer.clear()
         batch.get_space_arbiters(self._space, _ARBITER, self._buffer)
         return self._buffered(3, 12)
 
     def query(self, bodies: Iterable[pymunk.Body]) -> Arbiters:
-        """Return what a step would find of the contacts of ``bodies``, each pair once, without its arbiters."""
+        """Return the contacts of ``bodies`` that a step would detect, without duplicate pairs; create no arbiters."""
         arbiters: list[tuple[int, int, int]] = []
         numbers: list[list[float]] = []
         asked: set[pymunk.Shape] = set()
@@ -113,7 +113,10 @@ class SpaceReader:
         return np.array(arbiters, np.int64).reshape(-1, 3), np.array(numbers, np.float64).reshape(-1, 12)
 
     def _buffered(self, integers: int, floats: int) -> Arbiters:
-        """Return the buffer's contents, so many integers and floats a row; views, until the buffer is filled again."""
+        """Return the buffer's contents as views with the given numbers of integers and floats per row.
+
+        The views are valid until the buffer is refilled.
+        """
         return (
             np.frombuffer(self._buffer.int_buf(), np.int64).reshape(-1, integers),
             np.frombuffer(self._buffer.float_buf()).reshape(-1, floats),
@@ -122,16 +125,16 @@ class SpaceReader:
 
 @numba.njit(cache=True)
 def _sort_by_id(engine_ids: IntArray, ids: IntArray, bodies: IntArray, values: FloatArray, rows: FloatArray) -> None:
-    """Write ``values`` (k, w) of ``bodies`` (k,), which are engine ids, into those ``rows`` that are our ids.
+    """Write ``values`` into the rows of the suite's ids.
 
     Args:
-        engine_ids: every engine id, sorted.
-        ids: our id of each; the ground's is -1 and so finds the last row.
-        bodies: whose values they are.
-        values: as the engine lists them.
-        rows: written to.
+        engine_ids: the engine's ids of all bodies, sorted.
+        ids: the suite's id of each engine id; -1, the ground's, selects the last row.
+        bodies: engine id of each row of ``values``, shape (k,).
+        values: numbers in the engine's order, shape (k, w).
+        rows: output, shape (rows, w).
     """
     for k in range(len(bodies)):
         row = ids[np.searchsorted(engine_ids, bodies[k])]
-        for column in range(values.shape[1]):  # a whole row at once takes seconds to compile
+        for column in range(values.shape[1]):  # an assignment of a whole row takes seconds to compile
             rows[row, column] = values[k, column]

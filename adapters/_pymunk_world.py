@@ -1,4 +1,4 @@
-"""A space of Chipmunk, opened as the profile's knobs say, and its bodies."""
+"""A space of Chipmunk with the settings of a profile, and its bodies."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, FloatArray
 
 MIN_GROUND_WIDTH = 20.0
-"""Width [m] of the ground in all but the largest scenes. Chipmunk clips a brick by the ends of the ground, so that the
-last bits of all contacts depend on where they are."""
+"""Least width [m] of the ground, enough for all but the largest scenes. Chipmunk clips a brick by the ends of the
+ground, so that the last bits of all contacts depend on the ground's width."""
 
 
 class PymunkWorld:
-    """A space, with its bodies, the reader of their states, and their depths, which Chipmunk does not know."""
+    """A space, with its bodies, the reader of their states, and their depths along y, which a planar engine ignores."""
 
     def __init__(self, world: World, profile: Profile) -> None:
         self.space = pymunk.Space()
@@ -27,22 +27,22 @@ class PymunkWorld:
         for setting, value in profile.values.items():
             setattr(self.space, setting, value)
         self.bodies: dict[int, pymunk.Body] = {}
-        """Chipmunk's body of each body; the ground and the fixed boxes are not among them."""
+        """Chipmunk's object of each body, without the ground and the fixed boxes."""
         self.fixed_rows = 1 + len(world.fixed)
-        """Rows of the ground and the fixed boxes, behind those of the bodies, where negative ids find them."""
+        """Number of rows of the ground and the fixed boxes, the last rows, which negative ids select."""
         self.reader = SpaceReader(self.space, self.fixed_rows)
         self.depths = np.full(self.fixed_rows, np.inf)
         """Extents along y [m], by the rows of ``reader``."""
-        self._friction = math.sqrt(world.friction)  # a pair has the product of both
+        self._friction = math.sqrt(world.friction)  # the coefficient of a pair is the product of both shapes'
         self._min_ground_width = MIN_GROUND_WIDTH * profile.scale
         self._new_statics: list[int] = []
 
     def set_gravity(self, gravity: Vector) -> None:
-        """Set gravity [m/s2]."""
+        """Set the gravity [m/s2] of the steps that follow."""
         self.space.gravity = planar_gravity(gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts."""
         length, depth, height = box.size
         if body == GROUND:
             length, depth = max(length, self._min_ground_width), np.inf
@@ -57,13 +57,13 @@ class PymunkWorld:
         self._add_body(body, brick, pymunk.Body(body_type=pymunk.Body.KINEMATIC))
 
     def remove(self, body: int) -> None:
-        """Take out a body."""
+        """Remove a body."""
         planar = self.bodies.pop(body)
         self.space.remove(*planar.shapes, planar)
         self.reader.remove(body)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a body, and stop it."""
+        """Set the pose of a body ([m], quaternion w, x, y, z), and stop it."""
         planar = self.bodies[body]
         planar.position, planar.angle = in_plane(position, quaternion)
         halt(planar)
@@ -79,15 +79,15 @@ class PymunkWorld:
         self.reader.note_change()
 
     def unfreeze(self, body: int, brick: Brick) -> None:
-        """Make a static body dynamic again, with the mass and the moment that Chipmunk forgot."""
+        """Make a static body dynamic again, and set its mass and moment of inertia, which Chipmunk has dropped."""
         planar = self.bodies[body]
         planar.body_type = pymunk.Body.DYNAMIC
         planar.mass, planar.moment = brick.mass, moment(brick)
 
     def forget_static_pairs(self) -> None:
-        """Throw away the arbiters of bodies that were frozen since, which the engine would keep, and list, for ever.
+        """Delete the arbiters of newly frozen bodies, because Chipmunk would keep and list them for ever.
 
-        Their contacts with live bodies are found again in the step that follows.
+        The next step detects the contacts of these bodies with live bodies again.
         """
         for body in self._new_statics:
             planar = self.bodies.get(body)
@@ -98,7 +98,7 @@ class PymunkWorld:
         self._new_statics.clear()
 
     def step(self, seconds: float) -> None:
-        """Make one step."""
+        """Make one step of ``seconds``."""
         self.space.step(seconds)
         self.reader.note_change()
 
@@ -112,7 +112,7 @@ class PymunkWorld:
         self.bodies[body] = planar
 
     def _add(self, body: int, planar: pymunk.Body, box: Brick, size: Vector) -> None:
-        """Add the engine's body for a box of these edges [m], which contacts name ``body``."""
+        """Add the engine's body for a box with edges ``size`` [m]; ``body`` is its id in contacts."""
         length, depth, height = size
         planar.position, planar.angle = in_plane(box.position, box.quaternion)
         shape = pymunk.Poly.create_box(planar, (length * UNITS_PER_METRE, height * UNITS_PER_METRE))
@@ -123,7 +123,7 @@ class PymunkWorld:
         self.depths[body] = depth
 
     def _longer(self, depths: FloatArray) -> FloatArray:
-        """Return the depths with a row for each one of the reader's, inf where there is no body."""
+        """Return the depths [m] with as many rows as the reader has, inf for a row without a body."""
         longer = np.full(self.reader.rows, np.inf)
         bodies = len(depths) - self.fixed_rows
         longer[:bodies] = depths[:bodies]

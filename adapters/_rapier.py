@@ -1,34 +1,35 @@
 """Rapier: soft contacts in small substeps, in single precision.
 
-Freezing: the body is stopped and made ``FIXED``; made ``DYNAMIC`` again it has the mass and inertia of its collider.
-Rapier scales a body's quaternion to unit length when its type changes and in later steps. Where single precision has no
-quaternion of exactly that length, each scaling changes a last bit: a freeze settles the rotation
-(``_rapier_rotation.py``).
+Freezing: the adapter stops the body and makes it ``FIXED``. A body that becomes ``DYNAMIC`` again has the mass and
+inertia of its collider. Rapier scales a body's quaternion to unit length when its type changes and in later steps. If
+single precision has no quaternion of exactly unit length nearby, each scaling changes a last bit, so that a freeze
+first settles the rotation (``_rapier_rotation.py``).
 
-Contacts are points in the two colliders' own frames, found at the start of the latest substep or earlier: Rapier keeps
-a manifold while the pair has hardly moved, and with it a stale distance. So points and normals are carried along with
-the bodies, and the separation is measured between them, at the poses after the step. Rapier lists points within its
-prediction distance as well; those that are further apart than a tenth of a millimetre are left out.
+Contacts are points in the frames of the two colliders, detected at the start of the latest substep or earlier: Rapier
+keeps a manifold, with an outdated distance, while the pair hardly moves. The adapter therefore moves points and normals
+with the bodies to the poses after the step, and measures the separation there. Rapier also lists points within its
+prediction distance; the adapter omits points with a gap of more than 0.1 mm.
 
-``find_contacts`` runs ``detect_collisions`` in a copy of the world, restored from a snapshot, and changes nothing in
-the world itself. Run there, it changes later poses, and once the next step panicked.
+``find_contacts`` runs ``detect_collisions`` in a copy of the world, restored from a snapshot, and does not change the
+world itself. In the world itself this call changed later poses, and once the next step panicked.
 
-Friction: as shipped a pair has the mean of both colliders' coefficients, and all colliders have the world's. The law is
-a cone: one constraint a manifold, and one against twist. (``FrictionModel.COULOMB``, one a point, holds too little
-across a plank.)
+Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), and every collider has the
+world's coefficient. The law is a cone: one constraint per manifold, and another against twist.
+(``FrictionModel.COULOMB``, with one constraint per point, holds too little across a plank.)
 
-Stiffness: contacts are springs whose sag under load falls with the square of their natural frequency. The solver can
-follow a frequency of up to a quarter of its substeps' rate, which is ``num_solver_iterations`` a step.
+Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
+frequency. The solver resolves a frequency of up to a quarter of the rate of its substeps, of which there are
+``num_solver_iterations`` per step.
 
 Traps:
 
-- While two bodies turn together Rapier keeps the normal of their contacts in the world's frame: on a platform that
-  tilts a brick stuck at 30 deg, mu = 0.45. A moved body that turns has its contacts found anew in each step; between
-  live bricks that turn together the normals stay old.
-- Tolerances are multiples of ``length_unit``, among them the distance of predicted contacts and the top speed.
-- Parry keeps a pair's points while they moved by less than 1 mm, a constant that nobody can set: planks of 0.78 mm
-  topple from the second level on, and stand with ``scale=10``.
-- A state that is not finite is silently put back and the body disabled: poses are then reported as NaN.
+- While two bodies turn together, Rapier keeps the normal of their contacts in the world's frame: on a tilting platform
+  a brick stuck at 30 deg, with mu = 0.45. The adapter makes Rapier detect the contacts of a turning moved body again in
+  each step. Between live bricks that turn together the normals stay outdated.
+- Tolerances are multiples of ``length_unit``: among them the distance of predicted contacts and the greatest speed.
+- Parry keeps a pair's points while they move by less than 1 mm. This constant cannot be set: planks of 0.78 mm topple
+  from the second level on, and stand with ``scale=10``.
+- Rapier silently resets a state that is not finite and disables the body; the adapter then reports poses as NaN.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ class RapierSimulation(SubstepSimulation):
     def _open(self) -> None:
         self._engine = RapierWorld(self.world, self.info.profile)
         self._views = self._engine.views
-        self._still_active: set[int] = set()  # frozen bodies that Rapier still visits in each step
+        self._still_active: set[int] = set()  # frozen bodies that Rapier still processes in each step
         self._turning: set[int] = set()  # moved bodies that turned in the latest substep
         self._has_diverged = False
         for body, box in self._fixed_boxes():
@@ -169,7 +170,7 @@ class RapierSimulation(SubstepSimulation):
 
     def _freeze(self, body: int) -> None:
         view = self._views[body]
-        stop(view)  # a fixed body that still has a velocity flies on
+        stop(view)  # because a fixed body with a velocity keeps moving
         view.body_type = rapier3d.RigidBodyType.FIXED
         settle_rotation(view)
         self._still_active.add(body)
@@ -209,7 +210,7 @@ class RapierSimulation(SubstepSimulation):
         return self._with_friction(self._contacts_of_step((body_a, body_b), point, normal, separations[near], force))
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
-        """Return every pair of colliders close to each other that touches a live body, each once, with its bodies."""
+        """Yield the pairs of near colliders that touch a live body, without duplicates: bodies a and b, and a pair."""
         body_of, colliders = self._engine.body_of, self._engine.colliders
         return live_pairs(
             self.bodies,

@@ -1,4 +1,4 @@
-"""Rapier's contact points, which it keeps in the colliders' own frames."""
+"""Rapier's contact points, which are in the frames of the colliders, and their conversion to the world's frame."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ from stability_core.port import FloatArray, IntArray
 def local_points(
     pairs_of_colliders: Iterable[tuple[int, int, rapier3d.ContactPair]],
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return Rapier's own points of these pairs, far ones too.
+    """Return all of Rapier's contact points of pairs, including points across a large gap.
+
+    Args:
+        pairs_of_colliders: body a, body b, and Rapier's pair.
 
     Returns:
-        The bodies a and b, shape (n, 2), and their normal in a's frame, the point on a in a's frame, and the point on b
-        in b's frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
+        Bodies a and b, shape (n, 2); the normal in a's frame, the point on a in a's frame and the point on b in b's
+        frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
     """
     pairs, rows, impulses = [], [], []
     for body_a, body_b, pair in pairs_of_colliders:
@@ -37,17 +40,17 @@ def in_world(
     fixed: tuple[FloatArray, FloatArray],
     poses_of: Callable[[IntArray], tuple[FloatArray, FloatArray]],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return normals, points on a and points on b [m] in the world's frame, each (n, 3).
+    """Return normals, points on a and points on b [m] in the world's frame, each of shape (n, 3).
 
     Args:
         pairs: bodies a and b, shape (n, 2).
-        local: as ``local_points`` returns them, shape (n, 9).
+        local: normals and points from ``local_points``, shape (n, 9).
         fixed: positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id.
-        poses_of: the same of bodies, by their ids.
+        poses_of: returns the positions (m, 3) [m] and quaternions (m, 4) of bodies, given their ids (m,).
     """
     fixed_positions, fixed_quaternions = fixed
     bodies, place = np.unique(pairs, return_inverse=True)
-    rows = bodies[: np.searchsorted(bodies, 0)] + len(fixed_positions)  # ids rise to that of the ground
+    rows = bodies[: np.searchsorted(bodies, 0)] + len(fixed_positions)  # negative ids, up to the ground's
     positions, quaternions = poses_of(bodies[len(rows) :])
     positions = np.vstack([fixed_positions[rows], positions])
     quaternions = np.vstack([fixed_quaternions[rows], quaternions])

@@ -1,4 +1,4 @@
-"""A rotation that Rapier's scaling to unit length leaves as it is, so that a frozen body does not turn by a bit."""
+"""A quaternion that Rapier's scaling to unit length does not change, so that a frozen body does not turn by a bit."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from scenarios.model import Quaternion
 
 
 def settle_rotation(view: rapier3d.RigidBody) -> None:
-    """Bring a body's quaternion to where Rapier's scaling to unit length no longer changes a bit of it.
+    """Change a body's quaternion until Rapier's scaling to unit length no longer changes a bit of it.
 
-    Most are there after one scaling. Scaling alone may go round in a circle, so that a component is nudged by its last
-    bit between attempts, each in its turn.
+    One scaling is enough for most quaternions. Repeated scaling alone may run in a cycle, so that the function reduces
+    one component by its last bit between attempts, a different component each time.
     """
     components = itertools.cycle(range(4))
     while (scaled := _scaled_once(view)) is not None:
@@ -25,7 +25,7 @@ def settle_rotation(view: rapier3d.RigidBody) -> None:
 
 
 def _scaled_once(view: rapier3d.RigidBody) -> Quaternion | None:
-    """Return the quaternion (x, y, z, w) after one more scaling, None if that changed nothing."""
+    """Return the quaternion (x, y, z, w) after one more scaling; None if the scaling changed nothing."""
     before = view.rotation.to_tuple()
     view.rotation = before  # type: ignore[assignment] # the setter takes tuples, which it scales
     after = view.rotation.to_tuple()

@@ -1,4 +1,4 @@
-"""A world of Rapier, opened as the profile's knobs say, and its bodies."""
+"""A world of Rapier with the settings of a profile, and its bodies."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from scenarios.model import Brick, Vector, World
 from stability_core.port import FloatArray
 
 BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
-"""Knobs that are set of each body, as it is added; all others are settings of the world."""
+"""Knobs that are settings of each body; all other knobs are settings of the world."""
 
 
 def knows(knob: str) -> bool:
-    """Return whether there may be a knob of this name; of the world's settings Rapier refuses an unknown one itself."""
+    """Return whether a knob of this name may exist; Rapier itself rejects an unknown setting of the world."""
     return not knob.startswith("body.") or knob in BODY_KNOBS
 
 
 class RapierWorld:
-    """A world, with the handles, views and colliders of its bodies. A view of a removed body raises."""
+    """A world, with the handles, views and colliders of its bodies. Access to the view of a removed body raises."""
 
     def __init__(self, world: World, profile: Profile) -> None:
         self.world = rapier3d.PhysicsWorld(gravity=world.gravity)
@@ -43,7 +43,7 @@ class RapierWorld:
             self._configure(name, value)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``; their ids must fall."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts, lower than all earlier ones."""
         builder = self._box(box).position((box.position, scalar_last(box.quaternion)))
         self.body_of[self.world.add_collider(builder)] = body
         positions, quaternions = self.fixed_poses
@@ -60,13 +60,13 @@ class RapierWorld:
         self._add(body, brick, rapier3d.RigidBody.kinematic_velocity_based().position(place))
 
     def remove(self, body: int) -> None:
-        """Take out a body."""
+        """Remove a body."""
         del self.views[body]
         del self.body_of[self.colliders.pop(body)]
         self.world.remove_body(self.handles.pop(body))
 
     def replace_by_fixed(self, body: int, brick: Brick) -> None:
-        """Replace a body by a fixed one at the same pose, which Rapier does not visit in each step."""
+        """Replace a body by a new fixed body at the same pose, because Rapier's steps skip a body created as fixed."""
         position = self.views[body].position
         self.remove(body)
         self._add(body, brick, rapier3d.RigidBody.fixed().position(position))
@@ -78,7 +78,7 @@ class RapierWorld:
         self.world.wake_up_all()
 
     def find_anew(self, body: int) -> None:
-        """Make Rapier find the contacts of a body anew in the next step."""
+        """Make Rapier detect the contacts of a body again in the next step."""
         collider = self.world.colliders[self.colliders[body]]
         collider.shape = collider.shape
 
@@ -88,12 +88,12 @@ class RapierWorld:
         del self.world
 
     def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
-        """Return those of the settings that are the world's."""
+        """Return the present values of the named knobs that are settings of the world."""
         own = (name for name in names if name not in BODY_KNOBS and name != "num_threads")
         return {name: attrgetter(name)(self.world.integration_parameters) for name in own}
 
     def _configure(self, name: str, value: KnobValue) -> None:
-        """Set a knob that belongs to the world."""
+        """Set a knob of the world; skip a knob of bodies."""
         parameters = self.world.integration_parameters
         owner, _, attribute = name.rpartition(".")
         if name == "num_threads":
@@ -101,7 +101,7 @@ class RapierWorld:
         elif not owner:
             setattr(parameters, name, value)
         elif name not in BODY_KNOBS:
-            coefficients = getattr(parameters, owner)  # a copy: set back whole
+            coefficients = getattr(parameters, owner)  # a copy, which must be assigned back
             setattr(coefficients, attribute, value)
             setattr(parameters, owner, coefficients)
 
@@ -109,11 +109,11 @@ class RapierWorld:
         return rapier3d.Collider.cuboid(*half_edges(box.size)).friction(self._friction)
 
     def _add(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
-        """Add the body that ``builder`` describes, with the brick's box."""
+        """Add the body that ``builder`` describes, with the box and the mass of the brick."""
         handle = self.world.add_body(builder.can_sleep(self._can_sleep), [self._box(brick).mass(brick.mass)])
         view = self.world.rigid_bodies[handle]
         if self._activation:
-            activation = view.activation  # a copy: set back whole
+            activation = view.activation  # a copy, which must be assigned back
             for name, value in self._activation.items():
                 setattr(activation, name, value)
             view.activation = activation

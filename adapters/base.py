@@ -1,6 +1,6 @@
-"""The world that the harness drives: ``Simulation``, whose public methods check their input once for all engines.
+"""``Simulation``: the world that the harness drives. Its public methods check their input alike on every engine.
 
-An adapter fills in the hooks of ``adapters.hooks``.
+An adapter implements the hooks of ``adapters.hooks``.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ class Simulation(EngineHooks):
             profile: one of ``profiles``.
             world: friction, gravity and fixed boxes.
             sleeping: the engine's own sleeping: off, as shipped, or with its threshold raised.
-            expected: the bricks that will be spawned, for engines that must allocate beforehand;
-                others may ignore it, and a brick that was not expected must still be accepted.
+            expected: the bricks that will be spawned, for engines that must allocate in advance.
+                An adapter may ignore it, and must also accept other bricks.
         """
         for box in world.fixed:
             check_box(box)
@@ -66,13 +66,13 @@ class Simulation(EngineHooks):
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if a world of the engine cannot be opened, though its adapter can be loaded."""
+        """Raise ``ImportError`` if the adapter can be loaded, but no world of the engine can be opened."""
 
     # -- driven by the harness ---------------------------------------------------------------------
 
     @property
     def port(self) -> EnginePort:
-        """The core's view. An engine whose port is never requested need not record the core's input."""
+        """The core's view of the simulation. Until the first access the engine need not record the core's input."""
         if not self._is_observed:
             self._is_observed = True
             prepare()
@@ -94,7 +94,7 @@ class Simulation(EngineHooks):
         return self.is_observed and self.info.profile.forces and self.capabilities.forces != "no"
 
     def spawn(self, brick: Brick) -> int:
-        """Put a brick at rest into the world, live or moved by the host; return its id.
+        """Add a brick at rest to the world, live or moved by the host; return its id.
 
         Raises:
             ValueError: if size or mass is not positive and finite, or the pose is not finite, or leaves the plane of a
@@ -110,7 +110,7 @@ class Simulation(EngineHooks):
         return body
 
     def remove(self, body: int) -> None:
-        """Take a body out of the world.
+        """Remove a body from the world.
 
         Raises:
             KeyError: if there is no such body.
@@ -122,7 +122,7 @@ class Simulation(EngineHooks):
         self.bodies.remove(body)
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Strike a body at its centre of mass with an impulse [N s]; a frozen or moved body is not affected.
+        """Apply an impulse [N s] at the centre of mass of a live body; a frozen or moved body is not affected.
 
         Raises:
             KeyError: if there is no such body.
@@ -135,9 +135,9 @@ class Simulation(EngineHooks):
             self._push(body, impulse)
 
     def apply_force(self, body: int, force: Vector) -> None:
-        """Press on a body's centre of mass with a steady force [N], in every step until it is set to zero.
+        """Apply a steady force [N] at a body's centre of mass, in every step until a call with a force of zero.
 
-        A frozen or moved body is not affected; the force acts on a frozen body once it is unfrozen.
+        The force does not affect a moved body, and affects a frozen body only after it is unfrozen.
 
         Raises:
             KeyError: if there is no such body.
@@ -152,7 +152,7 @@ class Simulation(EngineHooks):
             self._end_force(body)
 
     def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
-        """Move a host-driven body at this velocity [m/s] and spin [rad/s], in every step until the next call.
+        """Move a host-driven body at a velocity [m/s] and a spin [rad/s], in every step until the next call.
 
         Raises:
             KeyError: if there is no such body, or it was not spawned with ``Brick.moved``.
@@ -169,10 +169,10 @@ class Simulation(EngineHooks):
         self.bodies.moved[body] = linear, angular
 
     def set_gravity(self, gravity: Vector) -> None:
-        """Change gravity [m/s2] for all following steps, on live bodies and on those unfrozen later.
+        """Change gravity [m/s2] for all following steps, on live bodies and on bodies that are unfrozen later.
 
         Raises:
-            ValueError: if it is not finite, or leaves the plane of a planar engine.
+            ValueError: if gravity is not finite, or leaves the plane of a planar engine.
         """
         check_finite("gravity", gravity, "m/s2")
         self._check_vector_in_plane("gravity", gravity, "m/s2")
@@ -200,25 +200,25 @@ class Simulation(EngineHooks):
     def find_contacts(self) -> None:
         """Detect the contacts of the present poses without moving anything.
 
-        A host calls it before the first step, so that the extension judges stacks that start in place. Until the next
-        step ``port.contacts()`` returns the contacts that this call found:
+        A host calls it before the first step, so that the extension can judge stacks that start in place. Until the
+        next step ``port.contacts()`` returns the contacts that this call detects:
 
-        - Pairs whose faces or parallel edges touch within 0.1 mm (planks; other bricks in proportion) have the corners
-          of their contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because engines miss gaps of
-          exactly zero, or list normals there that are rounding.
-        - Deeper overlaps and crossing edges are those that the engine finds at the present poses.
-        - Separations are measured at the present poses; relative velocities are the present ones. There
-          are no forces, because no step has solved these contacts.
-        - Bodies that are frozen, removed or moved afterwards drop out. Bodies that are spawned or unfrozen
-          afterwards, and the moved ones, have no contacts until the next step or call.
+        - A pair whose faces or parallel edges touch within 0.1 mm (planks; other bricks in proportion) has the corners
+          of its contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because at gaps of exactly
+          zero engines list no contacts, or normals that are rounding errors.
+        - Deeper overlaps and crossing edges have the contacts that the engine detects at the present poses.
+        - Separations and relative velocities are those of the present poses and velocities. There are no forces,
+          because no step has solved these contacts.
+        - A body that is frozen, removed or moved later loses its contacts. A body that is spawned or unfrozen later
+          has none until the next step or call.
 
-        No pose and no velocity changes by a bit, and the simulation continues as without the call, unless the docstring
-        of the adapter states a change.
+        The call changes no pose and no velocity by a bit, and the simulation continues as without the call, unless the
+        docstring of the adapter states an exception.
         """
         self._port.find_contacts()
 
     def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return all bodies, also frozen ones, by rising id: ids (n,), positions (n, 3) [m], quaternions (n, 4)."""
+        """Return ids (n,), positions (n, 3) [m] and quaternions (n, 4) of all bodies, frozen ones too, by rising id."""
         bodies = self.bodies.ids()
         return bodies, *self._poses(bodies)
 
@@ -227,9 +227,9 @@ class Simulation(EngineHooks):
         return self._velocities(self.bodies.ids())
 
     def read_knobs(self) -> Mapping[str, KnobValue]:
-        """Return the engine's present values of the profile's knobs, by name, where its interface shows them.
+        """Return the engine's present values of the profile's knobs, by name, where its interface reports them.
 
-        Some are set per body: spawn one first.
+        Knobs of bodies are reported only after a body was spawned.
         """
         return self._read_knobs()
 
@@ -246,7 +246,7 @@ class Simulation(EngineHooks):
             check_pose_in_plane(self.engine, position, quaternion)
 
     def _end_force(self, body: int) -> None:
-        """Let no steady force act on a body any more; on frozen and moved ones none does."""
+        """Delete a body's steady force, and end its effect in the engine if the body is live."""
         if self.bodies.steady.pop(body, None) and body in self.bodies.live:
             self._press(body, NO_FORCE)
 
@@ -255,7 +255,7 @@ class Simulation(EngineHooks):
     def _fixed_boxes(self) -> Iterator[tuple[int, Brick]]:
         """Yield the ground and the fixed boxes, with their contact ids, for an adapter that opens its world.
 
-        Larger scenes get a larger ground.
+        The size of the ground grows with that of the scene.
         """
         middle = self.scale * self.info.profile.offset
         yield GROUND, ground_box((*self.expected, *self.world.fixed), self.scale, middle)
@@ -263,7 +263,7 @@ class Simulation(EngineHooks):
             yield fixed_id(index), box
 
     def _act_on_bodies(self, seconds: float) -> None:
-        """Let steady forces act, and driven bodies move, in the engine's next substep; adapters call it before each.
+        """Apply steady forces and the velocities of moved bodies to the next substep; adapters call it before each one.
 
         Args:
             seconds: length of the substep.
@@ -277,8 +277,8 @@ class Simulation(EngineHooks):
     def _twin(self) -> Self:
         """Open a second, weightless world of the engine: the same bodies under the same ids, at their present poses.
 
-        Live bodies are at rest there. It is for engines that detect contacts only in a step, or that a query
-        changes; the caller closes it.
+        Live bodies are at rest in it. It serves engines that detect contacts only in a step, or whose state a query
+        changes. The caller must close it.
         """
         twin = type(self)(self._unfitted, replace(self.world, gravity=(0.0, 0.0, 0.0)), "off", self.expected)
         positions, quaternions = self._poses(self.bodies.ids())

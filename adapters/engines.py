@@ -1,4 +1,4 @@
-"""The engines by name: module, class and package of each. An engine's module is imported on first use."""
+"""The engines by name, with the module, class and package of each. A module is imported on first use."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scenarios.lookup import look_up
 
 
 class EngineEntry(Protocol):
-    """The location of an engine."""
+    """Interface of an entry of ``ENGINES``: where to load an engine's adapter."""
 
     @property
     def module(self) -> str:
@@ -41,7 +41,7 @@ class Entry:
     module: str
     simulation: str
     package: str
-    """The distribution that contains the engine; its version is the engine's."""
+    """The Python distribution that contains the engine. Its version is recorded as the engine's version."""
 
     @property
     def remedy(self) -> str:
@@ -52,7 +52,7 @@ class Entry:
         """Return the version of the package.
 
         Raises:
-            PackageNotFoundError: if it is missing.
+            PackageNotFoundError: if the package is not installed.
         """
         return importlib.metadata.version(self.package)
 
@@ -60,7 +60,7 @@ class Entry:
         """Return the class of the adapter.
 
         Raises:
-            ImportError: if the package is missing.
+            ImportError: if the package is not installed.
         """
         return getattr(importlib.import_module(self.module), self.simulation)
 
@@ -70,20 +70,20 @@ _WASM_LOCK = Path(__file__).parent / "wasm" / "package-lock.json"
 
 @dataclass(frozen=True, slots=True)
 class WasmEntry:
-    """An engine that runs in Node; its adapter can be loaded without it."""
+    """An engine that runs in Node. Its adapter can be loaded without Node."""
 
     module: str
     simulation: str
     package: str
-    """The npm package that brings the engine, and whose version is the engine's."""
+    """The npm package that contains the engine. Its version is recorded as the engine's version."""
 
     @property
     def remedy(self) -> str:
-        """What to do if the engine cannot be opened."""
+        """The fix if the engine cannot be opened."""
         return "install it with: uv run --group wasm -m adapters.wasm"
 
     def version(self) -> str:
-        """Return the version that the lock file names."""
+        """Return the version of the package in the lock file."""
         lock = json.loads(_WASM_LOCK.read_text(encoding="utf-8"))
         return str(lock["packages"][f"node_modules/{self.package}"]["version"])
 
@@ -109,7 +109,7 @@ def engine_version(engine: str) -> str:
     """Return the version of an engine, for records.
 
     Raises:
-        UnknownNameError: if there is no such engine.
-        PackageNotFoundError: if its package is missing.
+        UnknownNameError: if no engine has this name.
+        PackageNotFoundError: if the engine's package is not installed.
     """
     return look_up("engine", engine, ENGINES).version()

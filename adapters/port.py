@@ -1,13 +1,14 @@
 """The core's view of a simulation: ``EnginePort``, which completes the engine's contacts and tracks bodies.
 
-The engine lists contacts through its hook ``_contacts``. The port adds missing contacts, in the same way for
-every engine and from the boxes' geometry only:
+The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts, in the same way for every engine
+and from the boxes' geometry only:
 
 1. Corners of contact areas, and pairs that nearly touch, unless the engine lists them itself (``near_contacts``).
-2. Contacts of host-driven bodies with frozen ones, which no engine lists because forces move neither of them.
+2. Contacts between host-driven and frozen bodies. No engine lists them, because forces move neither body.
 3. Pairs that will meet within the next frames, while any body is fast.
 
-Fixed boxes have ids of their own up to here, because their contacts are completed one by one; the core sees ``GROUND``.
+In adapters each fixed box has its own id, because the port completes the contacts of each box separately. The port then
+replaces these ids by ``GROUND`` for the core.
 """
 
 from __future__ import annotations
@@ -27,10 +28,10 @@ from scenarios.model import Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 MAX_REST_OVERLAP = 1e-3
-"""Overlap [m] with a moved body in which a brick may have come to rest: engines leave up to 0.4 mm."""
+"""Greatest overlap [m] of a brick at rest with a moved body: engines leave up to 0.4 mm."""
 
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
-"""Empty results while nothing is live, so that the engine is not queried."""
+"""Empty results for a world without live bodies, so that the port does not query the engine."""
 
 
 class EnginePort:
@@ -40,12 +41,15 @@ class EnginePort:
         self._engine = engine
         self._bodies = engine.bodies
         self._boxes = BoxTable(engine.world.fixed)
-        self._found: Contacts | None = None  # by find_contacts, until the next step
+        self._found: Contacts | None = None  # the result of find_contacts, until the next step
 
     # -- called by the core ------------------------------------------------------------------------
 
     def contacts(self) -> Contacts:
-        """Return every contact that touches a live body after the latest step, or ``find_contacts`` since."""
+        """Return the contacts after the latest step, or after a later call of ``find_contacts``.
+
+        Each contact touches a live body, or is that of a moving host-driven body with a frozen body.
+        """
         driven, live = self._bodies.driven(), self._bodies.live
         if not live and not driven:
             return NO_CONTACTS
@@ -59,7 +63,10 @@ class EnginePort:
         return self._without_fixed_ids(self._with_approaching(contacts))
 
     def masses(self) -> Masses:
-        """Return the live bodies after the latest step, and the ids removed since the last call."""
+        """Return the live and moved bodies after the latest step, and the ids removed since the previous call.
+
+        The mass of a moved body is infinite.
+        """
         bodies, mass = self._bodies.live_rows()
         removed = self._bodies.take_removed()
         if self._bodies.moved:
@@ -69,7 +76,11 @@ class EnginePort:
         return Masses(bodies, mass, self._engine._positions(bodies) if len(bodies) else NOWHERE, removed)
 
     def sleep(self, bodies: Sequence[int]) -> None:
-        """Freeze bodies exactly where they are; freezing a frozen body does nothing."""
+        """Freeze bodies exactly at their present poses; skip bodies that are not live.
+
+        Raises:
+            KeyError: if a body is not in the world.
+        """
         self._bodies.check_known(bodies)
         for body in bodies:
             if body in self._bodies.live:
@@ -80,7 +91,11 @@ class EnginePort:
         self._place_boxes(bodies)
 
     def wake(self, bodies: Sequence[int]) -> None:
-        """Unfreeze bodies, at rest; unfreezing a live body does nothing."""
+        """Unfreeze bodies, at rest; skip bodies that are not frozen.
+
+        Raises:
+            KeyError: if a body is not in the world.
+        """
         self._bodies.check_known(bodies)
         for body in bodies:
             if body in self._bodies.frozen:
@@ -91,22 +106,22 @@ class EnginePort:
     # -- called by the simulation ------------------------------------------------------------------
 
     def add(self, body: int, size: Vector) -> None:
-        """Take a new body of these edges [m] into the table of boxes."""
+        """Add a new body with edges ``size`` [m] to the table of boxes."""
         self._boxes.add(body, size)
 
     def remove(self, body: int) -> None:
-        """Take a body out of the table of boxes."""
+        """Remove a body from the table of boxes."""
         self._boxes.remove(body)
 
     def note_move(self, body: int) -> None:
-        """Note that the host has moved a body."""
+        """Update the port after the host has moved a body: drop its found contacts, and place its box if frozen."""
         if self._found is not None:
             self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
         if body in self._bodies.frozen:
             self._place_boxes([body])
 
     def find_contacts(self) -> None:
-        """Find the contacts of the present poses: see ``Simulation.find_contacts``."""
+        """Detect the contacts at the present poses: see ``Simulation.find_contacts``."""
         self._found = None
         if not self._bodies.live:
             return
@@ -117,13 +132,13 @@ class EnginePort:
         self._found = replace(whole, relative_velocity=velocity, force=None)
 
     def forget_found(self) -> None:
-        """Return to the contacts of the engine's steps."""
+        """Discard the result of ``find_contacts``, so that ``contacts`` returns those of the engine's steps."""
         self._found = None
 
     # -- contacts that an engine leaves out --------------------------------------------------------
 
     def _completed(self, contacts: Contacts) -> Contacts:
-        """Add corners and pairs that nearly touch and are missing in the engine's list."""
+        """Add the corners and the nearly touching pairs that are missing in the engine's contacts."""
         live = self._place_boxes(self._bodies.live)
         if self._bodies.moved:
             self._place_boxes(self._bodies.moved)
@@ -131,10 +146,10 @@ class EnginePort:
         return self._boxes.with_near_pairs(whole, live, self._engine.world.friction, self._velocities_at)
 
     def _with_driven(self, contacts: Contacts, driven: list[int]) -> Contacts:
-        """Add the contacts of ``driven`` bodies with frozen ones.
+        """Add the contacts between ``driven`` and frozen bodies.
 
-        Points, normals and separations are those of the boxes at their present poses, within the distance that they
-        can move in a frame.
+        Points, normals and separations come from the boxes at their present poses. The greatest gap is the distance
+        that a driven body moves in a frame.
         """
         rows = self._place_boxes(driven)
         linear, angular = self._engine.velocities_now(rows)
@@ -163,11 +178,11 @@ class EnginePort:
         return self._boxes.with_approaching(contacts, live, movers, velocity, seconds, self._engine.world.friction)
 
     def _with_exact_faces(self, contacts: Contacts) -> Contacts:
-        """Replace contacts of pairs that nearly touch by those of their geometry."""
+        """Replace the contacts of pairs that nearly touch by contacts from the boxes' geometry."""
         return self._boxes.with_exact_faces(contacts, self._bodies.live_rows()[0], self._engine.world.friction)
 
     def _of_live(self, contacts: Contacts) -> Contacts:
-        """Return the contacts that touch a live body and no removed one."""
+        """Return the contacts that touch a live body and no removed body."""
         return of_live(contacts, self._bodies)
 
     def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
@@ -184,7 +199,7 @@ class EnginePort:
         return rows
 
     def _velocities_at(self, bodies: IntArray, points: FloatArray) -> FloatArray:
-        """Return velocities (k, 3) [m/s] of bodies (k,) at points (k, 3) [m]; the ground and frozen ones have none."""
+        """Return velocities (k, 3) [m/s] of bodies (k,) at points (k, 3) [m]: 0 for the ground and frozen bodies."""
         live, moved = self._bodies.live, self._bodies.moved
         velocities = np.zeros(points.shape)
         rows = np.flatnonzero([body in live or body in moved for body in bodies.tolist()])

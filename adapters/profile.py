@@ -1,4 +1,4 @@
-"""Descriptions of an engine: its set-up (``Profile``), its API (``Capabilities``), and ``EngineInfo``."""
+"""Descriptions of an engine: its settings (``Profile``), its API (``Capabilities``) and its record (``EngineInfo``)."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from scenarios.model import Brick
 PLANK_SIZE = math.hypot(117.0e-3, 23.4e-3, 7.8e-3)
 """Diagonal [m] of the plank for which the profiles' lengths were chosen."""
 MAX_SMALL_SIZE = 0.25
-"""Size of the largest brick over a plank's up to which a profile's lengths shrink with the bricks; larger bricks keep
-those of a plank."""
+"""Greatest size of the largest brick, over the size of a plank, at which a profile's lengths shrink with the bricks.
+For larger bricks the lengths stay those of a plank."""
 REACH_OF_SMALL = 0.5
-"""Lengths for small bricks over those in proportion. PhysX, which looks for contacts from twice 1 mm on, held planks of
-0.78 mm that nothing carried between neighbours 0.2 mm apart; with half of the reach they fall. Found by trial, not
-derived: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
+"""Lengths of a profile for small bricks, over lengths in proportion to the bricks. PhysX, which detects contacts from a
+gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm; with half of this gap the planks
+fall. The value was found by trial: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
 
 AS_SHIPPED = "as shipped"
-"""Value of ``tuned_by`` for a profile that nobody tuned."""
+"""Value of ``tuned_by`` for a profile without tuning."""
 
 Sleeping = Literal["off", "native", "raised"]
-"""The engine's own sleeping: off, as shipped, or with its threshold raised."""
+"""Modes of the engine's own sleeping: off, as shipped (native), or with a raised threshold."""
 
 
 KnobValue: TypeAlias = float | int | str | bool
@@ -31,18 +31,18 @@ KnobValue: TypeAlias = float | int | str | bool
 
 @dataclass(frozen=True, slots=True)
 class Knob:
-    """One engine setting that differs from the shipped engine, with the reason."""
+    """One setting of an engine that differs from the shipped value, with the reason."""
 
     value: KnobValue
     reason: str
     follows_world: bool = False
-    """True for a length that was chosen for the size of the bricks: in a scaled world it grows with them, and where all
-    bricks are small (``MAX_SMALL_SIZE``) it shrinks."""
+    """True for a length chosen for the size of the bricks. The length grows with the bricks in a scaled world, and
+    shrinks if all bricks are small (``MAX_SMALL_SIZE``)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """The set-up of an engine: ``default`` as shipped, ``game`` cheap, ``tuned`` the best that an expert reaches."""
+    """Settings of an engine: ``default`` as shipped, ``game`` at low cost, ``tuned`` for the best results."""
 
     name: str
     description: str
@@ -55,9 +55,9 @@ class Profile:
     scale: float = 1.0
     """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
     offset: float = 0.0
-    """How far [m] along x the scene lies from the origin of the engine's world: see ``adapters.scaled``."""
+    """Distance [m] along x of the scene from the origin of the engine's world: see ``adapters.scaled``."""
     forces: bool = True
-    """False to report no contact forces (``Contacts.force`` is None), whether or not the engine reports them."""
+    """True if the contact forces of the engine are reported. With False ``Contacts.force`` is None."""
 
     @property
     def values(self) -> dict[str, KnobValue]:
@@ -84,35 +84,36 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """The data that an engine's API provides, as its adapter describes it; the source of the capability table.
+    """Data that an engine's API provides, as described by its adapter; the source of the table Engine capabilities.
 
     The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. The other fields describe mechanisms, whose effect is checked instead.
+    one process, ``deterministic``. The other fields describe mechanisms; the checks measure the effects of these.
     """
 
     contact_points: str
-    """Number of points reported for one pair, such as "up to 4 points"."""
+    """Number of points that the engine reports for one pair, such as "up to 4 points"."""
     near_contacts: bool
-    """True if points are listed that nearly touch; for other engines the port adds them from the boxes' geometry."""
+    """True if the engine lists points that nearly touch. If False, the port adds them from the boxes' geometry."""
     separation: bool
     relative_velocity: str
-    """"reported", or how the adapter gets it, such as "from the velocities before the step"."""
+    """"reported", or the origin of the value, such as "from the velocities before the step"."""
     forces: str
-    """The reported parts of a contact force: "normal and friction"; "no"; or the origin of friction."""
+    """Parts of a contact force that the adapter reports: "no", "normal and friction", or a text with the origin of
+    friction."""
     freeze: str
     """Mechanism of the exact freeze."""
     frozen_contacts: bool
-    """True if contacts between two frozen bodies stay listed by the engine."""
+    """True if the engine also lists contacts between two frozen bodies."""
     friction_law: str
     moved: str
-    """Mechanism that moves a body at a prescribed velocity, so that friction carries the bodies on it."""
+    """Mechanism that moves a body at a prescribed velocity, so that friction moves the bodies on it as well."""
     deterministic: str
-    """"across processes", "within a process" or "no"."""
+    """Scope in which equal runs give equal bits: "across processes", "within a process" or "no"."""
     ridge_normal: str = "face"
-    """The normal where two bricks touch edge on edge: "face" for that of a brick's face, "edge" for that across both
-    edges, as between ideal bricks. With "face" a V holds only while its planks are steeper than 90 deg - atan(mu)."""
+    """Normal where two bricks touch edge on edge: "face" for the normal of a brick's face; "edge" for the normal across
+    both edges, as between ideal bricks. With "face" a V holds only if its planks are steeper than 90 deg - atan(mu)."""
     planar: bool = False
-    """True for a 2-D engine: it plays planar scenes only."""
+    """True for a 2-D engine, which runs planar scenes only."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 A file has up to three tables::
 
     [shared.SET]             # knobs that several profiles have in common
-    KNOB = { value = 0.85, reason = "why it differs from the shipped value, and what was measured" }
+    KNOB = { value = 0.85, reason = "why the value differs from the shipped one, with a measurement" }
 
     [profiles.NAME]          # default, game, tuned, and any other
     description = "in a few words"
@@ -39,37 +39,39 @@ Knobs = Mapping[str, Knob]
 
 
 class ProfileFileError(ValueError):
-    """A file of profiles is wrong; the message names the file, the entry and the fix."""
+    """A file of profiles is invalid; the message names the file, the entry and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
 class EngineSettings:
-    """All settings of one engine."""
+    """The profiles of one engine, the knobs of its sleeping modes, and the check of knob names."""
 
     profiles: Mapping[str, Profile]
     sleep_knobs: Mapping[str, Knobs]
     knows: Callable[[str], bool] = lambda _: True
-    """Whether there is a knob of this name."""
+    """Function that returns whether a knob of this name exists."""
 
 
 def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, folder: Path = FOLDER) -> EngineSettings:
-    """Read and check the file of an engine.
+    """Read and check the profile file of an engine.
 
     Args:
-        engine: its name.
-        knows: returns whether a knob of this name exists; for engines that would ignore a misspelt knob.
+        engine: name of the engine.
+        knows: returns whether a knob of this name exists, for engines that ignore a misspelt knob.
         folder: folder of the files.
 
     Raises:
-        ProfileFileError: if it is missing, or something in it is wrong.
+        ProfileFileError: if the file is missing, or an entry in it is invalid.
     """
     path = folder / f"{engine}.toml"
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise ProfileFileError(f"{path}: no such file; every engine has one with its profiles") from error
+        raise ProfileFileError(
+            f"{path}: no such file; create it with a [profiles.default] (adapters/profile_files.py shows the layout)"
+        ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ProfileFileError(f"{path}: not TOML: {error}") from error
+        raise ProfileFileError(f"{path}: not TOML: {error}; correct the file at this place") from error
     try:
         settings = replace(_settings(content), knows=knows)
         _check_known(settings, knows)
@@ -84,7 +86,7 @@ def _check_known(settings: EngineSettings, knows: Callable[[str], bool]) -> None
     for where, knobs in (profiles | sleeping).items():
         for name in knobs:
             if not knows(name):
-                raise ProfileFileError(f"{where}: the engine has no knob '{name}'; look for a spelling mistake")
+                raise ProfileFileError(f"{where}: the engine has no knob '{name}'; correct its spelling, or delete it")
 
 
 def _settings(content: Mapping[str, Any]) -> EngineSettings:
@@ -92,7 +94,7 @@ def _settings(content: Mapping[str, Any]) -> EngineSettings:
     shared = {name: _knobs(f"shared.{name}", knobs) for name, knobs in _table("shared", content).items()}
     tables = _table("profiles", content)
     if "default" not in tables:
-        raise ProfileFileError("no [profiles.default]; add the engine as its package ships it")
+        raise ProfileFileError("no [profiles.default]; add this table, with the settings that the package ships")
     profiles = {name: _profile(name, table, shared) for name, table in tables.items()}
     unused = set(shared) - {name for table in tables.values() for name in table.get("shared", ())}
     if unused:
@@ -109,12 +111,12 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
     knobs: dict[str, Knob] = {}
     for chosen in table.get("shared", []):
         if chosen not in shared:
-            raise ProfileFileError(f"{where}.shared: no [shared.{chosen}]; there is {_listed(shared)}")
+            raise ProfileFileError(f"{where}.shared: no [shared.{chosen}]; name one of: {_listed(shared)}")
         knobs |= shared[chosen]
     own = _knobs(f"{where}.knobs", table.get("knobs", {}))
     tuned_by = table.get("tuned_by", AS_SHIPPED)
     if name != "default" and not (isinstance(tuned_by, str) and tuned_by != AS_SHIPPED):
-        raise ProfileFileError(f"{where} has no 'tuned_by'; say who chose its settings, and on which scenes")
+        raise ProfileFileError(f"{where} has no 'tuned_by'; add it and state who tuned the profile, on which scenes")
     return Profile(
         name,
         _text(where, table, "description"),
@@ -170,8 +172,8 @@ def _knob(where: str, knob: Any) -> Knob:
 def _text(where: str, table: Mapping[str, Any], key: str) -> str:
     text = table.get(key)
     if not (isinstance(text, str) and text.strip()):
-        why = "why it differs from the shipped value" if key == "reason" else "what is special, in a few words"
-        raise ProfileFileError(f"{where} has no '{key}'; say {why}")
+        why = "why the value differs from the shipped one" if key == "reason" else "what is special, in a few words"
+        raise ProfileFileError(f"{where} has no '{key}'; add it and state {why}")
     return text
 
 
@@ -189,7 +191,7 @@ def _check_table(where: str, table: Any) -> None:
 def _check_keys(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
     for key in table:
         if key not in known:
-            raise ProfileFileError(f"{where}: unknown key '{key}'; keys are {_listed(known)}")
+            raise ProfileFileError(f"{where}: unknown key '{key}'; use one of: {_listed(known)}")
 
 
 def _listed(names: Mapping[str, Any] | tuple[str, ...]) -> str:

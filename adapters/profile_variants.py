@@ -1,8 +1,8 @@
-"""Profiles by name, as they are or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
+"""Profiles by name, unchanged or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
-Besides the variations below, every knob of the engine can be varied by its name: ``game@contactERP=0.2``.
+Besides the variations below, a name can vary every knob of the engine: ``game@contactERP=0.2``.
 
-The variation is part of the name, so that studies, trials and records hold it.
+The variation is a part of the name, so that studies, trials and records contain it.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ _MOST_HZ = 10_000.0
 
 
 class ProfileError(ValueError):
-    """An invalid variation; the message names the fix."""
+    """A variation of a profile is invalid; the message names the fix."""
 
 
 def base_name(profile: str) -> str:
-    """Return the name of the profile that a varied one was made from."""
+    """Return the name of a profile without its variation."""
     return profile.partition(_MARK)[0]
 
 
 def varied_name(profile: str, changes: Mapping[str, float | int]) -> str:
-    """Return the name of a profile with these changes."""
+    """Return the name of a profile varied by ``changes``."""
     suffix = ",".join(f"{what}={value:g}" for what, value in changes.items())
     return f"{profile}{_MARK}{suffix}" if suffix else profile
 
@@ -38,7 +38,7 @@ def profile_of(simulation: type[Simulation], name: str) -> Profile:
     """Return the profile ``name`` of an engine, with the variation in the name.
 
     Raises:
-        UnknownNameError: if the engine has no such profile, or a variation is unknown.
+        UnknownNameError: if the engine has no profile of this name, or a variation is unknown.
         ProfileError: if the value of a variation is invalid.
     """
     base, mark, changes = name.partition(_MARK)
@@ -76,7 +76,7 @@ def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Pr
 
 def _with_iterations(simulation: type[Simulation], profile: Profile, iterations: float) -> Profile:
     if not simulation.iterations:
-        raise ProfileError(f"{simulation.engine} has no number of iterations to vary")
+        raise ProfileError(f"{simulation.engine} has no number of iterations to vary; vary 'substeps' instead")
     knob = Knob(_whole(iterations), "varied, to see what it brings and what it costs")
     return profile.with_knobs({simulation.iterations: knob})
 
@@ -100,7 +100,11 @@ def _with_offset(_: type[Simulation], profile: Profile, offset: float) -> Profil
 
 
 def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: str) -> Profile:
-    """Return the profile with a knob of the engine's own set to the value in a name."""
+    """Return the profile with one knob of the engine set to the value in a varied name.
+
+    Raises:
+        ProfileError: if the value has another type than the knob's values in the engine's profiles.
+    """
     everywhere = [*(one.knobs for one in simulation.profiles.values()), *simulation.sleep_knobs.values()]
     known = profile.knobs.get(knob) or next((knobs[knob] for knobs in everywhere if knob in knobs), None)
     value = _value(text)
@@ -118,7 +122,7 @@ def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: 
 
 
 def _value(text: str) -> KnobValue:
-    """Read the value of a knob: a whole number, a number, true, false, or a text."""
+    """Convert the text of a knob's value to an int, a float or a bool; return other text unchanged."""
     for read in (int, float):
         try:
             return read(text)

@@ -1,4 +1,4 @@
-"""Engines by name: open a world, look up profiles and capabilities."""
+"""Functions that open a world of an engine by the engine's name, and look up its profiles and capabilities."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenarios.model import Brick, World
 
 
 class EngineNotInstalledError(ImportError):
-    """The engine's package is missing; the message names the command that installs it."""
+    """An engine's package is not installed; the message names the command that installs it."""
 
 
 def _load(name: str) -> type[Simulation]:
@@ -32,7 +32,7 @@ def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
 
 
 def _installed(name: str) -> type[Simulation]:
-    """Return the class of an engine that can be opened."""
+    """Return the class of an engine, after a check that its worlds can be opened."""
     simulation = _load(name)
     try:
         simulation.check_installed()
@@ -42,7 +42,7 @@ def _installed(name: str) -> type[Simulation]:
 
 
 def check_installed(name: str) -> None:
-    """Raise ``EngineNotInstalledError`` unless a world of the engine can be opened here."""
+    """Raise ``EngineNotInstalledError`` unless a world of the engine can be opened on this machine."""
     _installed(name)
 
 
@@ -57,12 +57,12 @@ def profiles(name: str) -> Mapping[str, Profile]:
 
 
 def profile_named(engine: str, name: str) -> Profile:
-    """Return the profile ``name`` of an engine, or its variation: see ``adapters.profile_variants``.
+    """Return the profile ``name`` of an engine, varied if its name states a variation (``adapters.profile_variants``).
 
     Raises:
-        UnknownNameError: if there is no such engine, or the engine has no such profile.
+        UnknownNameError: if no engine, or no profile of the engine, has this name.
         ProfileError: if a variation is invalid.
-        EngineNotInstalledError: if the engine's package is missing.
+        EngineNotInstalledError: if the engine's package is not installed.
     """
     return profile_of(_installed(engine), name)
 
@@ -78,9 +78,9 @@ def open_engine(
     """Open an empty world of engine ``name``.
 
     Raises:
-        UnknownNameError: if there is no such engine, or the engine has no such profile.
+        UnknownNameError: if no engine, or no profile of the engine, has this name.
         ProfileError: if a variation of the profile is invalid.
-        EngineNotInstalledError: if its package is missing.
+        EngineNotInstalledError: if the engine's package is not installed.
     """
     simulation = _installed(name)
     chosen = profile_of(simulation, profile)

@@ -1,16 +1,16 @@
-"""A world that is larger than the scene, as practitioners use with engines made for bodies of a metre.
+"""A simulation whose engine runs a world larger than the scene, as users do with engines made for bodies of a metre.
 
-All lengths, velocities and gravity are multiplied by the profile's scale, and so are impulses and forces; times,
-masses, angles and friction stay, so that the motion is the same in larger units. That is the recipe of Bullet's own
-wiki ("Scaling The World"), which finds no need to change masses. The ratio of the engine's absolute constants to the
-bricks changes: slops, margins, tolerances and speed thresholds keep their values in the engine's units. Only profile
-lengths set for the bricks' size grow with them (``Knob.follows_world``), and an adapter's own lengths
-(``Simulation.scale``).
+The profile's scale multiplies all lengths, velocities, impulses and forces, and gravity. Times, masses, angles and
+friction do not change, so that the motion is the same in larger units. This is the recipe of Bullet's wiki ("Scaling
+The World"), which sees no need to change masses. The engine's absolute constants (slops, margins, tolerances and speed
+thresholds) keep their values in the engine's units, so that their ratio to the bricks changes. Only two kinds of length
+grow with the bricks: lengths of a profile chosen for the bricks' size (``Knob.follows_world``), and an adapter's own
+lengths (``Simulation.scale``).
 
-A profile's offset moves the scene along x, with the ground below it, as in a large level: far from the origin engines
-of single precision have fewer digits left (steps of 7.6 um at 100 m).
+A profile's offset moves the scene along x, with the ground below it, as in a large level of a game. Engines in single
+precision resolve positions less far from the origin (steps of 7.6 um at 100 m).
 
-Outside, all values are in SI units of the scene, where missing corners are added.
+The host and the port see SI units of the scene. The port adds missing corners in these units.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 
 class _ScaledSimulation(Simulation):
-    """Drives a larger world of an engine. Both number bodies alike, so that ids are the same."""
+    """Simulation that drives a larger world of an engine. A body has the same id in both simulations."""
 
     unscaled: ClassVar[type[Simulation]]
 
@@ -43,11 +43,11 @@ class _ScaledSimulation(Simulation):
 
     @property
     def port(self) -> EnginePort:
-        """The core's view; the engine's own port is opened as well, so that the engine records what it shows."""
+        """The core's view. The property also opens the engine's own port, so that the engine records contact data."""
         _ = self._larger.port
         return super().port
 
-    def _spawn(self, body: int, brick: Brick) -> None:  # noqa: ARG002 - both count alike
+    def _spawn(self, body: int, brick: Brick) -> None:  # noqa: ARG002 - both assign the same ids
         self._larger.spawn(self._enlarged(brick))
 
     _spawn_moved = _spawn
@@ -105,21 +105,21 @@ class _ScaledSimulation(Simulation):
         return self._larger.read_knobs()
 
     def _place(self, position: Vector) -> Vector:
-        """Return the place [m] in the larger world of a place of the scene."""
+        """Convert a position [m] in the scene to the position [m] in the larger world."""
         x, y, z = position
         return _times(self.scale, (x + self.info.profile.offset, y, z))
 
     def _places_in_scene(self, places: FloatArray) -> FloatArray:
-        """Return the places (n, 3) in the scene [m] of places of the larger world."""
+        """Convert positions (n, 3) [m] in the larger world to positions [m] in the scene."""
         in_scene: FloatArray = places / self.scale - np.array([self.info.profile.offset, 0.0, 0.0])
         return in_scene
 
     def _enlarged(self, brick: Brick) -> Brick:
-        """Return the brick in the larger world; of the same mass."""
+        """Return the brick in the larger world, with the same mass."""
         return replace(brick, size=_times(self.scale, brick.size), position=self._place(brick.position))
 
     def _in_scene(self, seen: Contacts) -> Contacts:
-        """Return contacts of the larger world in the scene's units."""
+        """Convert contacts of the larger world to the scene's units."""
         return replace(
             seen,
             point=self._places_in_scene(seen.point),
@@ -131,7 +131,7 @@ class _ScaledSimulation(Simulation):
 
 @cache
 def scaled(simulation: type[Simulation]) -> type[Simulation]:
-    """Return the same engine, in worlds enlarged by the profile's scale and moved by its offset."""
+    """Return a class for the same engine, whose worlds are scaled and offset by the profile."""
 
     class Scaled(_ScaledSimulation):
         engine = simulation.engine

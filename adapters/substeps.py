@@ -1,8 +1,8 @@
-"""The frame of an engine that its adapter steps: substeps, with the motions and forces that the core needs.
+"""The frame of an engine that its adapter steps: substeps, with a record of the motions and forces that the core needs.
 
-The core needs the approach speeds before the solver stopped the bodies, and the mean forces of the frame. Most engines
-report neither, so motions are recorded before each substep, and forces after it; both only while the port is read and a
-body is live.
+The core needs the approach speeds before the solver stops the bodies, and the mean forces of the frame. Most engines
+report neither, so that ``SubstepSimulation`` records motions before each substep and forces after it, but only while
+the port is in use and a body is live.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 
 class SubstepSimulation(Simulation):
-    """A simulation whose engine is stepped substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
+    """A simulation that steps its engine substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
 
     solver_noise: ClassVar[float] = 0.0
-    """Approach [m/s] by which a later substep must be faster than an earlier one to be listed in its stead.
+    """Margin [m/s] by which the approach in a later substep must be faster to replace that of an earlier substep.
 
-    At rest the substeps of a frame differ by the solver's noise alone: see ``fastest_approach``.
+    For bodies at rest the substeps of a frame differ only by the solver's noise: see ``fastest_approach``.
     """
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        self._substep_s = 0.0  # of the latest frame
+        self._substep_s = 0.0  # length of a substep of the latest frame
         self._recorded: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         self._before: Motions | None = None
-        self._earlier_forces: list[SubstepForces] = []  # of the frame's substeps but the last
-        super().__init__(profile, world, sleeping, expected)  # opens the engine's world: last
+        self._earlier_forces: list[SubstepForces] = []  # of all substeps of the frame except the last
+        super().__init__(profile, world, sleeping, expected)  # must come last, because it opens the engine's world
 
     def _step(self, seconds: float) -> None:
         self._substep_s = seconds / self.info.profile.substeps
@@ -60,34 +60,37 @@ class SubstepSimulation(Simulation):
     # -- hooks, in the order in which a frame calls them -------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
-        """Prepare a frame, such as the engine's step [s]. Called once before its first substep."""
+        """Prepare a frame of substeps of ``substep_s`` seconds. Called once, before the first substep."""
 
     def _record_ended_substep(self) -> None:
-        """Record what ``_contacts`` reads of the substep that ended: called after each but the last, while read."""
+        """Record the data of the ended substep for ``_contacts``. Called after each substep except the last."""
         if self.reads_forces:
             self._earlier_forces.append(self._forces_of_substep())
 
     def _forces_of_substep(self) -> SubstepForces:
-        """Return the contact forces of the substep that ended, of pairs that touch a live body.
+        """Return the contact forces of the ended substep, for pairs that touch a live body.
 
-        Called while ``reads_forces``; an engine without forces has none to return. The arrays must be copies.
+        Called only if ``reads_forces`` is true, so that an engine without forces need not override it. The arrays must
+        be copies.
         """
-        raise NotImplementedError(f"{self.engine} reports forces, by its capabilities: fill in _forces_of_substep")
+        raise NotImplementedError(
+            f"{self.engine}: its capabilities say that it reports forces; implement _forces_of_substep in its adapter"
+        )
 
     def _record_motions(self, bodies: IntArray) -> None:
-        """Record how ``bodies`` (k,) move before the substep that follows: called before each, while read."""
+        """Record the motions of ``bodies`` (k,) before the next substep. Called before each substep."""
         self._recorded.append(self._motions_now(bodies))
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return positions, velocities and spins (k, 3); overridden where one call reads them all."""
+        """Return positions [m], velocities [m/s] and spins [rad/s], each (k, 3). Override it if one call reads all."""
         return self._positions(bodies), *self.velocities_now(bodies)
 
     @abstractmethod
     def _substep(self) -> None:
-        """Let the engine make one step of ``_substep_s`` seconds, for which forces and driven bodies have been set."""
+        """Make one step of ``_substep_s`` seconds. The forces and the velocities of moved bodies are already set."""
 
     def _end_frame(self) -> None:
-        """Finish a frame. Called once after its last substep, with ``_before`` filled in."""
+        """Finish a frame. Called once, after the last substep, when ``_before`` is set."""
 
     # -- for _contacts -----------------------------------------------------------------------------
 
@@ -99,14 +102,14 @@ class SubstepSimulation(Simulation):
         separation: FloatArray,
         force: FloatArray | None,
     ) -> Contacts:
-        """Return the contacts of the latest step, with approach speeds, and the mean of the frame's forces.
+        """Return the contacts of the latest step, with approach velocities and the mean forces of the frame.
 
         Args:
             pairs: bodies a and b, each of shape (n,).
             point: contact points [m], shape (n, 3).
             normal: unit normals from a to b, shape (n, 3).
             separation: gaps [m], shape (n,).
-            force: forces [N] of the last substep on bodies b, shape (n, 3); None if forces are not read.
+            force: forces [N] on bodies b in the last substep, shape (n, 3); None if forces are not read.
         """
         if force is not None:
             force = mean_force(SubstepForces(*pairs, force), normal, self._earlier_forces)
@@ -115,7 +118,7 @@ class SubstepSimulation(Simulation):
         return Contacts(*pairs, point, normal, separation, approach, friction, force)
 
     def _with_friction(self, contacts: Contacts) -> Contacts:
-        """Add friction, for an engine that reports normal forces only: what the bodies' change of momentum leaves."""
+        """Add friction forces from the bodies' change of momentum, for an engine that reports normal forces only."""
         if contacts.force is None or self._before is None:
             return contacts
         seconds = self._substep_s * self.info.profile.substeps
@@ -125,12 +128,15 @@ class SubstepSimulation(Simulation):
         return replace(contacts, force=force)
 
     def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
-        """Return the live ones of ``bodies`` (k,), and the sum of contact forces [N] on each over a step, by momentum.
+        """Return the live bodies among ``bodies``, and the mean sum of contact forces [N] on each, from its momentum.
 
         Args:
-            bodies: rising ids, shape (k,).
-            before: their velocities [m/s] at the start of the step, shape (k, 3).
-            seconds: length of the step.
+            bodies: ids in rising order, shape (k,).
+            before: velocities [m/s] of these bodies at the start of the frame, shape (k, 3).
+            seconds: length of the frame.
+
+        Returns:
+            Ids (m,), and forces (m, 3) [N].
         """
         rows = np.flatnonzero([body in self.bodies.live for body in bodies.tolist()])
         live = bodies[rows]

@@ -65,28 +65,28 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('reason = "seats in a second"', 'reason = " "'), "shared.stiff.erp has no 'reason'; say why it differs"),
+        (('reason = "seats in a second"', 'reason = " "'), "shared.stiff.erp has no 'reason'; add it and state why"),
         (("value = 0.4, ", ""), "shared.stiff.erp has no 'value'; write { value = ..., reason = '...' }"),
         (("value = 0.4", "value = [0.4]"), "shared.stiff.erp.value must be a number, a text, true or false, got [0.4]"),
         (('{ value = 0.4, reason = "seats in a second" }', "0.4"), "shared.stiff.erp must be a table, got 0.4"),
         (
             ("value = 0.4", "valeu = 0.4"),
-            "shared.stiff.erp: unknown key 'valeu'; keys are value, reason, follows_world",
+            "shared.stiff.erp: unknown key 'valeu'; use one of: value, reason, follows_world",
         ),
         (("follows_world = true", "follows_world = 1"), "knobs.margin.follows_world must be true or false, got 1"),
         (("value = 1e-3", "value = 'thin'"), "knobs.margin.follows_world is for lengths; the value is 'thin'"),
         (("substeps = 4", ""), "profiles.default.substeps must be a whole number of engine steps a frame, got None"),
         (("substeps = 4", "substeps = 0"), "profiles.default.substeps must be a whole number of engine steps"),
         (("substeps = 4", "substeps = true"), "profiles.default.substeps must be a whole number of engine steps"),
-        (("substeps = 4", "steps = 4"), "profiles.default: unknown key 'steps'; keys are description, substeps,"),
+        (("substeps = 4", "steps = 4"), "profiles.default: unknown key 'steps'; use one of: description, substeps,"),
         (("frame_s = 0.02", "frame_s = 20.0"), "profiles.game.frame_s must be a time in seconds, between 0 and 1"),
-        (('description = "cheap"', ""), "profiles.game has no 'description'; say what is special"),
-        (('tuned_by = "us, on a tower"', ""), "profiles.game has no 'tuned_by'; say who chose its settings"),
-        (('shared = ["stiff"]', 'shared = ["soft"]'), "profiles.game.shared: no [shared.soft]; there is stiff"),
+        (('description = "cheap"', ""), "profiles.game has no 'description'; add it and state what is special"),
+        (('tuned_by = "us, on a tower"', ""), "profiles.game has no 'tuned_by'; add it and state who"),
+        (('shared = ["stiff"]', 'shared = ["soft"]'), "profiles.game.shared: no [shared.soft]; name one of: stiff"),
         (('shared = ["stiff"]', ""), "shared.stiff is in no profile; name it in a profile's 'shared', or delete it"),
-        (("[profiles.default]", "[profiles.shipped]\ntuned_by = 'us'"), "no [profiles.default]; add the engine as"),
-        (("[sleeping.off]", "[sleeping.never]"), "sleeping: unknown key 'never'; keys are off, native, raised"),
-        (("[sleeping.off]", "[asleep.off]"), "the file: unknown key 'asleep'; keys are shared, profiles, sleeping"),
+        (("[profiles.default]", "[profiles.shipped]\ntuned_by = 'us'"), "no [profiles.default]; add this table"),
+        (("[sleeping.off]", "[sleeping.never]"), "sleeping: unknown key 'never'; use one of: off, native, raised"),
+        (("[sleeping.off]", "[asleep.off]"), "the file: unknown key 'asleep'; use one of: shared, profiles, sleeping"),
         (("[profiles.default]", "[profiles.default"), "not TOML: "),
     ],
 )
@@ -99,12 +99,14 @@ def test_a_mistake_is_named_with_its_place_and_fix(tmp_path, change: tuple[str, 
 
 
 def test_a_misspelt_knob_is_named_where_the_engine_would_ignore_it(tmp_path) -> None:
-    with pytest.raises(ProfileFileError, match=r"profiles\.game: the engine has no knob 'margin'; look for a spelling"):
+    with pytest.raises(
+        ProfileFileError, match=r"profiles\.game: the engine has no knob 'margin'; correct its spelling"
+    ):
         load(tmp_path, GOOD, knows={"erp", "sleep"}.__contains__)
     with pytest.raises(ProfileFileError, match=r"sleeping\.off: the engine has no knob 'sleep'"):
         load(tmp_path, GOOD, knows={"erp", "margin"}.__contains__)
 
 
 def test_the_message_for_an_engine_without_a_file_asks_for_one(tmp_path) -> None:
-    with pytest.raises(ProfileFileError, match=r"none\.toml: no such file; every engine has one with its profiles"):
+    with pytest.raises(ProfileFileError, match=r"none\.toml: no such file; create it with a \[profiles\.default\]"):
         load_settings("none", folder=tmp_path)
