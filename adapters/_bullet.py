@@ -29,7 +29,7 @@ Traps:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
@@ -80,6 +80,7 @@ class BulletSimulation(SubstepSimulation):
         self._client = self._engine.client
         self._handles = self._engine.handles
         self._has_old_gravity: set[int] = set()
+        self._islands: Sequence[Mapping[str, float]] = ()  # what the solver reports of the latest step
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
 
@@ -149,7 +150,10 @@ class BulletSimulation(SubstepSimulation):
         return SubstepForces(*pairs_of(listed), forces_of(listed))
 
     def _substep(self) -> None:
-        pybullet.stepSimulation(self._client)
+        self._islands = pybullet.stepSimulation(self._client)
+
+    def _solver_iterations(self) -> int:
+        return int(max((island["numIterationsUsed"] for island in self._islands), default=0))
 
     # -- state ----------------------------------------------------------------------------------------
 

@@ -65,7 +65,7 @@ class BulletWorld:
         self.set_gravity(world.gravity)
         values = dict(info.profile.values)
         self._is_maximal = bool(values.pop(MAXIMAL_COORDINATES, True))
-        self._configure(**values)
+        self._configure(**values, reportSolverAnalytics=1)
 
     def set_step(self, seconds: float) -> None:
         """Set the length [s] of the steps that follow."""

@@ -143,6 +143,10 @@ class MujocoSimulation(SubstepSimulation):
     def _substep(self) -> None:
         mujoco.mj_step(self._engine.slots.model, self._engine.slots.data)
 
+    def _solver_iterations(self) -> int:
+        data = self._engine.slots.data
+        return int(data.solver_niter[: max(data.nisland, 1)].max())
+
     # -- state ----------------------------------------------------------------------------------------
 
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -197,6 +197,13 @@ class Simulation(EngineHooks):
         self._port.forget_found()
         self._step(seconds)
 
+    def solver_iterations(self) -> int | None:
+        """Return the iterations that the solver used in the latest engine step, of the island that took most.
+
+        None where the engine does not report them.
+        """
+        return self._solver_iterations()
+
     def find_contacts(self) -> None:
         """Detect the contacts of the present poses without moving anything.
 

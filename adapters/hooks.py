@@ -120,6 +120,13 @@ class EngineHooks(ABC):
     def _step(self, seconds: float) -> None:
         """Advance the world by one frame of ``seconds``. ``SubstepSimulation`` implements it by hooks for substeps."""
 
+    def _solver_iterations(self) -> int | None:
+        """Return the iterations that the solver used in the latest engine step, of the island that took most.
+
+        Called after a step. None where the engine does not report them; many run a fixed number.
+        """
+        return None
+
     # -- state -------------------------------------------------------------------------------------
 
     @abstractmethod

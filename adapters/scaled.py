@@ -75,6 +75,9 @@ class _ScaledSimulation(Simulation):
         self._larger.step(seconds)
         self.own_step_s = self._larger.own_step_s
 
+    def _solver_iterations(self) -> int | None:
+        return self._larger._solver_iterations()
+
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         positions, quaternions = self._larger._poses(bodies)
         return self._places_in_scene(positions), quaternions

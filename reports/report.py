@@ -22,6 +22,7 @@ from reports.statistics.pairs import pair_rows
 from reports.statistics.thresholds import bisected_scenarios
 from reports.tables.capabilities import capability_tables
 from reports.tables.collapse_levels import collapse_level_tables
+from reports.tables.cost import cost_tables
 from reports.tables.divisions import division_tables
 from reports.tables.forces import force_tables
 from reports.tables.height_cost import height_cost_tables
@@ -57,6 +58,7 @@ class Section(NamedTuple):
 SECTIONS = (
     Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_of_fixed_scenes(folder))))),
     Section("study", lambda folder: study_tables(fixed) if (fixed := _of_fixed_scenes(folder)) else ()),
+    Section("cost", lambda folder: cost_tables(folder.records, folder.environment)),
     Section("divisions", lambda folder: division_tables(_of_fixed_scenes(folder))),
     Section("threads", lambda folder: thread_tables(folder.records)),
     Section("soak", lambda folder: soak_tables(folder.records)),

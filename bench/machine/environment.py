@@ -18,6 +18,7 @@ import psutil
 
 from adapters import Profile, capabilities, engine_version, profiles
 from bench.machine.core_digest import present_core
+from bench.machine.instructions import availability
 from bench.machine.source_digest import ROOT, SUITE, sources_digest
 from stability_core import Settings
 
@@ -68,6 +69,7 @@ def session() -> dict[str, Any]:
         "load": [round(load, 2) for load in psutil.getloadavg()],
         "governor": _governor(),
         "cores_allowed": sorted(allowed_cores()),
+        "instructions": availability(),
     }
 
 

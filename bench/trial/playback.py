@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from adapters.base import Simulation
+from bench.machine.instructions import process_counter
 from bench.trial.builder import Builder
 from bench.trial.force_audit import ForceAudit
 from bench.trial.measure import FloatArray
@@ -82,7 +83,9 @@ class Playback:
         self._scene = scene
         self._simulation = simulation
         self.is_steered = policy is not None
-        self._frames = PlainFrames(simulation) if policy is None else SteeredFrames(simulation, policy)
+        self._frames = (
+            PlainFrames(simulation) if policy is None else SteeredFrames(simulation, policy, process_counter())
+        )
         self._wall_limit_s = wall_limit_s
         self._on_progress = on_progress
         self._last_action_s = scene.done_s
@@ -195,6 +198,7 @@ class Playback:
             engine_ms=times.engine * 1e3,
             frame_ms=times.total * 1e3,
             bridge_ms=None if times.bridge is None else times.bridge * 1e3,
+            solver_iterations=world.solver_iterations(),
         )
         if steering is None:
             return plain
@@ -206,4 +210,5 @@ class Playback:
             frozen=len(steering.frozen),
             woken=len(steering.woken),
             woken_because=steering.summary,
+            core_instructions=steering.instructions,
         )

@@ -16,6 +16,7 @@ import numpy as np
 from adapters import PeerError, capabilities, engine_version, open_engine
 from bench.machine.calibration import calibrate, typical
 from bench.machine.environment import allowed_cores
+from bench.machine.memory import PeakMemory
 from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Limits
@@ -31,6 +32,16 @@ from scenarios.model import Scene
 from scenarios.placement_noise import NoRoomError
 from stability_core import warm_up
 
+_MEANS = (
+    "engine_ms",
+    "readback_ms",
+    "core_ms",
+    "port_ms",
+    "bridge_ms",
+    "solver_iterations",
+    "core_instructions",
+)
+"""Columns of frames whose means are in the record under the same names."""
 _BROKEN: tuple[Status, ...] = ("error", "crashed")
 """Statuses after which the engine is not opened again to time the awake stack."""
 
@@ -68,6 +79,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
     try:
         if policy.core is not None:
             warm_up(policy.core)
+        memory = PeakMemory()
         simulation = open_engine(
             trial.engine, trial.profile, world=scene.world, sleeping=policy.sleeping, expected=scene.bricks
         )
@@ -78,7 +90,12 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
         before = calibrate()
         with _undisturbed():
             status, message = playback.run(), ""
-        machine = {"host": platform.node(), "core": _only_core(), "calibration_ms": typical(before, calibrate())}
+        machine = {
+            "host": platform.node(),
+            "core": _only_core(),
+            "memory_mib": memory.growth_mib() if simulation.own_step_s is None else None,
+            "calibration_ms": typical(before, calibrate()),
+        }
         simulation.close()
     except NotImplementedError as error:  # the engine's API does not offer it
         status, message = "unsupported", str(error)
@@ -236,7 +253,7 @@ def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
         "timed_frames": len(timed),
         "realtime_factor": frame_s * 1e3 / mean_ms if mean_ms else None,  # an engine's own clock may be coarse
     }
-    for name in ("engine_ms", "readback_ms", "core_ms", "port_ms", "bridge_ms"):
+    for name in _MEANS:
         parts = [getattr(row, name) for row in timed]
         if None not in parts:
             fields[name] = statistics.fmean(parts)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 from adapters.base import Simulation
-from bench.trial.timed_port import TimedPort
+from bench.trial.timed_port import CountedPort, TimedPort
 from scenarios.model import Vector
 from stability_core import Change, StabilityExtension
 
@@ -40,6 +40,8 @@ class Steering:
     woken: Sequence[int]
     reasons: Sequence[str]
     """Reason for each of ``woken``."""
+    instructions: int | None = None
+    """Instructions of the core, without port calls; None if they are not counted."""
 
     @property
     def summary(self) -> str:
@@ -72,9 +74,18 @@ class PlainFrames:
 class SteeredFrames:
     """Frames of the engine with the stability extension."""
 
-    def __init__(self, simulation: Simulation, policy: str) -> None:
+    def __init__(self, simulation: Simulation, policy: str, count: Callable[[], int] | None = None) -> None:
+        """Attach the extension.
+
+        Args:
+            simulation: a world.
+            policy: policy of the core.
+            count: returns the instructions of this thread so far; None does not count the core's.
+        """
         self._simulation = simulation
-        self._port = TimedPort(simulation.port)
+        self._count = count
+        self._counted = None if count is None else CountedPort(simulation.port, count)
+        self._port = TimedPort(self._counted or simulation.port)
         self._extension = StabilityExtension(self._port, policy=policy, gravity=simulation.world.gravity)
         self._before: list[tuple[FrameTimes, Steering]] = []  # adoptions since the last step
 
@@ -103,11 +114,20 @@ class SteeredFrames:
         begin = perf_counter()
         engine()
         done = perf_counter()
-        change = core()
+        change, instructions = self._with_instructions(core)
         core_s = perf_counter() - done - port.readback_s - port.steering_s
         reasons = [change.reasons[body] for body in change.woken]
         times = FrameTimes(done - begin, port.readback_s, core_s, port.steering_s)
-        return times, Steering(port.contact_points, change.frozen, change.woken, reasons)
+        return times, Steering(port.contact_points, change.frozen, change.woken, reasons, instructions)
+
+    def _with_instructions(self, core: Callable[[], Change]) -> tuple[Change, int | None]:
+        """Call the core; return its changes, and its instructions without those of port calls if they are counted."""
+        if self._count is None or self._counted is None:
+            return core(), None
+        self._counted.reset()
+        begin = self._count()
+        change = core()
+        return change, self._count() - begin - self._counted.instructions
 
     def disturb(self, bodies: Sequence[int]) -> None:
         """Name the bodies that a user holds to the extension."""
@@ -139,9 +159,11 @@ def _total(times: Sequence[FrameTimes]) -> FrameTimes:
 
 
 def _together(parts: Sequence[Steering]) -> Steering:
+    counts = [part.instructions for part in parts]
     return Steering(
         sum(part.contacts for part in parts),
         [body for part in parts for body in part.frozen],
         [body for part in parts for body in part.woken],
         [reason for part in parts for reason in part.reasons],
+        None if None in counts else sum(count for count in counts if count is not None),
     )

@@ -1,11 +1,17 @@
-"""A port that measures the time spent in it, so that the core's own time is known without the core reading a clock."""
+"""Ports that measure the time or the instructions spent in them, so that those of the core alone are known.
+
+The core itself reads no clock.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from time import perf_counter
+from typing import TypeVar
 
 from stability_core.port import Contacts, Masses, StabilityPort
+
+_Result = TypeVar("_Result")
 
 
 class TimedPort:
@@ -54,3 +60,41 @@ class TimedPort:
         begin = self._clock()
         self._port.wake(bodies)
         self.steering_s += self._clock() - begin
+
+
+class CountedPort:
+    """Passes every call to ``port`` and adds up the instructions that it takes since the last ``reset``."""
+
+    __slots__ = ("_count", "_port", "instructions")
+
+    def __init__(self, port: StabilityPort, count: Callable[[], int]) -> None:
+        """Count with ``count``, which returns the instructions of this thread so far."""
+        self._port = port
+        self._count = count
+        self.reset()
+
+    def reset(self) -> None:
+        """Start a new frame."""
+        self.instructions = 0
+
+    def contacts(self) -> Contacts:
+        """Return every contact that touches a live body after the latest step."""
+        return self._counted(self._port.contacts)
+
+    def masses(self) -> Masses:
+        """Return the live bodies as they are after the latest step."""
+        return self._counted(self._port.masses)
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are."""
+        self._counted(lambda: self._port.sleep(bodies))
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Return frozen bodies to the engine."""
+        self._counted(lambda: self._port.wake(bodies))
+
+    def _counted(self, call: Callable[[], _Result]) -> _Result:
+        begin = self._count()
+        result = call()
+        self.instructions += self._count() - begin
+        return result

@@ -19,7 +19,7 @@ from reports.records.trial import TrialRecord
 from scenarios.model import Expectation
 
 PAGE = Path(__file__).parents[2] / "docs" / "columns.md"
-_UNITS = {"_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
+_UNITS = {"_mib": "MiB", "_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
 """Units by the suffix of a name, longer suffixes first; ``frame_ms_p50`` has its unit inside."""
 _TYPES = {"str": "text", "int64": "whole number", "Int64": "whole number", "float64": "number"}
 _HEAD = """# Columns of the results
@@ -54,7 +54,10 @@ def trial_columns() -> list[Column]:
 
 def frame_columns() -> list[Column]:
     """Return the columns of ``.frames(trial)``."""
-    meanings, types = field_meanings(FrameRow), {"int32": "whole number", "double": "number", "string": "text"}
+    meanings, types = (
+        field_meanings(FrameRow),
+        {"int32": "whole number", "int64": "whole number", "double": "number", "string": "text"},
+    )
     return [
         Column(
             field.name,

@@ -52,6 +52,11 @@ class FrameRow(NamedTuple):
     bridge_ms: float | None = None
     """Time [ms] of the transfer to an engine in a separate process, and back; null for engines in the trial's
     process."""
+    solver_iterations: int | None = None
+    """Iterations of the engine's solver in the frame's last step, of the island that took most; null where the engine
+    does not report them."""
+    core_instructions: int | None = None
+    """Instructions of the core in user code, without port calls; null where they cannot be counted."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
@@ -72,6 +77,8 @@ SCHEMA = pa.schema(
         pa.field("woken", _COUNT),
         pa.field("woken_because", pa.string()),
         pa.field("bridge_ms", _REAL),
+        pa.field("solver_iterations", _COUNT),
+        pa.field("core_instructions", pa.int64()),
     ]
 )
 

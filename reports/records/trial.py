@@ -216,6 +216,18 @@ class TrialRecord(BaseModel):
     """Natural residual of the worst contact, the lesser of its force in mean weights of a brick and its gap in
     thicknesses, or its overlap: the mean of those frames; null as before, or without separations."""
 
+    memory_mib: float | None = None
+    """Memory [MiB] by which the peak of the process's resident memory while the scene was played exceeded its size just
+    before the engine was opened: of the engine, of the extension and of what the harness records, and the pages of
+    programs used for the first time; of a trial that compiles a kernel also the compiler. Each trial has a process of
+    its own. Null where the system does not show it, and for engines in a separate process."""
+    solver_iterations: float | None = None
+    """Mean number of iterations of the engine's solver in the last step of a frame, of the island that took most; null
+    where the engine does not report them. Frames as in ``frame_ms_p50``."""
+    core_instructions: float | None = None
+    """Mean number of instructions per frame of the core in user code, without port calls; null without an extension,
+    and where the system does not count them. Frames as in ``frame_ms_p50``."""
+
     @model_validator(mode="before")
     @classmethod
     def _of_present_format(cls, fields: object) -> object:

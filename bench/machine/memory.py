@@ -1,0 +1,46 @@
+"""The peak of the resident memory of this process over a stretch of time, on Linux."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_STATUS = Path("/proc/self/status")
+_RESET = Path("/proc/self/clear_refs")
+_RESET_PEAK = "5"
+"""Written to ``clear_refs``, it sets the peak to the present size (proc_pid_clear_refs(5))."""
+_KIB_PER_MIB = 1024
+
+
+class PeakMemory:
+    """Measures how far the resident memory of this process rises above its size at the start.
+
+    The peak is reset at the start, so that an earlier peak of the same process does not count.
+    """
+
+    def __init__(self) -> None:
+        self._begin_kib = _reset_peak()
+
+    def growth_mib(self) -> float | None:
+        """Return the growth [MiB] up to the highest peak since the start; None where the system does not show it."""
+        peak_kib = _read("VmHWM")
+        if self._begin_kib is None or peak_kib is None:
+            return None
+        return (peak_kib - self._begin_kib) / _KIB_PER_MIB
+
+
+def _reset_peak() -> int | None:
+    """Reset the peak; return it [KiB], or None where it cannot be reset."""
+    try:
+        _RESET.write_text(_RESET_PEAK, encoding="ascii")
+    except OSError:
+        return None
+    return _read("VmHWM")
+
+
+def _read(field: str) -> int | None:
+    """Return a field of the status of this process [KiB]; None where there is none."""
+    try:
+        lines = _STATUS.read_text(encoding="ascii").splitlines()
+    except OSError:
+        return None
+    return next((int(line.split()[1]) for line in lines if line.startswith(f"{field}:")), None)
