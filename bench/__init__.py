@@ -1,4 +1,4 @@
-"""The harness: plan trials, run each in a process of its own, measure, and report."""
+"""The harness: plans trials, runs each trial in its own process, measures and reports."""
 
 from bench.machine.kernel_cache import keep_kernels_apart
 

@@ -1,4 +1,4 @@
-"""The entry point of ``uv run -m bench VERB``."""
+"""The entry point of ``uv run -m bench COMMAND``."""
 
 import signal
 

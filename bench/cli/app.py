@@ -1,4 +1,8 @@
-"""Define the command line: ``uv run -m bench VERB``. Exit status 0 done, 1 a gate failed, 2 bad usage or input."""
+"""The command line: ``uv run -m bench COMMAND``.
+
+Exit status: 0 for success, 1 if a gate or a check failed, 2 for bad usage or input, 128 + the number of the signal if
+a signal interrupted a run.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +27,7 @@ app = typer.Typer(
 
 @app.callback(help="Do your engine's bricks stand when they should, and fall when they should?")
 def add_external_engines() -> None:
-    """Register the engines outside this repository before any verb runs."""
+    """Register the engines outside this repository before any command runs."""
     with input_errors():
         register_external()
 

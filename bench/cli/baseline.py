@@ -1,4 +1,4 @@
-"""``bench baseline``: write a run into one small file, for later comparisons."""
+"""``bench baseline``: write a results folder into one small file, for later comparisons."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def baseline(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The baseline to write, or to replace.")],
     track: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write figures for benchmark-tracking actions, too.")
+        Path | None, typer.Option(metavar="FILE", help="Also write figures for benchmark-tracking actions.")
     ] = None,
 ) -> None:
-    """Write a results folder into one small file, as the base of later comparisons."""
+    """Write a results folder into one small file that later comparisons use as their base."""
     with input_errors():
         side = read_baseline(folder)
         write_baseline(side, out)

@@ -1,4 +1,4 @@
-"""``bench check``: run the conformance checks on one engine's adapter and print each result."""
+"""``bench check``: run the conformance checks on the adapter of one engine and print each result."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ from scenarios.model import Brick
 
 
 def check(
-    engine: Annotated[str, typer.Argument(help="An engine's name; left out with --bridge.")] = "",
+    engine: Annotated[str, typer.Argument(help="Name of an engine; omit it with --bridge.")] = "",
     profile: Annotated[str, typer.Option(help="Profile of the engine.")] = "game",
     bridge: Annotated[str, typer.Option(help="Command that starts an engine behind the bridge.")] = "",
-    profiles: Annotated[Path | None, typer.Option(help="File with the settings of that engine.")] = None,
+    profiles: Annotated[
+        Path | None, typer.Option(help="With --bridge: TOML file with the profiles of that engine.")
+    ] = None,
 ) -> None:
-    """Check that an engine's adapter keeps the contract that the core relies on."""
+    """Check that the adapter of an engine keeps the contract on which the core relies."""
     if bool(engine) == bool(bridge):
-        raise typer.BadParameter("name an engine, or give the command of one with --bridge")
+        raise typer.BadParameter("give either the name of an engine, or the command that starts one with --bridge")
     with input_errors():
         if bridge:
             engine = register_command(shlex.split(bridge), profiles)
@@ -33,7 +35,7 @@ def check(
 
 
 def _knobs(engine: str, profile: str) -> Iterator[str]:
-    """Yield a line per knob of the profile with the engine's value, or that its interface does not show it."""
+    """Yield one line per knob of the profile: the value read back from the engine, or that the engine shows none."""
     plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
     try:
         simulation = open_engine(engine, profile, expected=[plank])
@@ -41,7 +43,7 @@ def _knobs(engine: str, profile: str) -> Iterator[str]:
         read, wanted = simulation.read_knobs(), simulation.info.profile.values
         simulation.close()
     except Exception as error:  # the checks have already reported it
-        yield f"knobs   not read back: {error}"
+        yield f"knobs   not read back, because the engine failed: {error}"
         return
     for name, value in wanted.items():
         shown = f"read back {read[name]!r}" if name in read else "not shown by the engine"
@@ -49,12 +51,12 @@ def _knobs(engine: str, profile: str) -> Iterator[str]:
 
 
 def check_engine(engine: str, profile: str, console: Console) -> int:
-    """Run every applicable check and print its result; return the number of failures.
+    """Run every applicable check, print its result, and return the number of failures.
 
     Raises:
-        UnknownNameError: if there is no such engine, or the engine has no such profile.
+        UnknownNameError: if no engine has this name, or the engine has no such profile.
         ProfileError: if a variation of the profile is invalid.
-        EngineNotInstalledError: if its package is missing.
+        EngineNotInstalledError: if the engine's package is missing.
     """
     profile_named(engine, profile)  # report a wrong name once, not in every check
     counts = {"ok": 0, "n/a": 0, "FAILED": 0}
@@ -76,6 +78,8 @@ def check_engine(engine: str, profile: str, console: Console) -> int:
         console.print(line, markup=False, highlight=False)
     summary = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
     console.print(
-        f"{engine} with profile {profile}: {summary}; --profile checks another", markup=False, highlight=False
+        f"{engine} with profile {profile}: {summary}; check another profile with --profile",
+        markup=False,
+        highlight=False,
     )
     return counts["FAILED"]

@@ -25,27 +25,31 @@ def compare(
     base: Annotated[
         str,
         typer.Argument(
-            help="The base: a results folder, a baseline file or a file of pytest-benchmark; with --run a version."
+            help="The base: a results folder, a baseline file or a pytest-benchmark file; with --run a version."
         ),
     ],
-    head: Annotated[str, typer.Argument(help="The head, likewise.")],
-    fail_on: Annotated[str, typer.Option(help="Gates whose alarms end with status 1, or 'none'.")] = ",".join(GATES),
+    head: Annotated[str, typer.Argument(help="The head: the same kinds as BASE.")],
+    fail_on: Annotated[str, typer.Option(help="Gates whose alarms give exit status 1, or 'none'.")] = ",".join(GATES),
     across_versions: Annotated[
-        bool, typer.Option("--across-versions", help="Judge the outcomes of another version of an engine, too.")
+        bool, typer.Option("--across-versions", help="Also judge trials whose engine has another version.")
     ] = False,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the tables as Markdown.")] = None,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     run_both: Annotated[
         bool, typer.Option("--run", help="BASE and HEAD are commits, branches, tags or checkouts: run both here.")
     ] = False,
     study: Annotated[str, typer.Option(help="With --run: the study that both run.")] = "smoke",
     rounds: Annotated[int, typer.Option(min=1, max=100, help="With --run: runs of each version, alternating.")] = 2,
-    base_with: Annotated[list[str] | None, typer.Option(help="With --run: a package or wheel for BASE.")] = None,
-    head_with: Annotated[list[str] | None, typer.Option(help="With --run: a package or wheel for HEAD.")] = None,
+    base_with: Annotated[
+        list[str] | None, typer.Option(help="With --run: a package or wheel to install for BASE.")
+    ] = None,
+    head_with: Annotated[
+        list[str] | None, typer.Option(help="With --run: a package or wheel to install for HEAD.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="With --run: results folder [results/compare-TIME].")] = None,
 ) -> None:
-    """Compare two runs for regressions of outcome, trajectory and time; status 1 if a gate raises an alarm."""
+    """Compare two runs for regressions of outcome, trajectory and time; exit status 1 if a gate raises an alarm."""
     with input_errors():
         gates = chosen_gates(fail_on)
         if run_both:

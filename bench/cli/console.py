@@ -1,4 +1,4 @@
-"""Consoles, the results folder and the handling of bad input, shared by the verbs."""
+"""Consoles, the results folder and the handling of bad input, shared by the commands."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from reports.records.trial import RecordError, RecordWarning, TrialRecord
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
-"""Default folder for the results of runs; estimates read the results there."""
+"""Default folder for the results of runs; an estimate reads the earlier results in it."""
 _LOG_WIDTH = 110
-for _stream in (sys.stdout, sys.stderr):  # a terminal without these letters shows their codes
+for _stream in (sys.stdout, sys.stderr):  # a terminal whose encoding lacks a character shows its code
     if isinstance(_stream, io.TextIOWrapper):
         _stream.reconfigure(errors="backslashreplace")
 OUT = Console(width=None if sys.stdout.isatty() else _LOG_WIDTH)
@@ -39,7 +39,7 @@ ERR = Console(stderr=True)
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """End the program with the error's message and status 2, without a traceback, if the input cannot be used."""
+    """Print the error's message without a traceback and exit with status 2 if the input cannot be used."""
     try:
         yield
     except (
@@ -64,7 +64,7 @@ def input_errors() -> Iterator[None]:
 
 
 def note(text: str) -> None:
-    """Print a line on standard error."""
+    """Print ``text`` on standard error."""
     ERR.print(text, highlight=False, soft_wrap=True)
 
 
@@ -74,14 +74,14 @@ def relative(folder: Path) -> str:
 
 
 def read_folder(folder: Path) -> list[TrialRecord]:
-    """Return the records of a results folder; print a warning for a torn last line."""
+    """Return the records of a results folder; print a warning if the last line is incomplete."""
     with printed_warnings():
         return ResultsFolder(folder).records
 
 
 @contextmanager
 def printed_warnings() -> Iterator[None]:
-    """Print the warnings raised while records are read."""
+    """Print the record warnings that are raised inside the ``with`` block."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield

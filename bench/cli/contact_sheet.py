@@ -1,4 +1,4 @@
-"""A contact sheet: every scene as it is planned, on one picture."""
+"""A contact sheet: one picture that shows every scene as planned."""
 
 from __future__ import annotations
 
@@ -18,26 +18,27 @@ from scenarios.geometry import Boxes, FloatArray
 from scenarios.model import Brick, Scene
 
 COLUMNS = 5
+"""Number of pictures in a row."""
 CELL_IN = 2.6
 """Edge of a picture [inch]."""
 AZIMUTH, ELEVATION = math.radians(-62), math.radians(20)
-"""Direction of the viewer: in front, a little to the right and above."""
+"""Direction of the viewer [rad]: 28 degrees to the right of the -y axis and 20 degrees above the ground."""
 LIGHT = np.array([0.35, -0.55, 0.76])
-"""Direction of the light; unit length up to rounding."""
+"""Direction toward the light, shape (3,), world frame; unit length up to rounding."""
 AMBIENT = 0.45
-"""Share of ambient light."""
+"""Brightness of a face without direct light, as a share of full brightness."""
 FAMILY_COLOR = {"stand": "#d9a760", "fall": "#c9694f", "study": "#8fa3b5"}
-"""Colours by expectation: wood for stand, brick for fall, slate for a study."""
+"""Colour of the bricks, by expected outcome."""
 FIXED_COLOR = "#b9bcc0"
-"""Grey of boxes that never move."""
+"""Colour of boxes that never move."""
 _GRAZE = 1e-6
-"""Overlap [m] in the picture that cannot be seen."""
+"""Greatest overlap [m] in the picture that counts as none, because it cannot be seen."""
 _FACES = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
 """Axis and sign of each face of a box."""
 
 
 def draw_contact_sheet(path: Path, scenes: Sequence[Scene]) -> None:
-    """Write a picture of all ``scenes`` to ``path``, in the format of its suffix.
+    """Write a picture of all ``scenes`` to ``path``; the suffix of ``path`` selects the format.
 
     Raises:
         ValueError: if matplotlib cannot write a file with this suffix.
@@ -53,7 +54,7 @@ def draw_contact_sheet(path: Path, scenes: Sequence[Scene]) -> None:
 
 
 def _draw(axes: Axes, scene: Scene) -> None:
-    """Draw one scene: its faces from back to front."""
+    """Draw the faces of one scene from back to front."""
     polygons, colors = faces(scene.bricks, FAMILY_COLOR[scene.expectation.outcome], scene.world.fixed)
     axes.add_collection(PolyCollection(list(polygons), facecolors=list(colors), edgecolors="#3b2a1a", linewidths=0.35))
     corners = polygons.reshape(-1, 2)
@@ -66,10 +67,10 @@ def _draw(axes: Axes, scene: Scene) -> None:
 
 
 def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> tuple[FloatArray, FloatArray]:
-    """Return the visible faces of ``bricks`` and of grey ``fixed`` boxes, from back to front.
+    """Return the visible faces of ``bricks`` and of ``fixed`` boxes, from back to front.
 
     Returns:
-        Corners in the picture (n, 4, 2) and colours (n, 3).
+        Corners of the n faces in the picture [m], shape (n, 4, 2), and colours from 0 to 1, shape (n, 3).
     """
     right, up, toward = _view()
     boxes = Boxes.of([*bricks, *fixed])
@@ -89,10 +90,11 @@ def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> t
 
 
 def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
-    """Return the order in which to paint boxes that do not overlap, seen from ``toward``: the painter's algorithm.
+    """Return the order in which to paint boxes that do not intersect, as indices from back to front.
 
-    Of two boxes that a plane parallel to one of their faces divides, the box on the viewer's side is painted later.
-    Boxes that do not overlap in the picture, even grazing, may come in any order.
+    This is the painter's algorithm. ``toward`` is the direction toward the viewer, shape (3,). A plane parallel to a
+    face of one box separates each two boxes; the box on the viewer's side of the plane is painted later. Boxes whose
+    pictures do not overlap may come in any order.
     """
     order: TopologicalSorter[int] = TopologicalSorter(dict.fromkeys(range(len(boxes)), ()))
     corners = boxes.corners
@@ -109,12 +111,18 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
 
 
 def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
-    """Return the widest gap [m] from the lower box to the upper one along ``directions`` (n, 3); corners (8, 3)."""
+    """Return the widest gap [m] between two boxes along any of the n directions; negative if they overlap along all.
+
+    Args:
+        lower: corners [m] of the first box, shape (8, 3).
+        upper: corners [m] of the second box, farther along the direction, shape (8, 3).
+        directions: directions, shape (n, 3).
+    """
     return float(((upper @ directions.T).min(axis=0) - (lower @ directions.T).max(axis=0)).max())
 
 
 def _view() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return unit vectors to the right of the picture, up in it, and out of it toward the viewer."""
+    """Return the unit vectors of the picture in the world frame: to the right, up, and toward the viewer."""
     toward = np.array(
         [math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * math.sin(AZIMUTH), math.sin(ELEVATION)]
     )

@@ -22,14 +22,16 @@ from scenarios.scenario import OF_STATICS
 
 
 def list_(
-    pictures: Annotated[bool, typer.Option("--pictures", help="Draw every scene on one sheet instead.")] = False,
-    out: Annotated[Path, typer.Option(help="Where the sheet goes; .png, .svg or .pdf.")] = Path("scenes.png"),
+    pictures: Annotated[bool, typer.Option("--pictures", help="Draw all scenes into one picture instead.")] = False,
+    out: Annotated[Path, typer.Option(help="With --pictures: the file to write, .png, .svg or .pdf.")] = Path(
+        "scenes.png"
+    ),
 ) -> None:
     """List scenarios with their theory, engines, profiles, policies and studies."""
     if not pictures:
         print_catalogue(OUT)
         return
-    from bench.cli.contact_sheet import draw_contact_sheet  # a second of imports that only this option needs
+    from bench.cli.contact_sheet import draw_contact_sheet  # its imports take a second and only this option needs them
 
     draw_contact_sheet(out, [build(name) for name in SCENARIOS])
     note(f"{len(SCENARIOS)} scenes drawn in {out}")
@@ -80,13 +82,13 @@ def _engines() -> Table:
         except EngineNotInstalledError as error:
             listed = f"not installed: {error}"
         table.add_row(name, listed)
-    table.caption = "Vary any profile by its name: game@scale=10, tuned@substeps=8,iterations=200, game@hz=240."
+    table.caption = "Any profile can be varied by name: game@scale=10, tuned@substeps=8,iterations=200, game@hz=240."
     table.caption_justify = "left"
     return table
 
 
 def _descriptors() -> dict[str, dict[str, Any]]:
-    """Return the descriptions of the installed engines, as a run writes them into its environment."""
+    """Return the description of each installed engine, by name, as a run writes it into its environment."""
     found = {}
     for name in ENGINES:
         try:
@@ -98,7 +100,7 @@ def _descriptors() -> dict[str, dict[str, Any]]:
 
 
 def _profile(profile: Profile) -> str:
-    """Return a profile's description, and who set the knobs that differ from the shipped engine."""
+    """Return a line with the profile's name, its description and its author."""
     return f"{profile.name}: {profile.description} ({profile.tuned_by})"
 
 

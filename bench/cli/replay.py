@@ -21,10 +21,10 @@ from scenarios.lookup import look_up
 
 def replay(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
-    trial: Annotated[str, typer.Argument(help="Id of one of its trials.")],
-    show: Annotated[bool, typer.Option("--open/--no-open", help="Open it in the browser.")] = True,
+    trial: Annotated[str, typer.Argument(help="Id of a trial in that folder.")],
+    show: Annotated[bool, typer.Option("--open/--no-open", help="Open the replay in the browser.")] = True,
     gltf: Annotated[
-        Path | None, typer.Option(metavar="FILE.glb", help="Write the trial as animated glTF in place of a replay.")
+        Path | None, typer.Option(metavar="FILE.glb", help="Write the trial as animated glTF instead of a replay.")
     ] = None,
 ) -> None:
     """Show a trial in the browser, side by side with the other policies on the same stack."""
@@ -36,15 +36,15 @@ def replay(
         page = replay_trial(folder, read_folder(folder), trial)
     note(f"the replay is {relative(page)}")
     if show and not webbrowser.open(page.resolve().as_uri()):
-        note("no browser could be opened: open that file in one")
+        note("no browser could be opened: open that file in a browser yourself")
 
 
 def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Path:
-    """Write the replay of a trial, side by side with the same stack under the other policies; return the page.
+    """Write the replay of a trial, side by side with the same stack under the other policies; return its path.
 
     Raises:
         UnknownNameError: if there is no such trial.
-        RecordingError: if it was not recorded, or its recording is torn.
+        RecordingError: if the trial was not recorded, or its recording is incomplete.
     """
     wanted = look_up("trial", trial, {record.trial: record for record in records})
     shown = Replayed(wanted, ResultsFolder(folder).recording(wanted.trial))
@@ -56,8 +56,8 @@ def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Pa
     """Write a trial's recording as an animated glTF file.
 
     Raises:
-    UnknownNameError: if there is no such trial.
-    RecordingError: if it was not recorded, or its recording is torn.
+        UnknownNameError: if there is no such trial.
+        RecordingError: if the trial was not recorded, or its recording is incomplete.
     """
     wanted = look_up("trial", trial, {record.trial: record for record in records})
     write_atomic(to, to_glb(ResultsFolder(folder).recording(wanted.trial)))

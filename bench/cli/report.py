@@ -1,4 +1,4 @@
-"""``bench report``: write the page, pictures and tables of a results folder."""
+"""``bench report``: write the page, figures and tables of a results folder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
 ) -> None:
-    """Write a folder's page, pictures and tables from its raw records, and print the tables."""
+    """Write the page, figures and tables of a results folder from its raw records, and print the tables."""
     with input_errors():
         tables = make_report(folder, all_stills=stills)
     for table in tables:
@@ -25,8 +25,8 @@ def report(
 
 
 def make_report(folder: Path, *, all_stills: bool = False) -> tuple[Table, ...]:
-    """Write a folder's report; return the printed tables."""
-    from reports.report import build_report  # seconds of imports that only this verb needs
+    """Write the report of a results folder, print its notices, and return the tables to print."""
+    from reports.report import build_report  # its imports take seconds, and other commands do not need them
 
     results = ResultsFolder(folder)
     with printed_warnings():

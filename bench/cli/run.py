@@ -27,7 +27,7 @@ from reports.records.folder import PARQUET, TRIALS
 from reports.tables.table import render
 
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
-"""A function that runs trials until all are done or an interruption is set."""
+"""Type of a function that runs trials until all are done or an interruption is set, and yields their outcomes."""
 
 
 def run(
@@ -35,35 +35,42 @@ def run(
     engine: Annotated[list[str] | None, typer.Option(help="Only this engine; may be repeated.")] = None,
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help="Only this scenario, or FILE.toml with bricks of your own; may be repeated."),
+        typer.Option(help="Only this scenario, or FILE.toml with your own bricks; may be repeated."),
     ] = None,
     policy: Annotated[list[str] | None, typer.Option(help="Only this policy; may be repeated.")] = None,
     profile: Annotated[
-        list[str] | None, typer.Option(help="This profile, or one varied: game@scale=10; may be repeated.")
+        list[str] | None, typer.Option(help="Only this profile, or a variation of it: game@scale=10; may be repeated.")
     ] = None,
-    seeds: Annotated[int | None, typer.Option(min=1, help="Seeds 0 to N - 1; seed 0 builds exactly.")] = None,
+    seeds: Annotated[
+        int | None, typer.Option(min=1, help="Run seeds 0 to N - 1; seed 0 has no placement noise.")
+    ] = None,
     hours: Annotated[
-        float | None, typer.Option(min=1e-3, help="Simulated hours for which every trial is watched: study 'soak'.")
+        float | None,
+        typer.Option(min=1e-3, help="Simulated time [h] for which every trial is watched, for studies such as 'soak'."),
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Trials at a time; more than 1 disturbs the timings.")] = 1,
+    jobs: Annotated[
+        int, typer.Option(min=1, help="Number of concurrent trials; more than 1 disturbs the timings.")
+    ] = 1,
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Run the trials on the Dask cluster with this scheduler.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Results folder [results/STUDY-TIME].")] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="List the trials and how long they take; write nothing.")
+        bool, typer.Option("--dry-run", help="List the trials and estimate their duration; write nothing.")
     ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace the trials that the folder holds.")] = False,
     accept_changes: Annotated[
-        bool, typer.Option("--accept-changes", help="Go on with a folder although study, commit or machine changed.")
+        bool, typer.Option("--accept-changes", help="Continue in a folder although study, commit or machine changed.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines in place of tables.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines instead of tables.")] = False,
 ) -> None:
     """Run a study, or continue an interrupted run, and print the outcomes."""
     with input_errors():
         wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds, hours)
         if dask is not None and jobs > 1:
-            raise ClusterError("--jobs is for this machine; on a cluster set the number of threads of each worker")
+            raise ClusterError(
+                "--jobs applies to this machine only: with --dask leave it out, and start each worker with --nthreads"
+            )
         chosen = selected(load_study(study), wanted)
         folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
         check_folder(folder)
@@ -87,7 +94,7 @@ def run(
 
 
 def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
-    """List the trials that a run would run, and print the estimated time."""
+    """List the trials that the run would execute, and print their estimated duration."""
     kept = {} if fresh or not (folder / TRIALS).exists() else {one.trial: one.status for one in read_folder(folder)}
     waiting = waiting_trials(study, kept)
     for trial in waiting:
@@ -106,18 +113,18 @@ def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
     )
     note(expected.summary(jobs))
     if kept:
-        note(f"{len(kept)} more are already there")
+        note(f"{len(kept)} more trials are already in the folder")
     if later:
-        note(f"up to {len(later)} of these follow from the others, by bisection")
+        note(f"up to {len(later)} of these are later steps of a bisection, which depend on the outcomes of the others")
 
 
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
     """Run the trials without a record and write each outcome as it finishes, also when the run is interrupted."""
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
-        note("the last line of trials.jsonl was torn by an interruption: that trial is run again")
+        note("the last line of trials.jsonl is incomplete after an interruption: that trial is run again")
     if there := len(results.finished):
-        note(f"continuing: {there} of {there + len(waiting)} trials are already there")
+        note(f"continuing: {there} of {there + len(waiting)} trials are already in the folder")
     with Interruption() as interruption:
         try:
             while waiting and not interruption.is_set():

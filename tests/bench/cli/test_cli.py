@@ -48,7 +48,7 @@ def call(*arguments: str, status: int) -> str:
         (["run", "--profile", "gam"], "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
         (["run", "--seeds", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "0"], "greater than or equal to 1"),
-        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs is for this machine"),
+        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs applies to this machine only"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["report", "missing"], "trials.jsonl: cannot be read"),
         (["check", "bulet"], "unknown engine 'bulet'; did you mean 'bullet'?"),
@@ -133,7 +133,7 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     printed = call("run", "ci", "--out", str(tmp_path), "--dry-run", status=0)
     assert one.id not in printed
     assert re.search(r"17 trials: about \S+ \S+ \(.*from the same trials, .*from others", printed)
-    assert "1 more are already there" in printed
+    assert "1 more trials are already in the folder" in printed
 
 
 def test_the_list_shows_scenarios_with_theory_engines_policies_and_studies() -> None:

@@ -38,7 +38,7 @@ def check_kills(suite, seeds: int, kills: int) -> list[TrialRecord]:
         assert now[: len(before)] == before
         before = now
     output = suite.run("--jobs", "2")
-    assert f"continuing: {len(before)} of {seeds} trials are already there" in output
+    assert f"continuing: {len(before)} of {seeds} trials are already in the folder" in output
     records = read_records(suite.out / "trials.jsonl")
     assert records[: len(before)] == before
     assert len(records) == len({record.trial for record in records}) == seeds
