@@ -22,10 +22,11 @@ from reports.records.frames import read_frames
 from reports.records.trial import RecordError, RecordWarning, TrialRecord, read_records
 
 FORMAT: Literal["stillstack-baseline-1"] = "stillstack-baseline-1"
+"""Name of the file format, in the field ``format`` of each baseline file."""
 
 
 class BaselineError(ValueError):
-    """A side of a comparison that cannot be read or written; the message names the file and the fix."""
+    """An unreadable or unwritable side of a comparison; the message names the file and the fix."""
 
 
 class _Model(BaseModel):
@@ -33,15 +34,15 @@ class _Model(BaseModel):
 
 
 class Engine(_Model):
-    """An engine as installed on the machine of the trials."""
+    """Version and repeatability of an engine as installed on the machine of the trials."""
 
     version: str
     deterministic: str
-    """Scope of repetition: "across processes", "within a process" or "no"."""
+    """Scope in which the engine repeats bit for bit: "across processes", "within a process" or "no"."""
 
 
 class Machine(_Model):
-    """The properties of a machine that limit comparisons; without its name."""
+    """Properties of a machine on which the comparability of results depends; its host name is left out."""
 
     processor: str
     platform: str
@@ -50,29 +51,29 @@ class Machine(_Model):
     modified: bool = False
     """True if the checkout had uncommitted changes."""
     sources: str | None = None
-    """Digest of the suite's code."""
+    """Digest of the suite's sources; None if unknown."""
     packages: Mapping[str, str] = {}
     engines: Mapping[str, Engine] = {}
 
     def runs_same_code(self, other: Machine) -> bool:
-        """Return whether the suite and its compilers are the same; engines may differ."""
+        """Return whether sources, Python and packages are known and equal on both machines; engines may differ."""
         mine, its = ((one.sources, one.python, one.packages) for one in (self, other))
         return self.sources is not None and mine == its
 
 
 class Baseline(_Model):
-    """The content of a run that later runs are compared with."""
+    """Content of a run with which later runs are compared."""
 
     format: Literal["stillstack-baseline-1"] = FORMAT
     study: str
     trial_wall_s: float = Field(gt=0)
     """Wall time [s] after which a trial was stopped."""
     tolerances: Mapping[str, Tolerance] = {}
-    """Tolerances by scenario, where the study set them."""
+    """Tolerances of the scenarios for which the study sets them, by name of the scenario."""
     machines: Mapping[str, Machine] = {}
-    """Machines by the digest that records name."""
+    """Machines, by the digest of the environment that the records name."""
     shares: Mapping[str, Mapping[Part, Annotated[float, Field(gt=0)]]] = {}
-    """By trial: time of parts of a frame over the engine's step (see ``timing``)."""
+    """Time of each part of a frame over the time of the engine's step (see ``timing``), by trial id."""
     trials: Sequence[TrialRecord] = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -86,7 +87,7 @@ class Baseline(_Model):
         return self.machines.get(record.environment)
 
     def repeats_itself(self, record: TrialRecord) -> bool:
-        """Return whether the trial's engine repeats bit for bit in every process, by its capabilities."""
+        """Return whether the trial's engine declares that it repeats bit for bit across processes."""
         machine = self.machine(record)
         engine = machine.engines.get(record.engine) if machine else None
         return engine is not None and engine.deterministic == "across processes"
@@ -94,7 +95,7 @@ class Baseline(_Model):
     def is_limited(self, record: TrialRecord) -> bool:
         """Return whether the time limit may have decided how the trial ended.
 
-        A stack that had begun to fall at its time limit is recorded as collapsed; its fall may be cut off.
+        A stack that is falling at the time limit is recorded as collapsed, although its fall may not be complete.
         """
         slow = record.status == "collapsed" and record.wall_s is not None and record.wall_s >= self.trial_wall_s
         return record.status == "timeout" or slow
@@ -104,7 +105,7 @@ def read_baseline(path: Path) -> Baseline:
     """Return the side of a comparison from a results folder or a baseline file.
 
     Raises:
-        BaselineError: if it is neither, or incomplete.
+        BaselineError: if ``path`` is neither, or is incomplete.
     """
     try:
         baseline = _read_folder(path) if path.is_dir() else _read_baseline_file(path)
@@ -112,21 +113,21 @@ def read_baseline(path: Path) -> Baseline:
         raise BaselineError(str(error)) from error
     except ValidationError as error:
         raise BaselineError(
-            f"{path}: not a baseline of this suite: {_first(error)}; make it again with 'bench baseline'"
+            f"{path}: not a baseline of this suite: {_first(error)}; create it again with 'bench baseline'"
         ) from error
     seen: set[str] = set()
     for record in baseline.trials:
         if record.trial in seen:
-            raise BaselineError(f"{path}: trial {record.trial[:200]!r} occurs twice; remove one")
+            raise BaselineError(f"{path}: trial {record.trial[:200]!r} occurs twice; remove one of its records")
         seen.add(record.trial)
     return baseline
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a side into a file atomically; replace only a baseline.
+    """Write a baseline into a file atomically; an existing file is replaced only if it is a baseline.
 
     Raises:
-        BaselineError: if another file is there, or the file cannot be written.
+        BaselineError: if ``path`` is a folder or a file of another kind, or cannot be written.
     """
     if path.is_dir():
         raise BaselineError(f"{path} is a folder: name a file with -o")
@@ -146,8 +147,8 @@ def _read_baseline_file(path: Path) -> Baseline:
     found = parse(content, str(path))
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise JsonError(
-            f"{path}: not a baseline ('format' is not '{FORMAT}'): make one with 'bench baseline DIR -o FILE', or name "
-            "a results folder"
+            f"{path}: not a baseline ('format' is not '{FORMAT}'): create one with 'bench baseline DIR -o FILE', or "
+            "name a results folder"
         )
     return Baseline.model_validate_json(content, strict=True)
 
@@ -156,7 +157,7 @@ def _read_folder(folder: Path) -> Baseline:
     path = folder / TRIALS
     content = read_file(path)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RecordWarning)  # the torn trial is then reported as missing
+        warnings.simplefilter("ignore", RecordWarning)  # the trial of an incomplete line is reported as missing
         records = read_records(path)
     if not records:
         raise BaselineError(f"{path}: holds no trial yet; run the study first")
@@ -176,7 +177,7 @@ def _read_folder(folder: Path) -> Baseline:
 
 
 class _Kept(BaseModel):
-    """The fields of a study file that a comparison needs: its engines need not be installed here."""
+    """Fields of a study file that a comparison needs; ``Study`` would require that its engines are installed."""
 
     model_config = ConfigDict(extra="ignore", allow_inf_nan=False)
 
@@ -200,13 +201,18 @@ def _study(path: Path) -> _KeptStudy:
     try:
         return _KeptStudy.model_validate(tomllib.loads(read_file(path).decode("utf-8")))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BaselineError(f"{path}: not valid TOML: {error}") from error
+        raise BaselineError(f"{path}: not valid TOML: {error}; restore the file, or run the study again") from error
     except ValidationError as error:
-        raise BaselineError(f"{path}: not the study file of a run: {_first(error)}; restore the file") from error
+        raise BaselineError(
+            f"{path}: not the study file of a run: {_first(error)}; restore the file, or run the study again"
+        ) from error
 
 
 def _machines(folder: Path) -> dict[str, Machine]:
-    """Return the machines that a folder describes; without its environment only outcomes can be compared."""
+    """Return the machines that a folder describes, by digest; empty without environment files.
+
+    Without its environment, only the outcomes of a run can be compared.
+    """
     machines = {}
     for path in sorted(folder.glob("environment*.json")):
         environment = parse(read_file(path), str(path))
@@ -224,7 +230,7 @@ def _machines(folder: Path) -> dict[str, Machine]:
 
 
 def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part, float]]:
-    """Return the shares by trial, for trials with frames."""
+    """Return the shares of ``Baseline``, for trials with recorded frames."""
     kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
     found = {}
     for record in records:
@@ -248,7 +254,7 @@ def _machine(environment: Mapping[str, Any]) -> Machine:
 
 
 def _first(error: ValidationError) -> str:
-    """Return the first error, without the file's own text, which may be anything."""
+    """Return the first error without the text of the file, because that text is untrusted."""
     first = error.errors(include_url=False, include_input=False)[0]
     field = ".".join(map(str, first["loc"]))[:200]
     return f"field '{field}': {first['msg']}" if field else str(first["msg"])

@@ -1,14 +1,15 @@
-"""Comparison of two files of pytest-benchmark: the cost of a frame with the extension, in frames without it.
+"""Comparison of two pytest-benchmark files by the frame ratio: frame time with the extension over that without it.
 
-``tests/benchmarks/test_frame_speed.py`` times both on the same stack, alternating. Only their ratio is compared,
-because times of two runs depend on the machine. Each second of frames gives one figure:
+``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating.
+Only their ratio is compared, because the times of two runs depend on the machine. Each second of frames gives one
+ratio:
 
     frame ratio            r_k = mean frame time of the k-th second with the extension
                                  / median frame time of the frames without it just before
     head against base      r_k of the head / r_k of the base, for every k and every stack of an engine
 
-``timing.judge_times`` judges the interval of the mean of the last. A frame counts for at most ``MOST`` times the median
-of the frames at the same place of all seconds, because a longer frame was interrupted.
+``timing.judge_times`` judges the interval of the mean of "head against base". The time of a frame is cut off at
+``MOST`` times the median of the frames with the same index in all seconds, because a longer frame was interrupted.
 """
 
 from __future__ import annotations
@@ -31,23 +32,24 @@ from bench.studies.tolerance import Tolerance
 from stability_core.port import FloatArray
 
 FORMAT = "stillstack-frame-1"
-"""Mark of benchmarks that are frame times; other benchmarks, such as kernels, are skipped."""
+"""Value of ``extra_info.format`` in benchmarks of frame times; other benchmarks, such as kernels, are skipped."""
 ALONE = "none"
-"""The policy of frames without the extension."""
+"""Name of the policy of frames without the extension."""
 MOST = 2.0
-"""Greatest weight of a frame, in medians of the frames at the same place of all seconds."""
+"""Greatest time of a frame that counts, over the median of the frames with the same index in all seconds."""
 TOLERANCE = Tolerance(time_share=0.25)
-"""Tolerance between two runs. Their ratios also differ by effects that no spread within a run shows, such as memory
-placement: on two shared cores runs of the same code differed by up to a factor of 1.23."""
+"""Tolerance between two runs. Ratios of two runs also differ by effects that the spread within one run does not show,
+such as memory placement: on two shared cores, ratios of the same code differed by up to a factor of 1.23."""
 ABOUT = (
     "Frame ratio: time of a frame with the extension over that of a frame without it, on the same stack in the same "
     f"run; the ratio of head to base, and its {CONFIDENCE:.0%} interval."
 )
+"""Note that explains the figures of this comparison to the reader."""
 _Time: TypeAlias = Annotated[float, Field(gt=0)]
 
 
 class _Read(BaseModel):
-    """The part of a pytest-benchmark file that a comparison needs."""
+    """Base of the models for the parts of a pytest-benchmark file that a comparison needs."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
 
@@ -97,7 +99,7 @@ class _File(_Read):
 
 
 class Group(NamedTuple):
-    """A stack that is timed with the extension."""
+    """Engine, profile, stack and policy of timed frames."""
 
     engine: str
     profile: str
@@ -110,18 +112,20 @@ class Group(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Name of the group that is judged together: all stacks of an engine."""
+        """Name of the figure that is judged over all stacks of an engine, such as ``bullet.game.paper / none``."""
         return f"{self.engine}.{self.profile}.{self.policy} / {ALONE}"
 
 
 @dataclass(frozen=True, slots=True)
 class FrameTimes:
-    """One side of a comparison."""
+    """Frame ratios of one side of a comparison."""
 
     name: str
     """Name given by the user."""
     processor: str | None
+    """Model of the processor; None if unknown."""
     circumstances: Mapping[str, str]
+    """Processor, version of Python and commit, by their names."""
     versions: Mapping[Group, str]
     """Engine version by group."""
     ratios: Mapping[Group, FloatArray]
@@ -129,26 +133,26 @@ class FrameTimes:
 
 
 def are_benchmarks(base: Path, head: Path) -> bool:
-    """Return whether pytest-benchmark wrote both sides of a comparison, by their content.
+    """Return whether both sides of a comparison are pytest-benchmark files, by their content.
 
     Raises:
-        BaselineError: if it wrote only one of them.
+        BaselineError: if only one side is such a file.
     """
     written = [_is_benchmark_file(path) for path in (base, head)]
     if any(written) and not all(written):
         benchmarks, trials = (base, head) if written[0] else (head, base)
         raise BaselineError(
-            f"{benchmarks} is a file of pytest-benchmark and {trials} is not: name two such files, or two sides that "
-            "'bench run' or 'bench baseline' made"
+            f"{benchmarks} is a file of pytest-benchmark and {trials} is not: name two such files, or two outputs of "
+            "'bench run' or 'bench baseline'"
         )
     return all(written)
 
 
 def read_benchmarks(path: Path) -> FrameTimes:
-    """Read the frame times of a file that pytest-benchmark wrote.
+    """Return the frame ratios of a file that pytest-benchmark wrote.
 
     Raises:
-        BaselineError: if the file holds none, or is incomplete.
+        BaselineError: if the file contains no frame times, or is incomplete.
     """
     try:
         content = parse(read_file(path), str(path))
@@ -156,7 +160,10 @@ def read_benchmarks(path: Path) -> FrameTimes:
     except JsonError as error:
         raise BaselineError(str(error)) from error
     except (ValidationError, TypeError, AttributeError) as error:
-        raise BaselineError(f"{path}: not as pytest-benchmark writes its files: {_first(error)}") from error
+        raise BaselineError(
+            f"{path}: not a complete file of pytest-benchmark: {_first(error)}; create it again with 'uv run pytest "
+            "--benchmark-only'"
+        ) from error
     versions: dict[Group, str] = {}
     ratios: dict[Group, FloatArray] = {}
     for one in file.benchmarks:
@@ -165,11 +172,12 @@ def read_benchmarks(path: Path) -> FrameTimes:
         if info.policy == ALONE:
             continue
         if cell in ratios:
-            raise BaselineError(f"{path}: {one.fullname[:200]!r} occurs twice; remove one")
+            raise BaselineError(f"{path}: {one.fullname[:200]!r} occurs twice; remove one of them")
         versions[cell], ratios[cell] = info.version, _ratios(path, one)
     if not ratios:
         raise BaselineError(
-            f"{path}: holds no frame times with the extension; make such a file with 'uv run pytest --benchmark-only'"
+            f"{path}: contains no frame times with the extension; create such a file with 'uv run pytest "
+            "--benchmark-only'"
         )
     commit = (file.commit_info.id or "unknown")[:12] + (" with changes" if file.commit_info.dirty else "")
     processor = file.machine_info.cpu.brand_raw
@@ -190,12 +198,12 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
         across_versions: True to compare different versions of an engine.
 
     Raises:
-        NothingInCommonError: if no stack is timed with the extension in both.
+        NothingInCommonError: if no stack is timed with the extension in both files.
     """
     if not base.ratios.keys() & head.ratios.keys():
         raise NothingInCommonError(
-            f"{base.name} and {head.name} share no frame with the extension: make both with "
-            "'uv run pytest --benchmark-only'"
+            f"{base.name} and {head.name} share no frame with the extension: create both with 'uv run pytest "
+            "--benchmark-only'"
         )
     findings = [
         Finding("time", str(cell), "open", "missing in the head") for cell in base.ratios if cell not in head.ratios
@@ -221,7 +229,7 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
 
 
 def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versions: bool) -> str | None:
-    """Return why the frame ratios of a group cannot be compared; None if they can."""
+    """Return the reason for which the frame ratios of a group cannot be compared; None if they can."""
     if base.processor is None or head.processor is None:
         return "its processor is unknown"
     if base.processor != head.processor:
@@ -245,7 +253,7 @@ def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Group
 
 
 def _middle(ratios: FloatArray) -> float:
-    """Return the geometric mean."""
+    """Return the geometric mean of ``ratios``."""
     return float(np.exp(np.log(ratios).mean()))
 
 
@@ -253,11 +261,12 @@ def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
     """Return the frame ratio of each whole second, shape (s,)."""
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
-        raise BaselineError(f"{path}: saved without its rounds; save it with --benchmark-save-data")
+        raise BaselineError(f"{path}: saved without the time of each round; save it with --benchmark-save-data")
     count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:
         raise BaselineError(
-            f"{path}: {benchmark.fullname[:200]!r} holds no second of frames with and without the extension"
+            f"{path}: {benchmark.fullname[:200]!r} contains less than a second of frames with and without the "
+            "extension; create the file again with 'uv run pytest --benchmark-only'"
         )
     frames = times[: count * info.frames_per_second].reshape(count, info.frames_per_second)
     means = np.minimum(frames, MOST * np.median(frames, axis=0)).mean(axis=1)
@@ -270,7 +279,7 @@ def _is_benchmark_file(path: Path) -> bool:
         return False
     try:
         content = parse(read_file(path), str(path))
-    except JsonError:  # reported by the reader of the other format
+    except JsonError:  # the reader of the other format reports the error
         return False
     return isinstance(content, dict) and {"machine_info", "benchmarks"} <= content.keys()
 
@@ -282,7 +291,7 @@ def _frame_benchmarks(content: Any) -> Iterator[Any]:
 
 
 def _first(error: Exception) -> str:
-    """Return the first error, without the file's own text."""
+    """Return the first error without the text of the file, because that text is untrusted."""
     if not isinstance(error, ValidationError):
         return "'benchmarks' is not a list of benchmarks"
     first = error.errors(include_url=False, include_input=False)[0]

@@ -1,4 +1,4 @@
-"""Two versions of the suite side by side, each with its own checkout and environment."""
+"""Checkouts of two versions of the suite, each with its own environment."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from rich.console import Console
 from bench.machine.source_digest import ROOT
 
 _HOME = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack" / "checkouts"
-"""Checkouts are kept: the next comparison with the same base finds it installed, and its core compiled."""
-_UV = os.environ.get("UV", "uv")  # set by 'uv run'
+"""Folder of the checkouts. They are kept, so that a later comparison need not install or compile them again."""
+_UV = os.environ.get("UV", "uv")  # 'uv run' sets this variable
 _INHERITED = ("VIRTUAL_ENV", "PYTHONPATH")
-"""Variables that would lead a checkout to the environment of this process."""
+"""Variables that are removed, because they would make a checkout use the environment of this process."""
 
 
 class CheckoutError(ValueError):
-    """A version that cannot be checked out, installed or run; the message states the reason."""
+    """A version that cannot be checked out, installed or run; the message names the reason and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +34,15 @@ class Checkout:
 
     @property
     def python(self) -> Path:
-        """The interpreter of its environment."""
+        """Path of the interpreter in the checkout's environment."""
         return self.folder / ".venv" / "bin" / "python"
 
     def run(self, study: Path, out: Path) -> None:
         """Run or continue a study with this version.
+
+        Args:
+            study: file of the study.
+            out: results folder.
 
         Raises:
             CheckoutError: if the run fails.
@@ -52,7 +56,7 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
     Args:
         version: a commit, a branch or a tag; or a folder with a checkout, which is used unchanged.
         packages: packages to install over the locked environment, such as the wheel of another build of an engine.
-        console: prints the long steps.
+        console: console on which the slow steps are announced.
 
     Raises:
         CheckoutError: if there is no such version, or it cannot be installed.
@@ -62,15 +66,15 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
         if packages:
             raise CheckoutError(f"{version} is a folder, which is used unchanged: install {packages[0]} there yourself")
         if not checkout.python.exists():
-            raise CheckoutError(f"{version} has no environment: run 'uv sync' there")
+            raise CheckoutError(f"{version} has no environment (.venv): run 'uv sync' there")
         return checkout
     commit = _call(version, ["git", "rev-parse", "--verify", "--end-of-options", f"{version}^{{commit}}"], ROOT).strip()
     variant = hashlib.blake2b("\0".join(packages).encode(), digest_size=4).hexdigest() if packages else "locked"
     checkout = Checkout(version, _HOME / f"{commit[:12]}-{variant}")
     if not (checkout.folder / "bench").exists():
-        console.print(f"checking out {version} ({commit[:12]})", highlight=False)
+        console.print(f"checking out {version} (commit {commit[:12]})", highlight=False)
         _call(version, ["git", "worktree", "add", "--detach", "--force", str(checkout.folder), commit], ROOT)
-    console.print(f"installing what {version} needs", highlight=False)
+    console.print(f"installing the locked packages of {version}", highlight=False)
     _call(version, [_UV, "sync", "--locked"], checkout.folder)
     if packages:
         found = [str(Path(package).resolve()) if Path(package).exists() else package for package in packages]
@@ -79,17 +83,19 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
 
 
 def _call(version: str, command: Sequence[str], folder: Path) -> str:
-    """Return the output of a command; its error output becomes the message if it fails.
+    """Return the output of a command.
 
     Raises:
-    CheckoutError: if the command cannot be run or fails.
+        CheckoutError: if the command cannot be run, or fails; the message ends with its error output.
     """
     environment = {name: value for name, value in os.environ.items() if name not in _INHERITED}
     try:
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     except OSError as error:
-        raise CheckoutError(f"{version}: {command[0]} cannot be run ({error.strerror})") from error
+        raise CheckoutError(
+            f"{version}: {command[0]} cannot be run ({error.strerror}): install it or repair the checkout"
+        ) from error
     if done.returncode != 0:
         words = " ".join(done.stderr.split())[-500:] or "no error output"
-        raise CheckoutError(f"{version}: '{' '.join(command[:4])} ...' failed: {words}")
+        raise CheckoutError(f"{version}: '{' '.join(command[:4])} ...' failed; correct its error: {words}")
     return done.stdout

@@ -1,4 +1,4 @@
-"""Compare two sides trial by trial: comparable trials go to the gates, the others are listed with the reason."""
+"""Compare two sides trial by trial: gates judge the comparable trials, and the others are listed with a reason."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ class NothingInCommonError(ValueError):
 
 
 Pair = tuple[TrialRecord, TrialRecord]
+"""The records of one trial in base and head."""
 
 
 def compare_runs(
@@ -29,12 +30,12 @@ def compare_runs(
 
     Args:
         base: the expected run.
-        head: the run to judge, by the tolerances of its own study.
-        names: names of both, for the reader.
+        head: the run to judge; the tolerances are those of its study.
+        names: names of base and head, for the messages.
         across_versions: True to compare outcomes of different versions of an engine.
 
     Raises:
-        NothingInCommonError: if no trial is in both.
+        NothingInCommonError: if no trial is in both runs.
     """
     before = {record.trial: record for record in base.trials}
     now = {record.trial: record for record in head.trials}
@@ -61,7 +62,7 @@ def compare_runs(
 def _incomparable(
     base: Baseline, head: Baseline, one: TrialRecord, other: TrialRecord, across_versions: bool
 ) -> str | None:
-    """Return why two trials of one id cannot be compared; None if they can."""
+    """Return the reason for which two trials with the same id cannot be compared; None if they can."""
     if _scene(one) != _scene(other):
         return "another scene under the same name"
     if one.engine_version != other.engine_version and not across_versions:
@@ -104,7 +105,7 @@ def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iter
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
-    """Yield one finding for each engine, profile and part of a frame, over all trials with a yardstick."""
+    """Yield one finding for each engine, profile and part of a frame, over all trials with a reference part."""
     groups: dict[str, list[Pair]] = defaultdict(list)
     for one, other in pairs:
         if one.trial in base.shares and other.trial in head.shares:
@@ -121,14 +122,19 @@ def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Coll
                         cell = f"{name}.{part} / {yardstick}"
                         figures[cell].append((before[part] / before[yardstick], now[part] / now[yardstick]))
         if not figures:
-            yield Finding("time", name, "open", "no yardstick: the core differs, and so does the engine's work")
+            yield Finding("time", name, "open", "no reference part: the core and the engine's work both differ")
         least = max(_tolerance(head, other).time_share for _, other in group)
         for cell, those in figures.items():
             yield Finding("time", cell, *judge_times(those, least))
 
 
 def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) -> Part | None:
-    """Return the part of a frame that both sides share; None if there is none, or the processor differs."""
+    """Return the reference part: the part of a frame that is unchanged.
+
+    Returns:
+        ``core`` if both sides run the same code; else ``engine`` if all poses are the same; None otherwise, and for
+        different or unknown processors.
+    """
     if base is None or head is None or other_processor(base, head) is not None:
         return None
     if base.runs_same_code(head):
@@ -141,7 +147,7 @@ def _tolerance(head: Baseline, record: TrialRecord) -> Tolerance:
 
 
 def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
-    """Yield the differences between the runs as a whole: processors, versions, commits."""
+    """Yield the differences between the two runs as a whole: processors, versions, commits."""
     before, now = _circumstances(base), _circumstances(head)
     for what in dict.fromkeys([*before, *now]):
         was, are = (", ".join(sorted(side.get(what, {"unknown"}))) for side in (before, now))
@@ -150,7 +156,7 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 
 
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
-    """Return the circumstances of a side's trials; several values if they ran on several machines."""
+    """Return processors, platforms, versions and commits of a side, by name; a set has a value per machine."""
     found: dict[str, set[str]] = defaultdict(set)
     for machine in side.machines.values():
         found["processor"].add(machine.processor)

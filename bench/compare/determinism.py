@@ -1,8 +1,8 @@
-"""The determinism gate: whether every pose is the same to the last bit.
+"""The determinism gate, which judges whether every pose is the same to the last bit.
 
-It judges only engines that repeat themselves across processes, in one version of the engine and on one model of
-processor. A change is an alarm, not a fault: a change of the core or of a scene may be meant to move bricks, and then
-comes with a new baseline.
+The gate judges only engines that repeat bit for bit across processes, for one version of the engine on one model of
+processor. A change is an alarm, not necessarily an error: a change of the core or of a scene may move bricks on
+purpose, and is then committed with a new baseline.
 """
 
 from __future__ import annotations
@@ -18,9 +18,12 @@ def judge_poses(
     """Judge whether the poses of both trials are the same.
 
     Args:
-        base: a trial of an engine that repeats itself, not stopped by its time limit.
-        head: the same of the other side.
-        machines: the machine of each; None if unknown.
+        base: a trial of an engine that repeats bit for bit, not stopped by its time limit.
+        head: the trial with the same id in the head.
+        machines: the machines of base and head; None if unknown.
+
+    Returns:
+        The judgement, and a message that explains it.
     """
     if base.engine_version != head.engine_version:
         return "open", f"{head.engine} {head.engine_version}, was {base.engine_version}"
@@ -35,7 +38,7 @@ def judge_poses(
 
 
 def other_processor(base: Machine | None, head: Machine | None) -> str | None:
-    """Return why results that depend on the processor cannot be compared; None if they can."""
+    """Return the reason for which results that depend on the processor cannot be compared; None if they can."""
     if base is None or head is None:
         return "its processor is unknown"
     if base.processor != head.processor:

@@ -1,4 +1,4 @@
-"""Findings of the gates: of one gate about one trial, and of all gates together."""
+"""Findings of the gates: the judgement of one gate on one trial, and all findings of a comparison."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ from typing import Literal, TypeAlias, get_args
 from scenarios.lookup import look_up
 
 Gate: TypeAlias = Literal["outcome", "hash", "time"]
+"""Name of a gate: ``outcome`` judges verdicts and levels, ``hash`` poses bit for bit, ``time`` parts of a frame."""
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]
-"""``open``: nothing could be decided, and the finding states why. It never counts as a pass."""
+"""Result of a gate; ``open`` if it cannot decide, for the reason in the finding's message, and never a pass."""
 
 GATES: tuple[Gate, ...] = get_args(Gate)
+"""All gates."""
 ALARMS: frozenset[Judgement] = frozenset({"worse", "changed"})
+"""Judgements that fail a gate."""
 _LONGEST = 200
+"""Greatest length of untrusted text [characters]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +30,11 @@ class Finding:
     trial: str
     judgement: Judgement
     message: str
-    """The difference, or why nothing could be decided; empty where all is the same."""
+    """The difference, or the reason for which the gate could not decide; empty if base and head are the same."""
 
     @property
     def is_alarm(self) -> bool:
-        """True if the gate fails by it."""
+        """True if this finding fails its gate."""
         return self.judgement in ALARMS
 
 
@@ -39,28 +43,29 @@ class Comparison:
     """All findings of a comparison."""
 
     base: str
-    """Name given by the user."""
+    """Name of the base, given by the user."""
     head: str
+    """Name of the head, given by the user."""
     findings: Sequence[Finding]
     notes: Sequence[str] = ()
     """Differences between the runs as a whole, such as their machines."""
     about_times: str = ""
-    """Meaning of the time gate's figures, where they are not parts of frames."""
+    """Explanation of the figures of the time gate; empty if they are parts of a frame."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
         """Return the findings that fail one of ``gates``."""
         return [finding for finding in self.findings if finding.gate in gates and finding.is_alarm]
 
     def counts(self, gate: Gate) -> Counter[Judgement]:
-        """Return the number of findings of a gate by judgement."""
+        """Return the number of findings of a gate, by judgement."""
         return Counter(finding.judgement for finding in self.findings if finding.gate == gate)
 
 
 def chosen_gates(names: str) -> tuple[Gate, ...]:
-    """Return the gates named in a list such as ``outcome,time``; ``none`` names none.
+    """Return the gates named in a list such as ``outcome,time``; ``none`` stands for an empty list.
 
     Raises:
-        UnknownNameError: if one of them does not exist.
+        UnknownNameError: if a named gate does not exist.
     """
     if names == "none":
         return ()
@@ -70,6 +75,6 @@ def chosen_gates(names: str) -> tuple[Gate, ...]:
 
 
 def plain(text: str) -> str:
-    """Return untrusted text of a file as one line of printable letters, of limited length."""
+    """Return untrusted text of a file as one line of printable characters, at most ``_LONGEST`` long."""
     cut = text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
     return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in cut)

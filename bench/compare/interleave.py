@@ -1,4 +1,4 @@
-"""Run both sides on this machine, alternating (A B, B A, A B ...), which cancels slow drifts of its speed."""
+"""Run both versions on this machine, alternating (A B, B A, A B ...), which cancels slow drifts of its speed."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from reports.records.trial import TrialRecord
 def run_interleaved(
     sides: tuple[Checkout, Checkout], study: Study, rounds: int, out: Path, console: Console
 ) -> tuple[Baseline, Baseline]:
-    """Run ``study`` with base and head ``rounds`` times in alternating order; each round adds a repeat.
+    """Run ``study`` with base and head, ``rounds`` times each in alternating order; return base and head.
 
-    An interrupted run continues in the same folder.
+    The repeats of all rounds are joined. An interrupted run continues in the same folder.
 
     Args:
-        sides: base and head.
-        study: the study of both; tolerances are the study's.
+        sides: checkouts of base and head.
+        study: the study that both run; its tolerances apply.
         rounds: number of runs of each side.
         out: folder for the results of all runs.
-        console: prints the progress.
+        console: console on which each run is announced.
 
     Raises:
         CheckoutError: if a side cannot run the study.
-        BaselineError: if a side left no results.
+        BaselineError: if a run of a side has no results.
     """
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()
@@ -51,7 +51,7 @@ def run_interleaved(
 
 
 def as_repeats(runs: Sequence[Baseline], repeats: int) -> Baseline:
-    """Return several runs of a study with ``repeats`` repeats as one run with more repeats."""
+    """Join several runs of a study, each with ``repeats`` repeats, into one run with more repeats."""
     shares: dict[str, Mapping[Part, float]] = {}
     machines: dict[str, Machine] = {}
     trials: list[TrialRecord] = []
@@ -67,6 +67,6 @@ def as_repeats(runs: Sequence[Baseline], repeats: int) -> Baseline:
 
 
 def _without_tolerances(study: Study) -> Study:
-    """Return the study without tolerances, because an older version of the suite may not know that field."""
+    """Return the study without tolerances, because an older version of the suite may reject that field."""
     plain = [scenario.model_copy(update={"tolerance": Tolerance()}) for scenario in study.scenario]
     return study.model_copy(update={"scenario": plain})

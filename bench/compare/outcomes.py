@@ -1,7 +1,7 @@
-"""The outcome gate: levels, collapse level, verdict, sink and creep.
+"""The outcome gate, which judges levels, collapse level, verdict, sink and creep.
 
-Trials that the time limit may have ended are excluded before. One trial is compared with one trial; repeats of an
-engine that does not repeat itself are compared as groups, because a single trial is a random draw.
+The caller excludes trials that the time limit may have ended. Trials of an engine that repeats bit for bit are compared
+one by one. Repeats of another engine are compared as groups, because a single trial is a random draw.
 """
 
 from __future__ import annotations
@@ -14,15 +14,17 @@ from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
 
 LEAST_REPEATS = 5
-"""Trials needed per side for an engine that does not repeat itself. All five of one side are worse than all five of
-the other by chance in one of 252 groups."""
+"""Repeats needed per side for an engine that does not repeat bit for bit. If both sides are equal, all five repeats of
+the head are worse than all five of the base in one of 252 groups."""
 
 _PLAYED = frozenset({"completed", "collapsed"})
+"""Statuses of trials that were played to their end."""
 _MM = 1e3
+"""Factor from metres to millimetres."""
 
 
 def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> tuple[Judgement, str]:
-    """Judge whether ``head`` came out worse than ``base``, and in which figure."""
+    """Judge whether the outcome of ``head`` is worse than that of ``base``; return the judgement and its reasons."""
     if head.status not in _PLAYED or base.status not in _PLAYED:
         return _judge_failure(base, head)
     worse = [*_lost(base, head), *_less(base, head, tolerance)]
@@ -41,7 +43,10 @@ def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) ->
 def judge_draws(
     base: Sequence[TrialRecord], head: Sequence[TrialRecord], tolerance: Tolerance
 ) -> tuple[Judgement, str]:
-    """Judge repeats of an engine that does not repeat itself: worse only if all are worse than all."""
+    """Judge repeats of an engine that does not repeat bit for bit; return the judgement and its reasons.
+
+    The head is worse (better) only if each of its trials is worse (better) than each trial of the base.
+    """
     judged = [judge_outcome(one, other, tolerance) for one, other in product(base, head)]
     kinds = {judgement for judgement, _ in judged}
     if len(kinds) > 1:
@@ -49,13 +54,13 @@ def judge_draws(
     judgement, message = judged[0]
     fewest = min(len(base), len(head))
     if judgement in {"worse", "better"} and fewest < LEAST_REPEATS:
-        draw = f"the engine does not repeat itself, and {fewest} of the {LEAST_REPEATS} repeats needed are there"
+        draw = f"the engine does not repeat bit for bit, and {fewest} of the {LEAST_REPEATS} repeats needed exist"
         return "open", f"{message}; may be chance: {draw}"
     return judgement, message
 
 
 def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str]:
-    """Judge trials of which at least one was not played to its end."""
+    """Judge two trials, at least one of which was not played to its end."""
     message = f"{head.status}, was {base.status}"
     if head.message and head.status not in _PLAYED:
         message += f" ({head.message})"
@@ -67,26 +72,29 @@ def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str
 
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
-    """Return the verdict if it was right and is no longer."""
+    """Return the verdict of ``head`` in a list if ``base`` was right and ``head`` is not; else an empty list."""
     if _differ_in_creep_rule(base, head):
         return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
 
 
 def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
-    """Return whether only one side was judged by its creep and that decides, because format 3 introduced creep."""
+    """Return whether one side is right, the other creeps, and the creep of only one was measured.
+
+    Format 3 of the records introduced creep, so an earlier record has none.
+    """
     is_judged_alike = (base.creep_m_s is None) == (head.creep_m_s is None)
     return not is_judged_alike and {base.verdict, head.verdict} == {"right", "creeps"}
 
 
 def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[str]:
-    """Return the figures in which ``head`` falls short of ``base`` by more than the tolerance."""
+    """Return the figures in which ``head`` is worse than ``base`` by more than the tolerance."""
     found = []
     if _fall_error(head) > _fall_error(base) + tolerance.levels:
         found.append(f"{_fall(head)}, {_fall(base)} before")
     if head.expectation.outcome != "fall" and head.height_levels < base.height_levels - tolerance.levels:
         found.append(f"{head.height_levels} of {head.levels_planned} levels, {base.height_levels} before")
-    if head.height_levels == base.height_levels:  # sinks of different levels are not comparable
+    if head.height_levels == base.height_levels:  # sinks of stacks of different heights are not comparable
         allowed = _allowed(base.sink_m, tolerance.sink_m, tolerance.sink_share)
         if _exceeds(head.sink_m, allowed):
             found.append(f"sinks {_figure(head.sink_m, 'mm')}, {_figure(base.sink_m, 'mm')} before")
@@ -97,13 +105,19 @@ def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[st
 
 
 def _certain_creep(record: TrialRecord) -> float | None:
-    """Return the creep [m/s] if its interval excludes zero, else None: a stack that trembles may seem to creep."""
+    """Return the creep [m/s] if its interval excludes zero, else None.
+
+    An interval that includes zero is no creep, because the vibration of a stack can look like creep.
+    """
     is_certain = record.creep_m_s is not None and record.creep_m_s > (record.creep_error_m_s or 0.0)
     return record.creep_m_s if is_certain else None
 
 
 def _fall_error(record: TrialRecord) -> int:
-    """Return the difference in levels between the collapse and theory. To stand is to fall beyond the last level."""
+    """Return the difference [levels] between the collapse level and the level that theory demands.
+
+    A stack that stands counts as one that falls at the level above its last.
+    """
     beyond = record.levels_planned + 1
     falls_at = beyond if record.collapse_level is None else record.collapse_level
     demanded = record.expectation.level if record.expectation.outcome == "fall" else None

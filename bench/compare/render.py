@@ -1,4 +1,4 @@
-"""Write a comparison for people and programs: tables for a terminal, Markdown, JUnit XML and JSON."""
+"""Write a comparison as tables for a terminal, Markdown, JUnit XML or JSON."""
 
 from __future__ import annotations
 
@@ -18,14 +18,17 @@ from reports.tables.table import Table, render, to_markdown
 
 _KINDS: tuple[Judgement, ...] = get_args(Judgement)
 _RATIO = (
-    "Times: part / yardstick, of a typical frame of each trial; the ratio of head to base, and its "
-    f"{CONFIDENCE:.0%} interval. The yardstick is the unchanged part."
+    "Times: part / reference part, of a typical frame of each trial; the ratio of head to base, and its "
+    f"{CONFIDENCE:.0%} interval. The reference part is unchanged between base and head."
 )
-_ASIDE = "Another engine, scene, processor or an end by the time limit is neither a regression nor a pass."
+_ASIDE = (
+    "A trial with another engine version, scene or processor, or one that its time limit ended, is neither a "
+    "regression nor a pass."
+)
 
 
 def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Return a summary of the comparison in one line."""
+    """Summarise the comparison in one line: the alarms by gate, or the gates that could decide nothing."""
     alarms = comparison.alarms(fail_on)
     if alarms:
         counts = ", ".join(
@@ -37,7 +40,7 @@ def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
 
 
 def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
-    """Return the counts of the gates, then the findings that are worse, better or open."""
+    """Return the table of counts by gate, then the tables of findings: worse, better, not decided, times."""
     counted = Table(
         "Findings of the gates",
         ("gate", "fails", "worse", "changed", "better", "same", "not decided"),
@@ -69,18 +72,18 @@ def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...], rat
 
 
 def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) -> None:
-    """Print the tables and, last, the headline; their text is untrusted."""
+    """Print the tables and then the headline; markup in their text is escaped, because the text is untrusted."""
     for table in tables(comparison, fail_on):
         render(replace(_mapped(table, escape), notes=table.notes), console)
     console.print(headline(comparison, fail_on), style="bold", highlight=False)
 
 
 _ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
-"""Replacements for characters with a meaning inside a line of Markdown, and for mentions of people."""
+"""HTML entities for the characters that Markdown interprets inside a line, and for ``@``, which mentions people."""
 
 
 def markdown(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Return Markdown for a job's summary or a comment; no text of the files can become a link, an image or HTML."""
+    """Return Markdown for a job's summary or a comment; text of the files cannot become a link, an image or HTML."""
     found = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
     return f"**Stacking: {headline(comparison, fail_on)}**\n\n{found}"
 
@@ -95,7 +98,7 @@ def _literal(text: str) -> str:
 
 
 def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:
-    """Return JUnit XML: a suite per gate, a case per trial; open findings are skipped cases."""
+    """Return JUnit XML with a suite per gate and a case per finding; open findings are skipped cases."""
     root = ET.Element("testsuites", name="stillstack")
     for gate in GATES:
         findings = [finding for finding in comparison.findings if finding.gate == gate]
@@ -118,7 +121,7 @@ def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:
 
 
 def as_json(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Return the whole comparison as JSON, for other programs."""
+    """Return the whole comparison as JSON."""
     content = {
         "format": "stillstack-comparison-1",
         "alarms": len(comparison.alarms(fail_on)),

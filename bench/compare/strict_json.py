@@ -1,4 +1,4 @@
-"""Parse untrusted JSON: refuse it, with the reason, unless it is finite, unambiguous and of limited size."""
+"""Parse untrusted JSON; reject text with non-finite numbers, duplicate keys, or more than ``MOST_BYTES``."""
 
 from __future__ import annotations
 
@@ -7,45 +7,53 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 MOST_BYTES = 2**26
-"""Greatest size of a file [bytes]: 64 MiB hold some 40,000 trials."""
+"""Greatest size of a file [bytes]; 64 MiB are enough for about 40,000 trials."""
 
 
 class JsonError(ValueError):
-    """A text that is not acceptable JSON; the message states the reason."""
+    """A file that is not acceptable JSON; the message names the reason and the fix."""
 
 
 def read_file(path: Path) -> bytes:
     """Return the content of a file that is no larger than ``MOST_BYTES``.
 
     Raises:
-        JsonError: if it cannot be read or is larger.
+        JsonError: if the file cannot be read or is larger.
     """
     try:
         with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)  # the size on disk is no guide: a pipe or a device has none
+            content = file.read(
+                MOST_BYTES + 1
+            )  # the size on disk is no substitute, because a pipe or a device has none
     except OSError as error:
-        raise JsonError(f"{path}: cannot be read ({error.strerror})") from error
+        raise JsonError(
+            f"{path}: cannot be read ({error.strerror}); name a readable file or a results folder"
+        ) from error
     if len(content) > MOST_BYTES:
-        raise JsonError(f"{path}: larger than {MOST_BYTES >> 20} MiB, which no results of this suite are")
+        raise JsonError(f"{path}: larger than {MOST_BYTES >> 20} MiB; name a file that this suite wrote")
     return content
 
 
 def parse(content: bytes, source: str) -> Any:
-    """Return the value of ``content``; ``source`` names it in errors.
+    """Return the value of the JSON text ``content``.
+
+    Args:
+        content: a text in UTF-8.
+        source: name of the file, for error messages.
 
     Raises:
-        JsonError: if it is not JSON in UTF-8, nests too deeply, or holds NaN, infinity or a key twice.
+        JsonError: if ``content`` is not JSON in UTF-8, nests too deeply, or contains NaN, infinity or a duplicate key.
     """
     try:
         return json.loads(content.decode("utf-8"), object_pairs_hook=_without_twins, parse_constant=_refuse)
     except UnicodeDecodeError as error:
-        raise JsonError(f"{source}: not a text in UTF-8") from error
+        raise JsonError(f"{source}: not a text in UTF-8; name a file that this suite wrote") from error
     except json.JSONDecodeError as error:
-        raise JsonError(f"{source}: not valid JSON, or cut off: {error}") from error
+        raise JsonError(f"{source}: not valid JSON, or cut off: {error}; create the file again") from error
     except RecursionError:
-        raise JsonError(f"{source}: nests too deeply") from None
-    except ValueError as error:  # also for an integer of thousands of digits
-        raise JsonError(f"{source}: {error}") from error
+        raise JsonError(f"{source}: nests too deeply; name a file that this suite wrote") from None
+    except ValueError as error:  # also raised for an integer of thousands of digits
+        raise JsonError(f"{source}: {error}; create the file again") from error
 
 
 def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -53,9 +61,9 @@ def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(table) < len(pairs):
         seen: set[str] = set()
         twin = next(key for key, _ in pairs if key in seen or seen.add(key))  # type: ignore[func-returns-value]
-        raise ValueError(f"key {twin[:80]!r} stands twice in one object")
+        raise ValueError(f"key {twin[:80]!r} occurs twice in one object")
     return table
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"holds {constant}, which is no number")
+    raise ValueError(f"contains {constant}, which is not a finite number")

@@ -1,10 +1,13 @@
-"""The timing gate: whether a part of a frame became slower relative to another part of the same frames.
+"""The timing gate, which judges whether a part of a frame became slower relative to a reference part of that frame.
 
-Times of two runs cannot be compared, because a shared machine may run twice as fast a minute later. But the parts of a
-frame run within a millisecond: their ratio, its median over the frames of a trial, varies by some percent where the
-times themselves vary by a factor. The yardstick is the unchanged part: the core, if both sides run the same sources, as
-when builds of an engine are compared; else the engine's step, if it is of one version and all poses are the same, so
-that its work was the same.
+Times of two runs cannot be compared, because a shared machine may run twice as fast a minute later. The parts of one
+frame, however, run within a millisecond of each other. Therefore the median of their ratio over the frames of a trial
+varies by a few percent when the times vary by a factor of two.
+
+The reference part is the part that is unchanged between base and head:
+
+- the core, if both sides run the same sources, for example to compare two builds of an engine;
+- else the engine's step, if the engine's version and all poses are the same, because its work was then the same.
 
 The median describes a typical frame; it does not show rare events such as freezing.
 """
@@ -24,14 +27,15 @@ from bench.compare.findings import Judgement
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 
 Part: TypeAlias = Literal["engine", "readback", "core"]
-"""Parts of a frame: the engine's step, reading contacts, the core. Freezing and waking are too rare to judge."""
+"""Part of a frame: the engine's step, reading contacts, the core. Freezing and unfreezing are too rare to judge."""
 PARTS: tuple[Part, ...] = get_args(Part)
+"""All parts of a frame."""
 LEAST_PAIRS = 3
-"""Fewest pairs of trials that have a spread."""
+"""Fewest pairs of trials from which an interval is computed."""
 CONFIDENCE = 0.99
-"""Confidence of the interval, so that fifty comparisons of the same code raise no alarm by chance."""
+"""Confidence of the interval, chosen so that fifty comparisons of the same code raise no alarm by chance."""
 _LEAST_FRAMES = 60
-"""Fewest timed frames, a second's, that describe a typical frame."""
+"""Fewest timed frames of a trial (one second at 60 Hz) whose median describes a typical frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +51,14 @@ class Interval:
 
 
 def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
-    """Return the time of each part over the engine's step in the same frame: the median over the timed frames.
+    """Return the time of each part over the time of the engine's step: the median over the timed frames of a trial.
 
-    Empty for trials without an extension, and for trials of too few frames.
+    Args:
+        rows: all frames of the trial.
+        timed_frames: number of timed frames, which follow the first ``UNTIMED_FRAMES``.
+
+    Returns:
+        The shares by part; empty for a trial without an extension or with fewer than ``_LEAST_FRAMES`` timed frames.
     """
     timed = rows[UNTIMED_FRAMES : UNTIMED_FRAMES + timed_frames]
     columns = [(row.engine_ms, row.readback_ms, row.core_ms) for row in timed]
@@ -61,16 +70,19 @@ def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
 
 
 def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
-    """Return the mean ratio of pairs (base, head) of positive figures, and its Student interval on the logarithms.
+    """Return the geometric mean of the ratio head / base, with Student's interval of the mean of its logarithm.
 
     A bootstrap is not used, because its percentiles lie too close together for the four to sixteen pairs of a short
     study.
 
+    Args:
+        pairs: figures (base, head), all positive.
+
     Raises:
-        ValueError: for fewer than ``LEAST_PAIRS``.
+        ValueError: if there are fewer than ``LEAST_PAIRS`` pairs.
     """
     if len(pairs) < LEAST_PAIRS:
-        raise ValueError(f"at least {LEAST_PAIRS} pairs are needed, got {len(pairs)}")
+        raise ValueError(f"at least {LEAST_PAIRS} pairs are needed, got {len(pairs)}: run the study with more repeats")
     logs = [math.log(head / base) for base, head in pairs]
     middle = statistics.fmean(logs)
     error = statistics.stdev(logs) / math.sqrt(len(logs))
@@ -79,7 +91,15 @@ def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
 
 
 def judge_times(pairs: Sequence[tuple[float, float]], least: float) -> tuple[Judgement, str]:
-    """Judge whether the head is slower by more than the share ``least``, faster by as much, neither, or undecided."""
+    """Judge the interval of the ratio head / base; return the judgement and a message.
+
+    ``worse`` if the whole interval lies above 1 + ``least``; ``better`` if it lies below 1 / (1 + ``least``); ``same``
+    if it ends at or below 1 + ``least``; ``open`` otherwise, and for fewer than ``LEAST_PAIRS`` pairs.
+
+    Args:
+        pairs: figures (base, head), all positive.
+        least: smallest relative slowdown that counts.
+    """
     if len(pairs) < LEAST_PAIRS:
         return "open", f"undecided: {len(pairs)} pairs of trials, {LEAST_PAIRS} are needed"
     found = interval(pairs)

@@ -8,9 +8,9 @@ _PERCENT = 100.0
 
 
 def tracked(side: Baseline) -> list[dict[str, str | float]]:
-    """Return figures of which smaller is better: levels missed, and parts of a frame over the engine's step.
+    """Return figures for which smaller is better: levels missed, and parts of a frame over the engine's step.
 
-    Times in milliseconds are left out, because their curve on CI machines shows the machines.
+    Times in milliseconds are left out, because on CI machines they vary with the machine.
     """
     figures: list[dict[str, str | float]] = []
     for record in side.trials:

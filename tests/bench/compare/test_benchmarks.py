@@ -213,12 +213,12 @@ def _rename_engine(content) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (_drop_rounds, "saved without its rounds; save it with --benchmark-save-data"),
-        (_drop_alone, "holds no second of frames with and without"),
-        (_only_kernels, "holds no frame times with the extension; make such a file with"),
+        (_drop_rounds, "saved without the time of each round; save it with --benchmark-save-data"),
+        (_drop_alone, "contains less than a second of frames with and without"),
+        (_only_kernels, "contains no frame times with the extension; create such a file with"),
         (lambda content: content["benchmarks"].append(steered(content)[0]), "occurs twice"),
-        (lambda content: content.update(benchmarks=[1]), "not as pytest-benchmark writes its files"),
-        (lambda content: content.update(benchmarks=1), "not as pytest-benchmark writes its files"),
+        (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
+        (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),
         (lambda content: steered(content)[0]["stats"].update(data=[-1.0]), "benchmarks.1.stats.data.0"),
         (_rename_engine, "share no frame with the extension"),
     ],

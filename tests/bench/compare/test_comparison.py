@@ -153,7 +153,7 @@ def test_a_slower_engine_is_found_against_the_core_if_that_is_the_same_code(make
     assert judged(base, base) == {"engine / core": "same", "readback / core": "same"}
 
 
-def test_without_a_known_version_of_the_code_the_core_is_no_yardstick(make) -> None:
+def test_without_a_known_version_of_the_code_the_core_is_no_reference_part(make) -> None:
     assert set(judged(timed(make, None, core=0.5), timed(make, None, core=0.5))) == {
         "core / engine",
         "readback / engine",
