@@ -1,7 +1,7 @@
-"""Run a study on a Dask cluster: workers run the trials, each in a process of its own, and one writer collects them.
+"""Run a study on a Dask cluster: workers run the trials, each in its own process, and the client collects the outcomes.
 
-Scheduler and workers are Dask's own (``dask scheduler``, ``dask worker``), started from the same checkout. A worker
-runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another.
+Scheduler and workers are started with Dask's commands (``dask scheduler``, ``dask worker``) from the same checkout. A
+worker runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another worker.
 """
 
 from __future__ import annotations
@@ -35,41 +35,45 @@ CONNECT_S = 10
 _POLL_S = 0.2
 """Interval at which an interruption is checked [s]."""
 _DECISIVE = ("python", "packages", "lock_sha256", "sources", "settings", "engines")
-"""Properties that must be the same on every worker, so that a trial has the same outcome everywhere."""
+"""Properties of an environment that must be the same on every worker, so that a trial has one outcome everywhere."""
 
 _at_work: dict[str, set[IsolatedTrial]] = {}
-"""In a worker: the running trials, by their run."""
+"""Running trials of this worker, by the name of their run."""
 _preparing = threading.Lock()
+"""Lock held while a thread of this worker starts the fork server."""
 
 
 class Order(NamedTuple):
-    """A worker's instructions for a run, sent once for all of its trials."""
+    """Instructions for a worker, the same for all trials of a run."""
 
     run: str
     """Unique name of the run."""
     engines: tuple[str, ...]
+    """Engines whose modules the worker loads."""
     core_policies: tuple[str, ...]
+    """Policies for which the worker compiles the core."""
     limits: Limits
+    """Limits of each trial."""
     decisive: Mapping[str, Any]
-    """The client's values of the properties in ``_DECISIVE``."""
+    """Values of the properties in ``_DECISIVE`` on the client."""
 
 
 class RemoteOutcome(NamedTuple):
-    """The result that a worker returns."""
+    """Outcome of a trial, with the environment of the worker that ran it."""
 
     outcome: Outcome
     environment: Mapping[str, Any]
-    """The worker's environment, as the record's digest names it."""
+    """Environment of the worker; its digest is in the record."""
 
 
 @contextmanager
 def connected(address: str) -> Iterator[Client]:
-    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``; Dask's own log stays silent.
+    """Yield a connection to the scheduler at ``address``, such as ``tcp://10.0.0.1:8786``, with Dask's log silenced.
 
     Raises:
-        ClusterError: if no scheduler answers.
+        ClusterError: if no scheduler answers within ``CONNECT_S``.
     """
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its tracebacks add nothing to our errors
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its tracebacks would repeat the ClusterErrors
     try:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -100,21 +104,21 @@ def run_on_cluster(
         engines: engines whose modules the workers load.
         core_policies: policies for which the workers compile the core.
         environment: environment of this process; a worker with other code or engines is refused.
-        observer: receives the progress.
-        stopped: returns True to end early, without the running trials.
+        observer: object that receives the progress.
+        stopped: function that returns True to end the run early, without outcomes of the running trials.
 
     Raises:
         ClusterError: if a worker runs another checkout, or the scheduler is lost.
     """
     decisive = {name: environment[name] for name in _DECISIVE}
     order = Order(uuid.uuid4().hex, tuple(engines), tuple(core_policies), limits, decisive)
-    # one task per trial, in the study's order; results of a task are dropped as soon as they are yielded
+    # one task per trial, in the study's order; a result is dropped from memory as soon as it is yielded
     futures = client.map(
         _run_trial, trials, order=order, key=[f"{trial.id}-{order.run}" for trial in trials], pure=False, batch_size=100
     )
     by_key = {future.key: trial for future, trial in zip(futures, trials, strict=True)}
     waiting = as_completed(futures, loop=client.loop)
-    del futures  # the cluster drops a future that nobody holds
+    del futures  # the cluster frees the result of a future without references
     try:
         while by_key:
             for future in waiting.next_batch(block=False):
@@ -138,20 +142,20 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
     try:
         return future.result()
     except KilledWorker as error:
-        message = f"{error.allowed_failures + 1} workers were lost while they ran it"
+        message = f"{error.allowed_failures + 1} workers were lost while they ran the trial"
         record = bare_record(trial, trial.planned_scene(), digest(environment), "crashed", message)
         return RemoteOutcome(Outcome(record, []), environment)
     except ClusterError:
         raise
     except CancelledError as error:
         raise ClusterError("the scheduler was lost: start it again, then run the same command to continue") from error
-    except Exception as error:  # a trial raises nothing, so the worker could not load it
+    except Exception as error:  # a trial never raises, so the worker failed to load the code
         why = f"{type(error).__name__}: {error}"
         raise ClusterError(f"a worker failed ({why}): start the workers again from the same checkout") from error
 
 
 def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
-    """Run one trial in a process of its own, in a worker."""
+    """Run one trial in its own process, as a task of a worker."""
     environment = _environment(order.engines)
     different = [name for name in _DECISIVE if environment[name] != order.decisive[name]]
     if different:
@@ -171,19 +175,19 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
 
 @cache
 def _environment(engines: tuple[str, ...]) -> dict[str, Any]:
-    """Return the environment at the time when this worker loaded the code: later changes of files do not count."""
+    """Return the environment of this worker, computed once, because later changes of files do not reach its code."""
     return describe(engines)
 
 
 @cache
 def _prepare(engines: tuple[str, ...], core_policies: tuple[str, ...]) -> None:
-    # a worker with a nanny is daemonic, so that it does not outlive the nanny; trials end with their parent anyway
+    # Dask's nanny makes the worker a daemon, which may not start processes; the trials end with their parent anyway
     multiprocessing.current_process().daemon = False
     start_server(engines, core_policies)
     await_server()
 
 
 def _stop(run: str) -> None:
-    """End the trials of an abandoned run, in a worker."""
+    """End the running trials of an abandoned run in this worker."""
     for one in list(_at_work.get(run, ())):
         one.stop()

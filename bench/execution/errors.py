@@ -1,4 +1,4 @@
-"""Errors of execution, shared by ``execute`` and the cluster's code."""
+"""Errors of execution, shared by the command line and the code for clusters."""
 
 
 class ClusterError(ValueError):

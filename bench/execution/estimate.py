@@ -1,12 +1,13 @@
 """Estimate the duration of a plan from earlier trials, here or published, scaled to this machine.
 
-A wall time is scaled by the fixed calculation that every trial takes the time of (``bench.machine.calibration``): what
-it takes now over what it took then. For each trial the first of these that is known counts, as a median:
+The earlier wall times are multiplied by the time of a fixed calculation (``bench.machine.calibration``) on this machine
+now, over its time beside the earlier trial. The estimate is the median over the first of these sets that is not empty:
 
-1. the same trial;
-2. others of its engine, profile, scene and policy: other seeds, an earlier version;
-3. others of its engine and scene, with an extension if it has one, else without;
-4. others of its engine, or else of any, likewise: wall time per level and simulated second.
+1. records of the same trial;
+2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
+3. trials with the same engine and scene, preferably both with or both without an extension;
+4. trials with the same engine, else with any engine, by their wall time per level and simulated second; again
+   preferably both with or both without an extension.
 """
 
 from __future__ import annotations
@@ -24,42 +25,45 @@ from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES
 
 START_S = 0.3
-"""Share of each trial [s] for its process, its files and the harness: 0.3 to 0.5 s on a machine whose fixed calculation
-takes ``START_MS``."""
+"""Overhead of each trial [s] for its process, its files and the harness, because it measured 0.3 to 0.5 s on a machine
+whose fixed calculation takes ``START_MS``."""
 START_MS = 0.125
-"""See ``START_S`` [ms]."""
+"""Time of the fixed calculation [ms] on the machine where ``START_S`` was measured."""
 RUN_S = 4.0
-"""Start of a run [s]: it loads engines and harness once."""
+"""Time to start a run [s], in which engines and harness are loaded once."""
 LEAST_S = 0.2
-"""Least wall time of a trial [s] that is estimated from what there is to simulate: opening an engine takes as long."""
+"""Least estimated wall time of a trial [s], because opening an engine takes that long."""
 
 MOST_LISTED = 3
-"""Folders of one parent that are listed by their names."""
+"""Greatest number of folders with one parent that are listed by name."""
 
 Source: TypeAlias = Literal["same", "similar", "guessed"]
+"""Origin of an estimated time: the same trial, trials of the same engine and scene, or trials of other scenes."""
 Setting: TypeAlias = PastTrial | Trial
+"""A trial of the past or of the plan."""
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Estimated time of trials, and its sources."""
+    """Estimated duration of trials, and its sources."""
 
     known_s: float
-    """Total time of the trials that can be estimated [s], one after another."""
+    """Sum of the estimated times of the trials with an estimate [s]."""
     same: int
-    """Number of trials that were run before."""
+    """Number of trials estimated from records of the same trial."""
     similar: int
-    """Number of trials estimated from others of their engine and scene."""
+    """Number of trials estimated from other trials of the same engine and scene."""
     guessed: int
     """Number of trials estimated from other scenes."""
     unknown: int
+    """Number of trials without an estimate."""
     limit_s: float
-    """Longest time [s] of an unknown trial."""
+    """Longest possible time of an unknown trial [s]."""
     folders: Sequence[Path]
-    """Results folders that were used."""
+    """Results folders from which the times come."""
 
     def summary(self, jobs: int) -> str:
-        """Return the estimate in words, for ``jobs`` trials at a time."""
+        """Return the estimate in words, for ``jobs`` concurrent trials."""
         count = self.same + self.similar + self.guessed + self.unknown
         longest = f"at most {_duration(self.unknown * self.limit_s / jobs)}"
         if not self.folders:
@@ -83,14 +87,14 @@ def estimate(
     calibration_ms: float | None = None,
     busy: float = 1.0,
 ) -> Estimate:
-    """Estimate the time of ``trials``.
+    """Estimate the duration of ``trials``.
 
     Args:
         trials: the trials to run.
         limit_s: wall time [s] after which a trial is stopped.
         folders: folders of earlier results; folders without results are skipped.
-        calibration_ms: time of the fixed calculation on this machine now; None leaves wall times as they are.
-        busy: how many times longer anything takes because others use the machine.
+        calibration_ms: time [ms] of the fixed calculation on this machine now; None disables the scaling.
+        busy: factor by which the load of other processes lengthens wall times, 1 on an idle machine.
     """
     wanted = list(trials)
     past = {folder: past_trials(folder) for folder in folders}
@@ -112,7 +116,7 @@ def estimate(
 
 
 class _Known:
-    """Scaled wall times of earlier trials, by what they may stand for."""
+    """Scaled wall times of earlier trials, by the keys in ``_KEYS`` and ``_RATE_KEYS``."""
 
     def __init__(self, past: Sequence[PastTrial], calibration_ms: float | None) -> None:
         self._times: dict[Hashable, list[float]] = defaultdict(list)
@@ -128,7 +132,7 @@ class _Known:
                     self._rates[rate_key(trial)].append(scale * trial.wall_s / trial.level_s)
 
     def wall_s(self, trial: Trial) -> tuple[float, Source] | None:
-        """Return the wall time [s] of a trial and its source; None if there are no earlier trials."""
+        """Return the estimated wall time [s] of a trial and its source; None if no earlier trial is known."""
         for index, key in enumerate(_KEYS):
             if times := self._times.get(key(trial)):
                 return statistics.median(times), "similar" if index else "same"
@@ -140,13 +144,13 @@ class _Known:
         return None
 
     def uses(self, past: Sequence[PastTrial], wanted: Sequence[Trial]) -> bool:
-        """Return True if one of ``past`` stands for one of ``wanted``, by engine and scene or closer."""
+        """Return True if a trial in ``past`` has the engine and the scene of a trial in ``wanted``."""
         engines_and_scenes = {(trial.engine, trial.scene) for trial in wanted}
         return any((trial.engine, trial.scene) in engines_and_scenes for trial in past)
 
 
 def _is_steered(trial: Setting) -> bool:
-    """Return True if an extension works in a trial."""
+    """Return True if a trial uses the stability core."""
     return BENCH_POLICIES[trial.policy].core is not None
 
 
@@ -160,17 +164,18 @@ _KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: (trial.engine, trial.scene, _is_steered(trial)),
     lambda trial: (trial.engine, trial.scene),
 )
-"""What trials have in common that stand for each other, the closest first."""
+"""Keys of wall times, the closest first: a trial may be estimated from trials with an equal key."""
 _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: (trial.engine, trial.profile, _is_steered(trial)),
     lambda trial: (trial.engine, _is_steered(trial)),
     lambda trial: _is_steered(trial),
     lambda _: "all",
 )
+"""Keys of wall times per level and simulated second, the closest first."""
 
 
 def _listed(folders: Sequence[Path]) -> str:
-    """Return folders in words; those of one parent are counted if there are many."""
+    """Return a list of the folders in words; more than ``MOST_LISTED`` folders of one parent are only counted."""
     by_parent = Counter(folder.parent for folder in folders)
     few = [str(folder) for folder in folders if by_parent[folder.parent] <= MOST_LISTED]
     many = [

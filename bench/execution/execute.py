@@ -1,4 +1,4 @@
-"""Run a study's trials in processes of this machine or on a cluster, and show the progress."""
+"""Run the trials of a study in processes of this machine or on a cluster, and show the progress."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def outcomes_here(
     interruption: Interruption,
     console: Console,
 ) -> Iterator[Outcome]:
-    """Yield outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all of them."""
+    """Yield the outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all running trials."""
     core_policies = _core_policies(study)
     try:
         start_server(study.engines, core_policies, reads_contacts=study.limits.forces)
@@ -36,7 +36,7 @@ def outcomes_here(
             await_server()
         with show_progress(trials, console) as progress:
             yield from run_trials(trials, study.limits, digest(environment), jobs, progress, interruption.is_set)
-    except KeyboardInterrupt:  # while the server compiled
+    except KeyboardInterrupt:  # raised only while the server starts; the check below handles it
         pass
     if interruption.is_set():
         stop_everything()
@@ -51,12 +51,14 @@ def outcomes_on_cluster(
     console: Console,
     know: Callable[[Mapping[str, Any]], None],
 ) -> Iterator[Outcome]:
-    """Yield outcomes of ``trials`` as the workers finish them; call ``know`` with the environment of each before.
+    """Yield the outcomes of ``trials`` as the workers finish them.
+
+    Before each outcome, ``know`` is called with the environment of its worker.
 
     Raises:
-        ClusterError: if no scheduler answers, it is lost, or a worker runs another checkout.
+        ClusterError: if no scheduler answers, the scheduler is lost, or a worker runs another checkout.
     """
-    from bench.execution.dask import connected, run_on_cluster  # half a second that only a cluster needs
+    from bench.execution.dask import connected, run_on_cluster  # its import takes 0.5 s; only a cluster needs it
 
     with connected(address) as client:
         workers = len(client.scheduler_info(n_workers=-1)["workers"])

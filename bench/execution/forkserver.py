@@ -1,8 +1,8 @@
-"""The server from which trials are forked: it has loaded the harness and the engines, but never opened an engine.
+"""The fork server: the process from which trials are forked. It has loaded harness and engines, but opened no engine.
 
-Several threads may read the exit status of a child at the same time. ``multiprocessing`` reads it from a pipe, which
-holds it once, so the second of two threads finds the end of the pipe and records 255. That happens here, because
-starting a trial polls all children while other threads wait for theirs. So one lock guards the read.
+A lock guards the read of a child's exit status. ``multiprocessing`` reads the status from a pipe that contains it only
+once, so that the second of two threads would find the end of the pipe and record status 255. Two threads do read at
+the same time, because the start of a trial polls all children while other threads wait for their own.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from pebble.concurrent import process
 from adapters import ENGINES
 
 WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
-"""Environment variable with the policies to compile: the server takes no arguments."""
+"""Environment variable with the policies to compile, because the server takes no arguments."""
 
 
 class _Popen(popen_forkserver.Popen):
     _asking: ClassVar[threading.Lock] = threading.Lock()
-    """Held while a status is read."""
+    """Lock held while a status is read."""
 
     def poll(self, flag: int = os.WNOHANG) -> int | None:
         if self.returncode is None and connection.wait([self.sentinel], 0 if flag == os.WNOHANG else None):
@@ -37,7 +37,7 @@ class _Popen(popen_forkserver.Popen):
 
 class _Process(context.ForkServerProcess):
     @staticmethod
-    def _Popen(process_obj: BaseProcess) -> popen_forkserver.Popen:  # noqa: N802 - multiprocessing calls it so
+    def _Popen(process_obj: BaseProcess) -> popen_forkserver.Popen:  # noqa: N802 - the name that multiprocessing requires
         return _Popen(process_obj)
 
 
@@ -50,12 +50,12 @@ CONTEXT = _Context()
 
 
 def start_server(engines: Sequence[str], core_policies: Sequence[str], *, reads_contacts: bool = False) -> None:
-    """Start the server from which trials are forked; a Ctrl-C in the terminal reaches neither it nor the trials.
+    """Start the fork server; Ctrl-C in the terminal interrupts neither the server nor the trials.
 
     Args:
-        engines: engines whose modules it loads.
-        core_policies: policies for which it compiles the core; none if no trial uses the core.
-        reads_contacts: whether trials of an engine alone read contacts, too.
+        engines: engines whose modules the server loads.
+        core_policies: policies for which the server compiles the core; empty if no trial uses the core.
+        reads_contacts: True if trials without the core also read contacts.
     """
     modules = [ENGINES[engine].module for engine in engines]
     core = ["bench.execution.preload_core"] if core_policies else []
@@ -63,8 +63,8 @@ def start_server(engines: Sequence[str], core_policies: Sequence[str], *, reads_
     os.environ[WANTED_POLICIES] = ",".join(core_policies)
     last = "bench.execution.preload"
     forkserver.set_forkserver_preload(["bench.execution.worker", *modules, *core, *contacts, last])
-    resource_tracker.ensure_running()  # its start would unblock the signal
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # works in a cluster worker's threads too
+    resource_tracker.ensure_running()  # its start inside ensure_running would unblock SIGINT
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # inherited by the server
     try:
         forkserver.ensure_running()
     finally:
@@ -72,7 +72,7 @@ def start_server(engines: Sequence[str], core_policies: Sequence[str], *, reads_
 
 
 def await_server() -> None:
-    """Wait until the server has loaded everything, and compiled the core if necessary."""
+    """Wait until the server has loaded all modules and, if necessary, compiled the core."""
     in_process(os.getpid, None)().result()
 
 
@@ -86,6 +86,6 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """Return ``function`` wrapped to run in a fresh process that is ended after ``timeout_s`` [s]."""
+    """Wrap ``function`` to run in a new process, which is ended after ``timeout_s`` [s] if that is not None."""
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
     return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]

@@ -1,4 +1,4 @@
-"""Run the trials of a study on this machine, some at a time, and yield their outcomes."""
+"""Run the trials of a study on this machine, several at a time if required, and yield their outcomes."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from reports.records.trial import TrialRecord
 _POLL_S = 0.2
 """Interval at which progress and interruptions are checked [s]."""
 _CALM_S = 0.2
-"""Time for which the cores are observed to find idle ones [s]."""
+"""Time for which the load of the cores is measured to find idle cores [s]."""
 
 
 class Observer(Protocol):
-    """Receives the progress of a run."""
+    """Receiver of the progress of a run."""
 
     def started(self, trial: Trial) -> None:
-        """Note that a trial starts."""
+        """Receive the start of a trial."""
 
     def progressed(self, trial: Trial, progress: Progress) -> None:
-        """Note the progress of a trial."""
+        """Receive the progress of a trial."""
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """Note that a trial has ended, in any way."""
+        """Receive the end of a trial, successful or not."""
 
 
 def run_trials(
@@ -53,9 +53,9 @@ def run_trials(
         trials: the trials to run.
         limits: limits of a trial.
         environment: digest of the environment, for the records.
-        jobs: number of trials at a time; more than 1 disturbs the timings.
-        observer: receives the progress.
-        stopped: returns True to end early, without the running trials.
+        jobs: number of concurrent trials; more than 1 disturbs the timings.
+        observer: object that receives the progress.
+        stopped: function that returns True to end the run early, without outcomes of the running trials.
     """
     waiting = deque(trials)
     running: list[IsolatedTrial] = []
@@ -85,9 +85,10 @@ def run_trials(
 
 
 def _cores(jobs: int) -> list[int | None]:
-    """Return a core for each concurrent trial, the idlest last; None if there are too few or affinity is unavailable.
+    """Return a core for each concurrent trial, the core with the lowest load last.
 
-    A trial that stays on its core finds its caches warm, and all trials of a study use the same cores.
+    All trials of a study use the same cores, so that caches stay warm. The cores are None, which lets the system
+    choose, if there are fewer cores than ``jobs`` or the system does not support affinity.
     """
     allowed = allowed_cores()
     if jobs > len(allowed) or not hasattr(os, "sched_setaffinity"):

@@ -1,4 +1,4 @@
-"""Wall times of earlier trials, of results folders and of what is published: what an estimate is made from."""
+"""Wall times of earlier trials, read from results folders and published folders, as the basis of estimates."""
 
 from __future__ import annotations
 
@@ -18,27 +18,31 @@ COLUMNS = (
     *("trial", "engine", "profile", "scene", "policy"),
     *("levels_planned", "simulated_s", "wall_s", "calibration_ms", "status"),
 )
+"""Columns of a published table that are read."""
 
 
 class PastTrial(NamedTuple):
-    """What an estimate needs of a trial that was run before."""
+    """Fields of an earlier trial that an estimate needs."""
 
     trial: str
+    """Id of the trial."""
     engine: str
     profile: str
     scene: str
     policy: str
     level_s: float
-    """Levels times simulated seconds: how much there was to simulate; 0 if nobody knows."""
+    """Work of the trial: planned levels times simulated time [s]; 0 if unknown."""
     wall_s: float
+    """Wall time [s]."""
     calibration_ms: float | None
-    """Time of the fixed calculation beside it; None if it was not taken, and none of its folder was."""
+    """Time of the fixed calculation beside the trial [ms]; the median of the folder if it was not measured, and None
+    if the folder has no such time."""
 
 
 def past_trials(folder: Path) -> list[PastTrial]:
-    """Return the trials of a folder whose wall time is known; those that cannot be read are left out.
+    """Return the trials of a folder whose wall time is known; unreadable trials are left out.
 
-    What an engine cannot play takes no time.
+    The wall time of a trial that the engine does not support is 0 if it was not recorded.
     """
     rows = [row for row in map(_with_refusals, _rows(folder)) if _known(row.get("wall_s")) and "trial" in row]
     taken = [row["calibration_ms"] for row in rows if _known(row.get("calibration_ms"))]
@@ -68,7 +72,7 @@ def _known(value: object) -> bool:
 
 
 def _rows(folder: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the rows that can be read: an estimate need not complain of the others."""
+    """Yield the readable rows; other rows are skipped without an error, because an estimate can do without them."""
     try:
         if (folder / TRIALS).exists():
             with (folder / TRIALS).open(encoding="utf-8", errors="replace") as lines:

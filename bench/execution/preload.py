@@ -1,8 +1,7 @@
-"""Modules that the fork server imports last, so that no trial pays for imports that all of them need.
+"""Last module that the fork server imports: it loads the modules that all trials need.
 
-Engines from outside this repository are added here, because the trials know the engines that the server knows.
-
-The loaded objects are excluded from garbage collection, because each trial's first collection would touch, and thereby
+The module registers the engines outside this repository, because a trial inherits the registry of the server. It
+excludes the loaded objects from garbage collection, because the first collection in each trial would touch, and thereby
 copy, the memory that all trials share.
 """
 

@@ -1,4 +1,4 @@
-"""Compile the completion of contacts in the fork server, so that no trial that reads contacts pays for it."""
+"""Compile the completion of contacts in the fork server, so that no trial has to compile it."""
 
 from adapters.shared.contact_completion import prepare
 

@@ -1,4 +1,4 @@
-"""Compile the core in the fork server, so that trials find it compiled in memory."""
+"""Compile the core in the fork server, so that trials inherit the compiled kernels in memory."""
 
 import os
 

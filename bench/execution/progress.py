@@ -1,4 +1,4 @@
-"""Show the progress of a run: live bars on a terminal, plain lines elsewhere, so that a log can be read."""
+"""Show the progress of a run: live bars on a terminal, plain lines elsewhere, so that a log stays readable."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from bench.trial.playback import Progress
 from reports.records.trial import TrialRecord
 
 _FAILED = ("diverged", "crashed", "error", "out_of_memory")
+"""Statuses that are counted as failed."""
 _UNEXPECTED = ("unsupported", *_FAILED)
-"""Endings whose reason is printed at once, not only recorded."""
+"""Statuses whose reason is printed when the trial ends."""
 
 
 class LiveProgress(AbstractContextManager["LiveProgress"]):
-    """A bar per engine, and a line per running trial with the level under construction."""
+    """Progress bars on a terminal: a bar per engine, and a line per running trial with its current level."""
 
     def __init__(self, trials: Sequence[Trial], console: Console) -> None:
         self._bars = Bars(
@@ -53,12 +54,12 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
         self._trials[trial.id] = self._bars.add_task("", label=f"  {_short(trial)}", total=None, note="starts")
 
     def progressed(self, trial: Trial, progress: Progress) -> None:
-        """Show the level under construction."""
+        """Update the trial's line with its current level, number of bricks and simulated time."""
         note = f"level {progress.level} of {progress.levels}, {progress.bricks} bricks, {progress.simulated_s:.0f} s"
         self._bars.update(self._trials[trial.id], completed=progress.level, total=progress.levels, note=note)
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """Remove the trial's line, and count its ending in the engine's bar."""
+        """Remove the trial's line, and count its status in the bar of its engine."""
         self._bars.remove_task(self._trials.pop(trial.id))
         ends = self._ends[trial.engine]
         ends[record.status] += 1
@@ -68,7 +69,7 @@ class LiveProgress(AbstractContextManager["LiveProgress"]):
 
 
 class PlainProgress(AbstractContextManager["PlainProgress"]):
-    """One line per finished trial."""
+    """Progress as plain text: one line per finished trial."""
 
     def __init__(self, trials: Sequence[Trial], console: Console) -> None:
         self._console = console
@@ -87,7 +88,7 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
         """Do nothing; a trial is printed when it ends."""
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
-        """Print how the trial ended."""
+        """Print the trial's status, levels and wall time [s]."""
         self._finished += 1
         how = f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
         seconds = "" if record.wall_s is None else f", {record.wall_s:.1f} s"
@@ -106,7 +107,7 @@ def show_progress(trials: Sequence[Trial], console: Console) -> LiveProgress | P
 
 
 def _counts(ends: Counter[str]) -> str:
-    """Return the counts of endings; rare endings are listed only if there are any."""
+    """Return the counts of the statuses in words; timeouts and unsupported trials only if there are any."""
     failed = sum(ends[status] for status in _FAILED)
     rare = [
         f"{ends[status]} {name}" for status, name in (("timeout", "timed out"), ("unsupported", "n/a")) if ends[status]

@@ -1,7 +1,7 @@
-"""The results folder of a run; its file names are fixed.
+"""The results folder of a run, whose file names are fixed.
 
-An interrupted run continues in its folder. After any interruption, even a power cut, a record on disk means that all of
-its trial is there, and a trial without a record is run again.
+An interrupted run continues in its folder. After any interruption, even a power cut, a trial with a record on disk also
+has its other files, and a trial without a record is run again.
 """
 
 from __future__ import annotations
@@ -28,9 +28,12 @@ from reports.records.recording import write_recording
 from reports.records.trial import RecordWriter, Status, TrialRecord, read_records
 
 SESSIONS = "sessions"
+"""Key of the list of sessions in the environment file: the state of the machine at each start of the run."""
 _LOCK = ".lock"
 _PARTS = (STUDY, ENVIRONMENT, TRIALS, FRAMES, RECORDINGS, REPORT)
+"""Files and folders of a run."""
 _NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "core": "stability_core"}
+"""Plain names for keys of the environment, for messages."""
 
 
 class ResultsError(ValueError):
@@ -38,10 +41,10 @@ class ResultsError(ValueError):
 
 
 def check_folder(folder: Path) -> None:
-    """Check that a folder can be written.
+    """Check that a folder exists or can be created, and can be written.
 
     Raises:
-        ResultsError: if it cannot.
+        ResultsError: if the folder cannot be created or written.
     """
     nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not nearest.is_dir():
@@ -51,7 +54,10 @@ def check_folder(folder: Path) -> None:
 
 
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
-    """Return the differences between this run and the run that left trials in ``folder``; empty without trials."""
+    """Return the names of the properties in which this run differs from the run that wrote ``folder``.
+
+    The list is empty if the folder has no trials.
+    """
     if not (folder / TRIALS).exists():
         return []
     different = []
@@ -65,9 +71,9 @@ def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[
 
 
 def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
-    """Return the ids of planned trials without a record; empty if the folder keeps no study that can be run.
+    """Return the ids of planned trials without a record; empty if the study in the folder cannot be loaded.
 
-    A study that can no longer be run (an engine is not installed, a scene is gone) can still be reported.
+    A report is possible even if the study cannot be loaded, for example because an engine is not installed.
     """
     try:
         study = load_study(str(folder / STUDY))
@@ -77,7 +83,7 @@ def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
 
 
 class Results:
-    """A folder that takes the outcomes of a run, one by one. No other run can write into it meanwhile."""
+    """A results folder, to which the outcomes of a run are added one by one; a lock keeps other runs out."""
 
     def __init__(
         self,
@@ -88,19 +94,19 @@ class Results:
         fresh: bool = False,
         accept_changes: bool = False,
     ) -> None:
-        """Create the folder, or continue with the trials that it holds.
+        """Create the folder, or continue with the trials in it.
 
         Args:
             folder: the results folder.
-            study: the study that is run.
+            study: the study to run.
             environment: the environment that all trials share.
             fresh: True to replace the trials of an earlier run.
             accept_changes: True to continue although study, commit or machine differ; each record names its
-            environment.
+                environment.
 
         Raises:
-            ResultsError: if the folder cannot be written, another run is at work in it, or its trials came from
-                another study or environment and this is not accepted.
+            ResultsError: if the folder cannot be written, another run uses it, or its trials belong to another study
+                or environment and ``accept_changes`` is False.
         """
         check_folder(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -135,9 +141,9 @@ class Results:
         self._recordings.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
-        """True if the last line was torn by an interruption; that trial is run again."""
+        """True if an interruption left the last line of the records incomplete; its trial is run again."""
         self.statuses: dict[str, Status] = {record.trial: record.status for record in read_records(folder / TRIALS)}
-        """Status of each recorded trial, by its id."""
+        """Status of each recorded trial, by trial id."""
 
     @property
     def finished(self) -> set[str]:
@@ -145,13 +151,13 @@ class Results:
         return set(self.statuses)
 
     def know(self, environment: Mapping[str, Any]) -> None:
-        """Write the environment of another machine under the digest by which its records name it."""
+        """Write the environment of another machine into a file named after its digest, which its records contain."""
         file = self.folder / f"environment-{digest(environment)}.json"
         if digest(environment) != self._environment and not file.exists():
             write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
-        """Write frames and recording, then the record: a record on disk means that all of its trial is there."""
+        """Write frames and recording, and the record last, so that a record implies complete files."""
         if outcome.frames:
             write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
         if outcome.recording is not None:
@@ -160,13 +166,13 @@ class Results:
         self.statuses[outcome.record.trial] = outcome.record.status
 
     def close(self) -> None:
-        """Release the folder."""
+        """Close the file of records and release the lock of the folder."""
         self._writer.close()
         self._lock.release()
 
 
 def _clear(folder: Path) -> None:
-    """Remove the files of an earlier run, the trials first: the other files depend on them."""
+    """Remove the files of an earlier run, the records first, so that no record remains without its files."""
     for name in (TRIALS, *_PARTS):
         part = folder / name
         if part.is_dir():
@@ -186,7 +192,7 @@ def _kept_environment(folder: Path) -> dict[str, Any]:
 
 
 def _put_aside(folder: Path) -> None:
-    """Keep the environment of the earlier trials under the digest by which their records name it."""
+    """Rename the environment file of the earlier trials to the digest that their records contain."""
     kept = _kept_environment(folder)
     if kept:
         name = digest({key: value for key, value in kept.items() if key != SESSIONS})

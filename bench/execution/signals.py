@@ -1,4 +1,4 @@
-"""Interruptions: Ctrl-C, ``kill`` and a closed terminal set a flag, which is checked where nothing is half done."""
+"""Interruptions: Ctrl-C, ``kill`` and a closed terminal set a flag, which the run checks between complete writes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption(AbstractContextManager["Interruption"]):
-    """While entered, a signal to stop only sets ``signal``; a second Ctrl-C changes nothing."""
+    """Context in which a signal to stop only sets ``signal``; later signals change nothing."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
@@ -41,7 +41,11 @@ class Interruption(AbstractContextManager["Interruption"]):
 
     @contextmanager
     def at_once(self) -> Iterator[None]:
-        """Let an interruption raise KeyboardInterrupt, once, while entered: for calls that cannot check the flag."""
+        """Make the first interruption raise KeyboardInterrupt inside the block, for calls that cannot check the flag.
+
+        Raises:
+            KeyboardInterrupt: also if a signal has arrived before.
+        """
         if self.signal is not None:
             raise KeyboardInterrupt
         self._raises = True

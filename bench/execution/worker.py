@@ -1,7 +1,7 @@
-"""Run one trial in a fresh process, so that an engine's crash ends this trial only.
+"""Run one trial in a new process, so that an engine's crash ends this trial only.
 
-The processes are forked from the server of ``forkserver``: a trial starts in tens of milliseconds, shares no state with
-other trials, and runs the code as it was when the server started.
+The process is forked from the fork server (``forkserver``). Therefore a trial starts in tens of milliseconds, shares no
+state with other trials, and runs the code that was on disk when the server started.
 """
 
 from __future__ import annotations
@@ -34,15 +34,16 @@ from reports.records.plain_text import plain_text
 from reports.records.trial import Status
 
 GRACE_S = 60.0
-"""Time after its limit [s] at which a trial that did not stop itself counts as hung in the engine."""
+"""Time after the limit on wall time [s] at which a trial that has not stopped is ended, and its engine counts as hung.
+"""
 _ATTEND_S = 0.1
-"""Interval at which the memory of a silent process is checked [s]."""
+"""Interval at which the memory of a process is checked while no message arrives [s]."""
 _REPORT_S = 0.25
 """Least interval between progress messages [s], so that they do not disturb the timing."""
 _MOST_OUTPUT = 2**24
-"""Greatest size of an engine's output [bytes], so that it cannot fill the disk."""
+"""Greatest size of the output of a trial's process [bytes], so that an engine cannot fill the disk."""
 _TAIL = 2**16
-"""Length of the end of its output that is searched for an error message [bytes]."""
+"""Length of the end of the output in which an error message is searched [bytes]."""
 _MEBI = 2**20
 _HUNG = "the engine hung and was stopped; its progress is unknown"
 
@@ -55,10 +56,10 @@ class IsolatedTrial:
 
         Args:
             trial: the trial to run.
-            limits: its limits.
+            limits: limits of the trial.
             environment: digest of the environment, for the record.
-            core: the processor core to run on; None leaves that to the system.
-            folder: for its output while it runs.
+            core: the processor core to run on; None lets the system choose.
+            folder: folder for the log file of the process, which is removed at the end.
         """
         self.trial = trial
         self.core = core
@@ -76,12 +77,12 @@ class IsolatedTrial:
         threading.Thread(target=self._attend, daemon=True).start()
 
     def news(self) -> Iterator[Progress]:
-        """Yield the progress reported since the last call."""
+        """Yield the progress messages that have arrived since the last call."""
         while self._news:
             yield self._news.popleft()
 
     def _attend(self) -> None:
-        """Listen to the process and limit its memory, independently of the run's own thread."""
+        """Receive the messages of the process and limit its memory, in a thread of its own."""
         with self._reader:
             while not self.future.done():
                 try:
@@ -108,7 +109,7 @@ class IsolatedTrial:
             return
 
     def outcome(self) -> Outcome:
-        """Wait for the end of the process; return its outcome."""
+        """Wait for the end of the process and return its outcome."""
         try:
             return self.future.result()
         except ProcessExpired as error:
@@ -121,7 +122,7 @@ class IsolatedTrial:
             return self._lost("timeout", _HUNG)
         except MemoryError:
             return self._lost("out_of_memory", "the process ran out of memory")
-        except Exception as error:  # a fault of the harness itself ends this trial, not the run
+        except Exception as error:  # an error of the harness ends this trial, not the run
             return self._lost("error", f"harness: {type(error).__name__}: {error}")
         finally:
             self._log.unlink(missing_ok=True)
@@ -129,8 +130,9 @@ class IsolatedTrial:
     def stop(self) -> None:
         """End the process without an outcome.
 
-        The process is killed rather than its future cancelled, because a result that arrives at the same moment would
-        break the thread that waits for it. No result can arrive before the process has reported its number.
+        The process is killed instead of cancelling its future, because a result that arrives at the same moment would
+        break the thread that waits for it. The future is cancelled only before the process has reported its process
+        id, because no result can arrive earlier.
         """
         if self._pid is None:
             self.future.cancel()  # type: ignore[no-untyped-call]
@@ -139,26 +141,29 @@ class IsolatedTrial:
             os.kill(self._pid, signal.SIGKILL)
 
     def _lost(self, status: Status, message: str) -> Outcome:
-        """Return the record of a trial whose process left none."""
+        """Return the outcome of a trial whose process ended without one."""
         return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
 
     def _stopped_itself(self, exitcode: int | None) -> bool:
-        """Return whether the process died of its own alarm, not of an alarm that its engine set before the limit.
+        """Return whether the alarm of ``_run_in_child`` ended the process, not an earlier alarm set by the engine.
 
-        Either that alarm or pebble ends a step that does not return. Pebble counts polls of 0.1 s, each of which takes
-        a little longer, so its limit comes seconds late after minutes.
+        A step that does not return is ended by that alarm or by pebble's timeout. Pebble's timeout may come seconds
+        late after minutes, because it counts polls of 0.1 s, each of which takes slightly longer.
         """
         return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 
     def _excess(self) -> str:
-        return f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB"
+        return (
+            f"stopped at {self._excess_mib:.0f} MiB, above its limit of {self._limits.memory_mib} MiB of memory; if "
+            "the trial needs more, raise 'memory_mib' in the study's [limits]"
+        )
 
 
 def _run_in_child(
     trial: Trial, limits: Limits, environment: str, core: int | None, writer: Connection, log: Path
 ) -> Outcome:
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # an engine that hangs may block that thread
+    signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # a hung engine may block the thread above
     _send_output_to(log)
     if core is not None:
         os.sched_setaffinity(0, {core})
@@ -176,7 +181,7 @@ def _run_in_child(
 
 
 def _end_with_parent() -> None:
-    """Let the process end with its parent, so that trials of a killed harness do not disturb the next run."""
+    """End this process when its parent ends, so that trials of a killed harness do not disturb the next run."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         connection.wait([parent.sentinel])
@@ -184,25 +189,25 @@ def _end_with_parent() -> None:
 
 
 def _send_output_to(log: Path) -> None:
-    """Send the output of engines to a file: off the terminal, and available after a crash."""
+    """Redirect the output of engines to a file, so that it stays off the terminal and survives a crash."""
     with log.open("w", encoding="utf-8") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
     resource.setrlimit(resource.RLIMIT_FSIZE, (_MOST_OUTPUT, _MOST_OUTPUT))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a study of crashes would leave gigabytes of core dumps
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # crashing engines would leave gigabytes of core dumps
     faulthandler.enable(sys.stderr)
 
 
 def _ending(exitcode: int | None) -> str:
     if exitcode == -signal.SIGKILL:
-        return "the process died of SIGKILL (unless somebody sent it, the system ran out of memory)"
+        return "the process died of SIGKILL (if no user sent it, the system ran out of memory; run fewer jobs)"
     if exitcode is not None and exitcode < 0:
         return f"the process died of {signal.Signals(-exitcode).name}"
     return f"the process ended with status {exitcode}"
 
 
 def _last_words(log: Path) -> str:
-    """Return the last line that a crashed process printed, or Python's line on a fatal error if there is one."""
+    """Return the last line that a crashed process printed, preferably its last line "Fatal Python error"."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - _TAIL))
