@@ -1,4 +1,4 @@
-"""A fixed calculation, timed beside every trial, which measures the speed and the steadiness of the machine."""
+"""A fixed calculation, timed before and after every trial to measure the speed of the machine and its variation."""
 
 from __future__ import annotations
 
@@ -9,11 +9,20 @@ from time import perf_counter, thread_time
 from typing import NamedTuple
 
 _LOOPS = 20
+"""Number of timed runs of the fixed calculation in one measurement."""
 _STEPS = 2000
+"""Number of square roots in the fixed calculation."""
 
 
 def calibrate(clock: Callable[[], float] = perf_counter) -> list[float]:
-    """Return the times [ms] of several runs of the fixed calculation: about 5 ms in all."""
+    """Time several runs of the fixed calculation, about 5 ms in all.
+
+    Args:
+        clock: function that returns the time [s].
+
+    Returns:
+        Time of each run [ms].
+    """
     times_ms = []
     for _ in range(_LOOPS):
         begin = clock()
@@ -25,23 +34,23 @@ def calibrate(clock: Callable[[], float] = perf_counter) -> list[float]:
 
 
 class Speed(NamedTuple):
-    """How fast the machine is now."""
+    """Present speed and load of the machine."""
 
     calibration_ms: float
-    """Time [ms] of the fixed calculation while nobody disturbs: its 10th percentile."""
+    """Time of the undisturbed fixed calculation [ms], estimated by the 10th percentile."""
     busy: float
-    """Wall time over processor time: 1 on an idle machine, 2 where this process gets half a core."""
+    """Wall time over processor time: 1 on an idle machine, 2 if this process gets half a core."""
 
 
 def speed_now(
     seconds: float = 2.0, clock: Callable[[], float] = perf_counter, processor: Callable[[], float] = thread_time
 ) -> Speed:
-    """Measure the machine for ``seconds`` [s]: long enough to see how the system shares its cores.
+    """Measure the speed and the load of the machine.
 
     Args:
-        seconds: how long [s].
-        clock: returns wall time [s].
-        processor: returns the processor time [s] of this thread.
+        seconds: duration of the measurement [s]; 2 s are long enough to see how the system shares its cores.
+        clock: function that returns the wall time [s].
+        processor: function that returns the processor time of this thread [s].
     """
     begin, begin_cpu = clock(), processor()
     times_ms: list[float] = []

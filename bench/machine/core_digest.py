@@ -1,8 +1,8 @@
-"""A digest of the core's code, independent of its prose: it names the core that made a published page.
+"""A digest of the core's code without its prose, which identifies the core that made a published page.
 
-The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name, without docstrings, other
-strings that stand alone, comments and layout, so that an edit of prose outdates no page. Any other change counts, even
-a change without effect on results, such as a renamed variable.
+The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name. Docstrings, other
+stand-alone strings, comments and layout are left out, so that an edit of prose does not change the digest. Any other
+edit changes it, even one without effect on results, such as a renamed variable.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from collections.abc import Mapping
 from bench.machine.source_digest import ROOT
 
 CORE = "stability_core"
+"""Name of the folder of the core."""
 
 
 def digest_of(sources: Mapping[str, str]) -> str:
-    """Return the digest, 12 hexadecimal digits, of sources by their names."""
+    """Return the digest of source texts, given by file name: 12 hexadecimal digits."""
     digest = hashlib.blake2b(digest_size=6)
     for name in sorted(sources):
         digest.update(f"{name}\0{_code(ast.parse(sources[name]))}\0".encode())
@@ -36,7 +37,7 @@ def present_core() -> str:
 
 
 def core_of_commit(commit: str) -> str | None:
-    """Return the digest of a commit's core; None without git, or if git does not have that commit."""
+    """Return the digest of the core in a commit; None without git, or if the repository does not have the commit."""
     try:
         archive = subprocess.run(
             ["git", "archive", commit, CORE], cwd=ROOT, capture_output=True, check=True, timeout=60
@@ -53,7 +54,10 @@ def core_of_commit(commit: str) -> str | None:
 
 
 def _code(part: object) -> str:
-    """Write a syntax tree without prose, identically on every version of Python: empty fields are left out."""
+    """Write a syntax tree without prose.
+
+    Empty fields are left out, because they differ between versions of Python.
+    """
     if isinstance(part, ast.AST):
         fields = [f"{name}={_code(value)}" for name, value in ast.iter_fields(part) if value not in (None, [])]
         return f"{type(part).__name__}({', '.join(fields)})"
@@ -63,7 +67,7 @@ def _code(part: object) -> str:
 
 
 def _is_prose(statement: object) -> bool:
-    """Return whether a statement is a string that stands alone: a docstring, or one below a constant."""
+    """Return whether a statement is only a string: a docstring, or the description below a constant."""
     if not isinstance(statement, ast.Expr) or not isinstance(statement.value, ast.Constant):
         return False
     return isinstance(statement.value.value, str)

@@ -1,4 +1,4 @@
-"""The environment of a run: versions, machine, commit, and each engine's capabilities and profiles."""
+"""The environment of a run: versions, machine, commit, and the capabilities and profiles of each engine."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ _PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
 
 
 def describe(engines: Iterable[str]) -> dict[str, Any]:
-    """Return the environment that all trials of a run share, as plain JSON; it depends on machine and commit only."""
+    """Return the environment that all trials of a run share, as JSON values.
+
+    It depends only on the machine, its packages and the checkout, not on the time.
+    """
     environment = {
         "python": platform.python_version(),
         "platform": platform.platform(),
@@ -51,9 +54,9 @@ def describe_engine(name: str) -> dict[str, Any]:
     """Return version, capabilities and profiles of one engine.
 
     Raises:
-        EngineNotInstalledError: if its package is missing.
+        EngineNotInstalledError: if the engine's package is missing.
     """
-    shown = capabilities(name)  # loads the engine, so that a missing package is reported before its version is read
+    shown = capabilities(name)  # loads the engine, so that a missing package raises EngineNotInstalledError
     return {
         "version": engine_version(name),
         "capabilities": asdict(shown),
@@ -62,7 +65,7 @@ def describe_engine(name: str) -> dict[str, Any]:
 
 
 def session() -> dict[str, Any]:
-    """Return the state of the machine when a run starts or continues; it may differ each time."""
+    """Return the state of the machine at the start or the continuation of a run."""
     return {
         "host": platform.node(),
         "begun": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -74,14 +77,14 @@ def session() -> dict[str, Any]:
 
 
 def allowed_cores() -> set[int]:
-    """Return the cores that this process may run on."""
+    """Return the indices of the cores that this process may run on."""
     if hasattr(os, "sched_getaffinity"):  # Linux only
         return os.sched_getaffinity(0)
     return set(range(os.cpu_count() or 1))
 
 
 def digest(environment: Mapping[str, Any]) -> str:
-    """Return the short digest by which a record names its environment."""
+    """Return the digest that identifies an environment in records: 12 hexadecimal digits."""
     canonical = json.dumps(environment, sort_keys=True).encode()
     return hashlib.blake2b(canonical, digest_size=6).hexdigest()
 
@@ -106,7 +109,7 @@ def _processor() -> str:
 
 
 def _governor() -> str | None:
-    """Return the governor of the processor's frequency; None where the system does not show it."""
+    """Return the frequency governor of the processor; None if the system does not report it."""
     file = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
     return file.read_text(encoding="utf-8").strip() if file.exists() else None
 

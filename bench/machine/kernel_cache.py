@@ -1,7 +1,8 @@
-"""The folder of the core's compiled kernels: one for each version of the core's sources.
+"""The folder of the core's compiled kernels, one for each version of the core's sources.
 
-Numba's cache notices a changed file, but not a changed kernel of another file that was inlined: after an update of the
-checkout, stale kernels would go on deciding. A folder named after all sources prevents that.
+Numba's cache detects a change of the kernel's own file, but not a change of an inlined kernel in another file. After an
+update of the checkout, Numba would therefore use stale kernels. A folder named after the digest of all sources prevents
+this.
 """
 
 from __future__ import annotations
@@ -17,13 +18,16 @@ _CORE = ROOT / "stability_core"
 
 
 def keep_kernels_apart() -> None:
-    """Point Numba to this version's folder, unless the user chose one; call it before Numba is imported."""
+    """Set Numba's cache folder to the folder of this version, unless the user has set one.
+
+    This function must run before Numba is imported.
+    """
     if _VARIABLE in os.environ:
         return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = home / "stillstack" / "kernels" / sources_digest([_CORE])
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:  # a read-only home: compile in each session rather than fail
+    except OSError:  # the home is read-only: use a temporary folder, so that each session compiles
         folder = Path(tempfile.mkdtemp(prefix="stillstack-kernels-"))
     os.environ[_VARIABLE] = str(folder)

@@ -1,4 +1,4 @@
-"""A digest of the sources: the version of the code and of the engines' settings behind a result."""
+"""A digest of the sources, which identifies the code and the engine settings that made a result."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+"""Folder of the checkout."""
 SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters", "reports", "bench"))
-"""Every folder whose code takes part in a trial."""
+"""Folders of the suite's code."""
 PUBLISHED = ROOT / "docs" / "results"
 """Folder of the published studies."""
 
 
 def sources_digest(folders: Iterable[Path]) -> str:
-    """Return the digest of all Python files below ``folders``, and of the engines' profiles: names and content."""
+    """Return the digest of names and content of all Python files and engine profiles below ``folders``."""
     digest = hashlib.blake2b(digest_size=8)
     for folder in folders:
         for path in sorted([*folder.rglob("*.py"), *folder.glob("profiles/*.toml")]):
