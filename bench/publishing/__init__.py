@@ -1,1 +1,1 @@
-"""Publish studies and pages in docs/results, and fill the generated blocks of the documents."""
+"""Publish studies and pages in ``docs/results``, and fill the generated blocks of the documents."""

@@ -1,4 +1,4 @@
-"""The studies published in ``docs/results``, and the command behind each."""
+"""The studies published in ``docs/results``, and the command that runs each of them."""
 
 from __future__ import annotations
 
@@ -11,22 +11,26 @@ from bench.studies.selection import Selection, selected
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Stills that are published as one picture, a row per scene and a column per policy."""
+    """Selection of stills for one published picture with a row per scene and a column per policy."""
 
     engine: str
     profile: str
     scenes: tuple[str, ...]
+    """Ids of the scenes, in the order of the rows."""
 
 
 @dataclass(frozen=True, slots=True)
 class Publication:
-    """A study whose results are published in the folder of its name."""
+    """A study with its selection, whose results are published in a folder of ``docs/results``."""
 
     shows: str
-    """Content, in one line."""
+    """Description of the content, in one line."""
     study: str
+    """Name of the study."""
     selection: Selection = field(default_factory=Selection)
+    """Choices that narrow or change the study."""
     gallery: Gallery | None = None
+    """Picture to publish; None for a publication without stills."""
 
     @property
     def arguments(self) -> list[str]:
@@ -48,7 +52,7 @@ class Publication:
         return shlex.join(["uv", "run", "-m", "bench", "run", *self.arguments])
 
     def resolved(self) -> Study:
-        """Return the study with its selection; raises the errors of ``selected``."""
+        """Return the study with the selection applied; raise the errors of ``selected``."""
         return selected(load_study(self.study), self.selection)
 
 
@@ -146,4 +150,4 @@ PUBLICATIONS: dict[str, Publication] = {
         Selection(engines=("physx", "rapier")),
     ),
 }
-"""Publications by the name of their folder."""
+"""Publications, by the name of their folder."""

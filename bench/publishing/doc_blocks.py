@@ -1,6 +1,6 @@
-"""Generated blocks of the documents, from adapters, scenes and published results.
+"""Generated blocks of the documents, made from adapters, scenes and published results.
 
-``uv run python -m bench.publishing.doc_blocks`` fills them; publishing a study does so, too.
+``uv run python -m bench.publishing.doc_blocks`` fills the blocks, and so does the publication of a study.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ from scenarios.scenario import Scenario
 
 
 def capabilities_block() -> str:
-    """Return the capabilities of the engines, side by side, without a title."""
+    """Return the table of the capabilities of all engines."""
     table = capability_table({name: describe_engine(name) for name in ENGINES})
     return _untitled(table)
 
 
 def profiles_block() -> str:
-    """Return every profile of every engine: its author, and each knob with its reason."""
+    """Return every profile of every engine: its author, its description, and each knob with value and reason."""
     return "\n".join(_engine(name) for name in ENGINES)
 
 
 def headline_block() -> str:
-    """Return the outcomes of the paper's study, with its picture."""
+    """Return the picture and the table of outcomes of the publication ``paper``."""
     gallery = PUBLICATIONS[HEADLINE].gallery
     assert gallery is not None, "the headline has a picture"
     shown = f"Final states on {gallery.engine}: a row a stack, a column a policy"
@@ -54,12 +54,12 @@ def headline_block() -> str:
 
 
 def many_seeds_block() -> str:
-    """Return the number of correct trials with twenty seeds, among those that must stand and those that must fall."""
+    """Return the table of correct trials of the publication ``publish``, whose scenes are run with twenty seeds."""
     return f"{_rows(correctness_table(load(PUBLISHED / 'publish').trials))}{_caveat('publish')}"
 
 
 def pairs_block() -> str:
-    """Return the number of pairs with both outcomes correct in profile `tuned`, by engine and policy."""
+    """Return the table of pairs with both outcomes correct: profile ``tuned``, by engine and policy."""
     tuned = [record for record in _records("truth") if record.profile == "tuned"]
     rows = [row for row in pair_rows(groups_of(tuned)) if row.family == ALL]
     counted = {(row.set_up.engine, row.set_up.policy): right_of_judged(row.success_rates) for row in rows}
@@ -69,7 +69,7 @@ def pairs_block() -> str:
 
 
 def ratios_block() -> str:
-    """Return the frame ratios of the policy ``paper`` with enough pairs: a row per scene and profile."""
+    """Return the table of the frame ratios of policy ``paper`` with enough pairs: a row per scene and profile."""
     groups = [group for name in RATIOS for group in groups_of(_records(name)) if group.key.policy == "paper"]
     estimates = {group.key: paired_ratio(group.measured("frame_ratio")) for group in groups}
     timed = {key: estimate for key, estimate in estimates.items() if estimate is not None}
@@ -84,7 +84,7 @@ def ratios_block() -> str:
 
 
 def results_block() -> str:
-    """Return every published study, its content, and the command behind it."""
+    """Return the table of the published studies: content, trials, command, and differences of a run today."""
     there = {name: one for name, one in PUBLICATIONS.items() if ResultsFolder(PUBLISHED / name).trials_file.exists()}
     rows = tuple(
         (
@@ -100,7 +100,7 @@ def results_block() -> str:
 
 
 def cores_block() -> str:
-    """Return every published page, and the core of its claims."""
+    """Return the table of the published pages, each with the digest of the core that made it."""
     present = present_core()
     rows = tuple((f"[`{name}`]({name})", *_core(page, present)) for name, page in _published_pages())
     return _untitled(Table("", ("Page", "Core", "Claims"), rows))
@@ -114,7 +114,7 @@ def _core(page: Path, present: str) -> tuple[str, str]:
 
 
 def claims_block() -> str:
-    """Return which pages are of an earlier core, in a sentence for documents that quote them."""
+    """Return a sentence that lists the pages made with an earlier core, for documents that quote them."""
     present = present_core()
     earlier = [name for name, page in _published_pages() if warning(core_of(page), present)]
     if not earlier:
@@ -128,13 +128,13 @@ def _published_pages() -> list[tuple[str, Path]]:
 
 
 def _caveat(name: str) -> str:
-    """Return the note below a publication's table if it is of an earlier core; else an empty text."""
+    """Return the note below the table of a publication that an earlier core made; else an empty string."""
     caveat = warning(core_of(PUBLISHED / name / "tables.md"), present_core())
     return f"\n*{caveat}*\n" if caveat else ""
 
 
 def scenes_block() -> str:
-    """Return each default scene in three lines."""
+    """Return each scenario with its description, and the theory and look-for of its default scene."""
     return "\n".join(_scene(name, scenario) for name, scenario in SCENARIOS.items())
 
 
@@ -145,7 +145,7 @@ def _scene(name: str, scenario: Scenario[...]) -> str:
 
 
 def _rows(table: Table) -> str:
-    """Return the table as Markdown without its title and its notes."""
+    """Return the table as Markdown without title and notes."""
     return _untitled(replace(table, notes=()))
 
 
@@ -170,9 +170,9 @@ def _untitled(table: Table) -> str:
 
 
 HEADLINE = "paper"
-"""The publication whose table and picture ``docs/findings.md`` shows."""
+"""Publication whose table and picture ``docs/findings.md`` shows."""
 RATIOS = ("ratio", "publish")
-"""Publications with enough pairs of times for ratios."""
+"""Publications whose frame ratios ``docs/findings.md`` shows."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "headline": ("docs/findings.md", headline_block),
     "ratios": ("docs/findings.md", ratios_block),
@@ -185,14 +185,14 @@ BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "scenes": ("docs/truth.md", scenes_block),
     "profiles": ("docs/profiles.md", profiles_block),
 }
-"""The document of each block, and the function that writes the block."""
+"""Document of each block and function that returns its content, by the name of the block."""
 
 
 def filled(document: str, block: str, content: str) -> str:
-    """Return the document with ``content`` between the two marks of a block.
+    """Return the text ``document`` with ``content`` between the begin and end marks of a block.
 
     Raises:
-        ValueError: if the document has no such marks.
+        ValueError: if the document has no marks of this block.
     """
     marks = re.compile(rf"(<!-- begin {block}\b[^>]*-->\n).*?(<!-- end {block} -->)", re.DOTALL)
     if not marks.search(document):
@@ -201,7 +201,7 @@ def filled(document: str, block: str, content: str) -> str:
 
 
 def main() -> None:
-    """Fill every block."""
+    """Write the present content of every block into its document."""
     for block, (name, write) in BLOCKS.items():
         path = ROOT / name
         path.write_text(filled(path.read_text(encoding="utf-8"), block, write()), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What a published folder holds, and where the study or the profiles of today differ from it."""
+"""The content of a published folder, and its differences from a run of the same publication today."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from bench.studies.plan import plan_trials
 from reports.records.folder import ResultsFolder, published_rows
 
 _MOST_NAMES = 7
-"""Most names that are listed; of more only their number is given."""
+"""Greatest number of names that are listed; for more names, only their number is given."""
 _SETTINGS = ("substeps", "frame_s")
+"""Settings of a profile besides its knobs."""
 
 
 def holdings(folder: Path) -> str:
@@ -26,9 +27,10 @@ def holdings(folder: Path) -> str:
 
 
 def differences(folder: Path, publication: Publication) -> str:
-    """Return what a run today would add or do otherwise, in one line; empty if nothing.
+    """Describe in one line how a run today would differ from a published folder; empty if it would not.
 
-    Trials are compared by their ids, and profiles by the settings in the folder's environment.
+    Trials are compared by their ids. Profiles are compared by their settings, as the environment file of the folder
+    records them.
     """
     results = ResultsFolder(folder)
     rows = list(published_rows(results.trials_file))
@@ -52,7 +54,7 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _has_changed(engines: Mapping[str, Any], engine: str, profile: str) -> bool:
-    """Return whether a profile has other settings now than in the environment of the run."""
+    """Return whether the settings of a profile differ from those recorded in the environment of the run."""
     then = engines.get(engine, {}).get("profiles", {}).get(profile)
     now = describe_engine(engine)["profiles"].get(profile)
     return then is not None and (now is None or _settings(then) != _settings(now))

@@ -1,13 +1,13 @@
-"""Measure how much of a leaning tower is still in one piece when it strikes the ground.
+"""Measure how many planks of a falling leaning tower keep their pose on the plank below.
 
-    uv run python -m bench.publishing.kept_pose
+``uv run python -m bench.publishing.kept_pose`` writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each
+fall beside it.
 
-writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each fall beside it.
-
-A real leaning tower turns about the edge of its lowest plank and stays whole until it hits the ground. From the frame
-before the core unfreezes it to the first frame in which a falling plank touches the ground, a plank keeps its pose if,
-relative to the plank below it, it has moved by less than half a thickness and turned by less than 5 degrees. The lowest
-plank does not fall, and the second turns on it: neither is counted.
+A real leaning tower turns about the edge of its lowest plank and does not break up before it hits the ground. The fall
+is measured from the frame before the core unfreezes the tower to the first frame in which a falling plank touches the
+ground. A plank keeps its pose if, relative to the plank below, it has moved by less than half a thickness and turned by
+less than 5 degrees. The lowest plank is not counted, because it does not fall, nor the second, because it turns on the
+lowest.
 """
 
 from __future__ import annotations
@@ -28,27 +28,34 @@ from scenarios.planks import LENGTH, THICKNESS
 from scenarios.registry import build
 
 ENGINES = ("bullet", "mujoco", "dart")
+"""Engines of the measured falls."""
 POLICIES = ("paper", "equilibrium")
+"""Policies of the measured falls."""
 FOLDER = PUBLISHED / "equilibrium"
+"""Folder of the page and its pictures."""
 MOVED = THICKNESS / 2
+"""Displacement relative to the plank below [m] from which a plank has lost its pose."""
 TURNED = np.radians(5.0)
+"""Rotation relative to the plank below [rad] from which a plank has lost its pose."""
 STRUCK = 1e-3
-"""Distance of a corner from the ground [m] at which it has struck it: less than the fall of one frame."""
+"""Height of a corner above the ground [m] below which it touches the ground; less than the fall of one frame."""
 
 
 @dataclass(frozen=True)
 class Fall:
-    """One tower, from its release to the ground."""
+    """Poses of one tower from its release to its first touch of the ground."""
 
     poses: list[tuple[FloatArray, FloatArray]]
-    """Positions (n, 3) [m] and quaternions (n, 4), by frame; the first is the last frame before the release."""
+    """Positions (n, 3) [m] and quaternions (n, 4) [w, x, y, z] of n planks per frame, from the frame before the
+    release."""
     frame_s: float
+    """Length of a frame [s]."""
     woken: int
     """Number of planks that the core unfroze in the frame of the release."""
 
     @property
     def kept(self) -> BoolArray:
-        """Mask of the planks from the third on that keep their pose on the plank below, shape (n - 2,)."""
+        """Mask of the planks that keep their pose on the plank below, from the third plank on, shape (n - 2,)."""
         begin, end = (seen_from_below(*self.poses[frame]) for frame in (0, -1))
         moved = np.linalg.norm(end[0] - begin[0], axis=1)
         cosine = ((np.einsum("nij,nij->n", begin[1], end[1])) - 1) / 2
@@ -57,20 +64,28 @@ class Fall:
 
     @property
     def tilt(self) -> float:
-        """Angle [rad] by which the top plank has turned about y at the end."""
+        """Rotation of the top plank about y in the last frame [rad]."""
         w, x, y, z = self.poses[-1][1][-1]
         return float(abs(np.arctan2(2 * (w * y - z * x), 1 - 2 * (x * x + y * y))))
 
 
 def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return positions (n - 1, 3) and rotations (n - 1, 3, 3) of all upper planks, relative to the plank below."""
+    """Return the poses of all planks but the lowest, in the frame of reference of the plank below.
+
+    Args:
+        position: positions of n planks from bottom to top [m], shape (n, 3), world frame.
+        quaternion: their quaternions [w, x, y, z], shape (n, 4).
+
+    Returns:
+        Positions [m], shape (n - 1, 3), and rotation matrices, shape (n - 1, 3, 3).
+    """
     axes = rotation(quaternion)
     below = np.swapaxes(axes[:-1], 1, 2)
     return np.einsum("nij,nj->ni", below, np.diff(position, axis=0)), below @ axes[1:]
 
 
 def watch_fall(engine: str, policy: str) -> Fall:
-    """Build a leaning tower until it falls, and return the poses of the fall."""
+    """Build a leaning tower until it falls, and return its fall."""
     scene = build("leaning_tower")
     simulation = open_engine(engine, "game", world=scene.world, sleeping="off", expected=scene.bricks)
     poses: list[tuple[FloatArray, FloatArray]] = []
@@ -95,7 +110,7 @@ def watch_fall(engine: str, policy: str) -> Fall:
 
 
 def table(falls: dict[tuple[str, str], Fall]) -> str:
-    """Return the results as a page."""
+    """Return the page with the results, as Markdown."""
     lines = [
         "# How a leaning tower falls",
         "",
@@ -116,7 +131,7 @@ def table(falls: dict[tuple[str, str], Fall]) -> str:
 
 
 def picture(fall: Fall) -> str:
-    """Return the side view (x to the right, z up) at the release, half-way and at the ground, as SVG."""
+    """Draw the tower at the release, half-way and at the end of the fall, as SVG: side view, x to the right, z up."""
     moments = [0, len(fall.poses) // 2, len(fall.poses) - 1]
     pitch, height = 3.2 * LENGTH, 1.2 * LENGTH
     scale = 2000
@@ -140,7 +155,7 @@ def picture(fall: Fall) -> str:
 
 
 def main() -> None:
-    """Play every fall and write the page with its pictures."""
+    """Simulate every fall and write the page with its pictures."""
     core = present_core()
     falls = {(engine, policy): watch_fall(engine, policy) for engine in ENGINES for policy in POLICIES}
     write_page(FOLDER / "kept_pose.md", table(falls), core)

@@ -1,7 +1,8 @@
-"""Marks on published pages: the core that made a page, and a banner on top if that is not the present core.
+"""Marks on published pages: the digest of the core that made a page, and a banner if that is not the present core.
 
-Each page below ``docs/results`` ends with a line ``core: DIGEST``, written together with its numbers and never changed
-afterwards. The banner follows from it; ``uv run python -m bench.publishing --mark`` renews all banners.
+Each page below ``docs/results`` ends with a line ``core: DIGEST``, which is written together with its numbers and never
+changed afterwards. The banner at the top depends on that digest; ``uv run python -m bench.publishing --mark`` renews
+all banners.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, REPORT, ResultsFolder, published_rows
 
 UNKNOWN = "unknown"
-"""Replaces the digest on a page that was made before digests were recorded and whose commit is unknown."""
+"""Text in place of the digest on a page that was made before digests were recorded and whose commit is unknown."""
 NOT_USED = "not used"
-"""Replaces the digest on a page of engines alone, which does not use the core."""
+"""Text in place of the digest on a page of engines alone, which does not use the core."""
 _FOOTER = re.compile(rf"\n*^core: ([0-9a-f]{{12}}|{UNKNOWN}|{NOT_USED})\n*\Z", re.MULTILINE)
 _BANNER = re.compile(r"\A> \*\*Made with an earlier core[^\n]*\n\n?")
 _TABLES = "tables.md"
@@ -30,23 +31,24 @@ class MarkError(ValueError):
 
 
 def pages(folder: Path) -> Iterator[Path]:
-    """Yield every published page below ``docs/results``, sorted.
+    """Yield every published page below ``folder``, sorted by path.
 
-    The README there lists the pages, and a report that was built there is not published.
+    Files directly in ``folder``, such as the README that lists the pages, are not published pages. Nor are reports that
+    were built there.
     """
     return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder and path.parent.name != REPORT)
 
 
 def signed(text: str, core: str) -> str:
-    """Return a page with the line that names its core at the end."""
+    """Return the text of a page with the line ``core: DIGEST`` at its end."""
     return f"{_FOOTER.sub('', text).rstrip()}\n\ncore: {core}\n"
 
 
 def core_of(page: Path) -> str:
-    """Return the digest of the core that made a page, ``UNKNOWN`` or ``NOT_USED``.
+    """Return the digest of the core that made a page, or ``UNKNOWN`` or ``NOT_USED``.
 
     Raises:
-        MarkError: if the page has no such line.
+        MarkError: if the page does not end with the line ``core: DIGEST``.
     """
     found = _FOOTER.search(page.read_text(encoding="utf-8"))
     if found is None:
@@ -55,7 +57,12 @@ def core_of(page: Path) -> str:
 
 
 def warning(core: str, present: str) -> str:
-    """Return the caveat for a page of ``core``; empty if it holds for the present core."""
+    """Return the caveat for a page that ``core`` made; empty if the page needs none.
+
+    Args:
+        core: digest of the core that made the page, or ``UNKNOWN`` or ``NOT_USED``.
+        present: digest of the present core.
+    """
     if core in {present, NOT_USED}:
         return ""
     digest = "digest unknown" if core == UNKNOWN else f"digest `{core}`"
@@ -63,20 +70,26 @@ def warning(core: str, present: str) -> str:
 
 
 def marked(text: str, core: str, present: str) -> str:
-    """Return a page with the line that names its core, and the banner that its core requires."""
+    """Return the text of a page with the line ``core: DIGEST`` at its end, and the banner if it needs one."""
     caveat = warning(core, present)
     banner = f"> **{caveat}**\n\n" if caveat else ""
     return banner + signed(_BANNER.sub("", text), core)
 
 
 def write_page(page: Path, text: str, core: str) -> None:
-    """Write a page that was made with ``core``: the digest at the start, because the code may change meanwhile."""
+    """Write a page with its marks.
+
+    Args:
+        page: path of the page.
+        text: content of the page as Markdown.
+        core: digest of the core when the computation began, because the code may change meanwhile.
+    """
     page.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(page, marked(text, core, present_core()).encode())
 
 
 def mark(page: Path, present: str | None = None) -> None:
-    """Renew a page's banner; add the line with the core to a page without it, as far as its core is known."""
+    """Renew the banner of a page; add the line ``core: DIGEST`` to a page without it."""
     text = page.read_text(encoding="utf-8")
     found = _FOOTER.search(text)
     core = found[1] if found else _recorded_core(page)
@@ -84,7 +97,7 @@ def mark(page: Path, present: str | None = None) -> None:
 
 
 def mark_all(folder: Path) -> int:
-    """Renew the banners of all pages; return the number of pages of an earlier core."""
+    """Renew the banners of all pages; return the number of pages that an earlier core made."""
     present, earlier = present_core(), 0
     for page in pages(folder):
         mark(page, present)
@@ -93,7 +106,10 @@ def mark_all(folder: Path) -> int:
 
 
 def _recorded_core(page: Path) -> str:
-    """Return the core recorded by the run of a study, or the core of the commit that it names."""
+    """Return the digest of the core for a page without the line ``core: DIGEST``, from its environment file.
+
+    The environment file records the digest or at least the commit; without the file the result is ``UNKNOWN``.
+    """
     if page.name != _TABLES or not (page.parent / ENVIRONMENT).exists():
         return UNKNOWN
     if not is_of_core(page.parent):

@@ -1,10 +1,10 @@
 """``uv run python -m bench.publishing NAME [DIR]``: publish a study in ``docs/results/NAME``.
 
 Without DIR the study is run first, into ``results/published-NAME``, where an interrupted run continues. Tables, figures
-and trials are then copied, and the generated blocks of the documents filled, so that they agree with the tables.
+and trials are then copied, and the generated blocks of the documents are filled, so that they agree with the tables.
 
-``uv run python -m bench.publishing --mark`` runs nothing: it marks the pages of an earlier core, and fills those
-blocks.
+``uv run python -m bench.publishing --mark`` runs no study: it marks the pages that an earlier core made, and fills the
+generated blocks.
 """
 
 from __future__ import annotations
@@ -37,26 +37,29 @@ from reports.statistics.groups import groups_of
 from scenarios.lookup import UnknownNameError, look_up
 
 PICTURE = "stills.png"
+"""File name of the published picture of stills."""
 FIGURE = "figure.svg"
+"""File name of the published figure."""
 _FIGURES = ("cost.svg", "figures/pairs.svg", "figures/speed.svg")
-"""Candidates for the published figure of a report, unless there is a picture: the first that exists."""
+"""Candidates for the figure of a publication without a picture; the first that the report contains is published."""
 _EARLIER = ("trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg", "figures")
-"""Files published before trials were kept as Parquet; "bench report" makes them from the published folder."""
+"""Files of earlier versions, which are removed because "bench report" makes them from the published folder."""
 _STILL_PIXELS, _PICTURE_DPI = 480, 120
+"""Edge of a still [pixels], and resolution of the picture [dots per inch]."""
 
 
 class PublishError(ValueError):
-    """Results that are not fit to be published; the message names the fix."""
+    """Results that cannot be published; the message names the reason and the fix."""
 
 
 def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
-    """Copy the published part of a results folder and its report into ``to / name``; return that folder.
+    """Copy the published part of a results folder and its report into ``to / name``; return ``to / name``.
 
     Raises:
-        UnknownNameError: if there is no publication of that name.
-        PublishError: if the folder holds another study, an incomplete study, or a study of changed sources.
-        RecordError: if its records cannot be read.
-        StillsError: if a picture is required and cannot be drawn.
+        UnknownNameError: if there is no publication with this name.
+        PublishError: if the folder contains another study, lacks trials, or was made with uncommitted sources.
+        RecordError: if the records cannot be read.
+        StillsError: if the publication has a picture that cannot be drawn.
     """
     publication, records = look_up("publication", name, PUBLICATIONS), read_records(folder / TRIALS)
     _check(publication, folder, records)
@@ -79,7 +82,7 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
 
 def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:
     if not load_study(str(folder / STUDY)).has_same_plan(publication.resolved()):
-        raise PublishError(f"{folder} holds another study: run {publication.command}")
+        raise PublishError(f"{folder} contains another study: run {publication.command}")
     missing = missing_trials(folder, records)
     if missing:
         raise PublishError(f"{folder} lacks {len(missing)} trials: run {publication.command} --out {folder}")
@@ -88,11 +91,11 @@ def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord
 
 def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
-        raise PublishError(f"{where}: its sources are in no commit; commit them, and run the study again")
+        raise PublishError(f"{where}: the sources are not committed; commit them, and run the study again")
 
 
 def _remove_earlier(target: Path) -> None:
-    """Remove the files of an earlier version, and the figure."""
+    """Remove the files of earlier versions, the figure and the picture."""
     for name in (*_EARLIER, FIGURE, PICTURE):
         if (target / name).is_dir():
             shutil.rmtree(target / name)
@@ -101,14 +104,14 @@ def _remove_earlier(target: Path) -> None:
 
 
 def _copy_figure(report: Path, target: Path) -> None:
-    """Copy the figure that summarises a study; "bench report" makes the others."""
+    """Copy the first existing figure of ``_FIGURES`` from a report to ``target``, if any."""
     figure = next((report / name for name in _FIGURES if (report / name).exists()), None)
     if figure is not None:
         shutil.copyfile(figure, target)
 
 
 def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], picture: Path) -> None:
-    """Draw the picture of some stills."""
+    """Draw the stills of ``gallery`` into one picture."""
     wanted = (gallery.engine, gallery.profile)
     stacks = [
         read_stack(folder, those)
@@ -124,12 +127,12 @@ def _draw(gallery: Gallery, folder: Path, records: Sequence[TrialRecord], pictur
 
 def main(
     name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(PUBLICATIONS)}.")] = None,
-    folder: Annotated[Path | None, typer.Argument(metavar="[DIR]", help="A results folder of it.")] = None,
-    is_mark: Annotated[bool, typer.Option("--mark", help="Only mark the pages of an earlier core.")] = False,
+    folder: Annotated[Path | None, typer.Argument(metavar="[DIR]", help="A results folder of this study.")] = None,
+    is_mark: Annotated[bool, typer.Option("--mark", help="Only mark the pages that an earlier core made.")] = False,
 ) -> None:
-    """Publish a study in docs/results, and run it first unless a results folder is given."""
+    """Publish a study in docs/results; without a results folder, run the study first."""
     if is_mark == (name is not None):
-        raise typer.BadParameter("give the name of a publication, or --mark alone")
+        raise typer.BadParameter("give either the name of a publication, or --mark alone")
     if name is None:
         earlier = mark_all(PUBLISHED)
         doc_blocks.main()
@@ -152,7 +155,7 @@ def main(
 
 
 def _bench(*arguments: str) -> None:
-    """Run the command line in a process of its own, without its tables."""
+    """Run a command of the suite in its own process, with its tables discarded."""
     done = subprocess.run([sys.executable, "-m", "bench", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
     if done.returncode:
         raise typer.Exit(done.returncode)

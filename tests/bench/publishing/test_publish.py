@@ -82,7 +82,7 @@ def test_either_a_name_or_a_mark_is_asked_for(arguments: list[str]) -> None:
     app.command()(main)
     text = CliRunner().invoke(app, arguments)
     assert text.exit_code == 2
-    assert "give the name of a publication, or --mark alone" in " ".join(text.output.split())
+    assert "give either the name of a publication, or --mark alone" in " ".join(text.output.split())
 
 
 def test_figures_of_before_are_gone_and_what_others_published_stays(run, tmp_path) -> None:
@@ -108,12 +108,12 @@ def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) ->
 @pytest.mark.parametrize("changed", [{"modified": True}, {"commit": None}])
 def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
     write_environment(run, **changed)
-    with pytest.raises(PublishError, match="its sources are in no commit; commit them"):
+    with pytest.raises(PublishError, match="the sources are not committed; commit them"):
         publish("made-up", run, tmp_path / "docs")
 
 
 def test_another_study_and_an_unknown_name_are_refused(run, tmp_path) -> None:
-    with pytest.raises(PublishError, match="holds another study: run uv run -m bench run ratio --engine physx"):
+    with pytest.raises(PublishError, match="contains another study: run uv run -m bench run ratio --engine physx"):
         publish("ratio", run, tmp_path / "docs")
     with pytest.raises(UnknownNameError, match="did you mean 'paper'"):
         publish("papper", run, tmp_path / "docs")
