@@ -13,6 +13,7 @@ from hypothesis import settings
 from pytest_benchmark.utils import get_tag
 
 import bench  # noqa: F401 - chooses where kernels are cached, before a test imports the core
+import tests.bytecode  # noqa: F401 - before the first long import
 from adapters import ENGINES, EngineNotInstalledError, check_installed
 from adapters.engines import WasmEntry
 from bench.compare.benchmarks import FORMAT
