@@ -12,8 +12,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bench.studies.plan import plan_trials
-from bench.studies.schema import load_study
 from scenarios.model import CLEARANCE, Place, Pull, Remove
 from scenarios.placement_noise import with_placement_noise
 from scenarios.registry import build
@@ -21,9 +19,9 @@ from scenarios.scenes.random_tower import falls_at, middles_of
 from scenarios.statics.contact_patch import contact_patches
 from scenarios.statics.truth import equilibrium, first_fall
 from tests.scenarios.statics.load_bearing import UNLOADED, first_fall_by_load
+from tests.scenarios.studied import studied_scenes
 
-STUDY = load_study("truth")
-SCENES = {scene.variant: scene for scene in (build(trial.scenario, **trial.parameters) for trial in plan_trials(STUDY))}
+SCENES = studied_scenes("truth")
 STATIC = {
     name: scene for name, scene in SCENES.items() if all(isinstance(action, Place | Remove) for action in scene.actions)
 }

@@ -6,17 +6,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from bench.studies.plan import plan_trials
-from bench.studies.schema import load_study
 from scenarios.model import Brick, Place, Pull, Push, Scene, World
-from scenarios.registry import build
 from scenarios.statics.second_opinion import agreed_verdict
 from tests.scenarios.statics.masonry import TABLE, overhang
+from tests.scenarios.studied import studied_scenes
 
-SCENES = {
-    scene.variant: scene
-    for scene in (build(trial.scenario, **trial.parameters) for trial in plan_trials(load_study("truth")))
-}
+SCENES = studied_scenes("truth")
 QUICK = [name for name, scene in SCENES.items() if len(scene.bricks) < 8]
 STRUCK = {"pushed_plank", "dropped_plank"}
 """Families whose outcome a blow decides, of which statics says nothing: the stack itself stands."""

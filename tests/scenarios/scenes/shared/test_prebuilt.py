@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from bench.studies.plan import plan_trials
-from bench.studies.schema import load_study
 from reports.statistics.pairs import are_opposed
 from scenarios.geometry import Boxes, height_above_ground
 from scenarios.model import Place, Remove
@@ -18,11 +16,9 @@ from scenarios.statics.contact_patch import contact_patches
 from scenarios.statics.falling import fall_time
 from scenarios.statics.truth import equilibrium, first_fall
 from tests.scenarios.statics.load_bearing import UNLOADED, first_fall_by_load
+from tests.scenarios.studied import studied_scenes
 
-SCENES = {
-    scene.variant: scene
-    for scene in (build(trial.scenario, **trial.parameters) for trial in plan_trials(load_study("at_once")))
-}
+SCENES = studied_scenes("at_once")
 AT_ONCE = {name: scene for name, scene in SCENES.items() if scene.expectation.within_s is not None}
 LATER = {name: scene for name, scene in SCENES.items() if name not in AT_ONCE}
 QUICK = sorted(name for name, scene in SCENES.items() if len(scene.bricks) < 8)
