@@ -1,10 +1,10 @@
-"""Contact points of the start of a substep, carried along with the bodies to its end.
+"""Contact points at the start of a substep, moved with the bodies to the end of the substep.
 
-With the pose (x, q) of a body before the substep and (x', q') after it, a point p on the body comes to
+With the pose (x, q) of a body before the substep and (x', q') after it, a point p on the body moves to
 
     p' = x' + r (p - x),   r = q' q^-1 as a rotation,
 
-and the normal turns with body a. The separation is measured there: (p_b' - p_a') . n'.
+and the normal n turns to n' with body a. The separation at the end of the substep is (p_b' - p_a') . n'.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ def carried(
     """Return points midway between both bodies (n, 3) [m], normals (n, 3) and separations (n,) [m] after a substep.
 
     Args:
-        rows: contact points as they were before it: bodies a and b, points on a and b, normal, shape (n, 14).
-        bodies: ids of the bodies that may move, rising, shape (m,); all others stay where they are.
-        before: their states before the substep, shape (m, 13).
-        after: their states after it, shape (m, 13); the same array as ``before`` leaves all points where they are.
+        rows: contact points before the substep: bodies a and b, points on a and b, normal, and force, shape (n, 14).
+        bodies: ids of the bodies that may move, in rising order, shape (m,); all other bodies are at rest.
+        before: states of ``bodies`` before the substep, shape (m, 13).
+        after: states of ``bodies`` after the substep, shape (m, 13). If it equals ``before``, no point moves.
     """
     points, normals, separations = np.empty((len(rows), 3)), np.empty((len(rows), 3)), np.empty(len(rows))
     _carry(rows, bodies, before, after, points, normals, separations)
@@ -33,7 +33,15 @@ def carried(
 
 @numba.njit("void(float64[:], float64[:], float64[:], float64[:], float64[:])", cache=True)
 def _turned(first: FloatArray, second: FloatArray, vector: FloatArray, center: FloatArray, out: FloatArray) -> None:
-    """Write into ``out`` a vector from ``center``, turned as a body that turned from quaternion first to second."""
+    """Write into ``out`` the offset of a point from ``center``, turned from the orientation ``first`` to ``second``.
+
+    Args:
+        first: quaternion before the turn, shape (4,).
+        second: quaternion after the turn, shape (4,).
+        vector: the point, shape (3,).
+        center: centre of the turn, shape (3,).
+        out: output, shape (3,).
+    """
     w = second[0] * first[0] + second[1] * first[1] + second[2] * first[2] + second[3] * first[3]
     x = -second[0] * first[1] + second[1] * first[0] - second[2] * first[3] + second[3] * first[2]
     y = -second[0] * first[2] + second[1] * first[3] + second[2] * first[0] - second[3] * first[1]
@@ -57,7 +65,7 @@ def _carry(
     normals: FloatArray,
     separations: FloatArray,
 ) -> None:
-    """Write points, normals and separations."""
+    """Write the results of ``carried`` into ``points``, ``normals`` and ``separations``."""
     origin, on, turned = np.zeros(3), np.empty((2, 3)), np.empty(3)
     for row in range(len(rows)):
         normal = rows[row, 8:11].copy()

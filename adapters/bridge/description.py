@@ -1,4 +1,4 @@
-"""An engine's description in its hello: name, version, capabilities, and when it detects contacts."""
+"""An engine's description in its hello message: name, version, capabilities, and the time of its contacts."""
 
 from __future__ import annotations
 
@@ -11,33 +11,36 @@ from adapters.bridge.messages import PROTOCOL
 from adapters.profile import Capabilities
 
 Detection = Literal["start", "end"]
-"""Time of the poses behind contact points: the start of the latest substep, or its end."""
+"""Time of the poses at which contact points are detected: the start of the latest substep, or its end."""
 
 _UNLESS_SAID = {"relative_velocity": "from the velocities before the step", "frozen_contacts": False}
 
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """An engine behind the bridge."""
+    """Description of an engine behind the bridge."""
 
     engine: str
     version: str
     capabilities: Capabilities
     contacts_at: Detection
     iterations: str = ""
-    """Name of the knob for the solver's iterations; empty if there is none."""
+    """Name of the knob for the solver's iterations; empty if the engine has no such knob."""
     solver_noise: float = 0.0
-    """Speed [m/s] at which bodies at rest tremble."""
+    """Speed [m/s] of the vibration of bodies at rest."""
 
 
 def described(hello: Mapping[str, Any]) -> Description:
-    """Return the description in a hello.
+    """Return the description in a hello message.
 
     Raises:
-        ProtocolError: if the protocol is another, or something is missing or unknown; the message names it.
+        ProtocolError: if the protocol has another version, or an entry is missing or unknown; the message names it.
     """
     if hello.get("protocol") != PROTOCOL:
-        raise ProtocolError(f"the engine speaks protocol {hello.get('protocol')!r}, this suite speaks {PROTOCOL}")
+        raise ProtocolError(
+            f"hello: 'protocol' must be {PROTOCOL}, got {hello.get('protocol')!r}; "
+            f"let the engine answer by version {PROTOCOL} of docs/bridge.md"
+        )
     return Description(
         _text(hello, "engine"),
         _text(hello, "version"),
@@ -53,7 +56,7 @@ def _detection(said: object) -> Detection:
         return "start"
     if said == "end":
         return "end"
-    raise ProtocolError(f"hello: 'contacts_at' must be 'start' or 'end' of a substep, got {said!r}")
+    raise ProtocolError(f"hello: 'contacts_at' must be 'start' or 'end' (of a substep), got {said!r}")
 
 
 def _capabilities(said: Any) -> Capabilities:
@@ -63,24 +66,24 @@ def _capabilities(said: Any) -> Capabilities:
     known = {field.name: field for field in fields(Capabilities)}
     for name, value in said.items():
         if name not in known:
-            raise ProtocolError(f"hello: unknown capability '{name}'; there are {', '.join(known)}")
+            raise ProtocolError(f"hello: unknown capability '{name}'; use these: {', '.join(known)}")
         wanted = bool if known[name].type in ("bool", bool) else str
         if type(value) is not wanted:
             raise ProtocolError(f"hello: capability '{name}' must be a {wanted.__name__}, got {value!r}")
     for name, field in known.items():
         if name not in said and field.default is MISSING:
-            raise ProtocolError(f"hello: capability '{name}' is missing; docs/bridge.md says what it means")
+            raise ProtocolError(f"hello: capability '{name}' is missing; add it as docs/bridge.md describes")
     return Capabilities(**said)
 
 
 def _text(hello: Mapping[str, Any], key: str) -> str:
     text = hello.get(key)
     if not (isinstance(text, str) and text.strip()):
-        raise ProtocolError(f"hello: '{key}' must be a text, got {text!r}")
+        raise ProtocolError(f"hello: '{key}' must be a text that is not empty, got {text!r}")
     return text
 
 
 def _noise(speed: object) -> float:
     if not (isinstance(speed, (int, float)) and 0.0 <= speed < 1.0):
-        raise ProtocolError(f"hello: 'solver_noise' must be a speed [m/s] from 0, got {speed!r}")
+        raise ProtocolError(f"hello: 'solver_noise' must be a speed [m/s] of at least 0 and less than 1, got {speed!r}")
     return float(speed)

@@ -1,4 +1,4 @@
-"""Errors of an engine in a separate process, each with the status of a trial that it ends."""
+"""Errors of an engine in a separate process, each with the status of the trial that the error ends."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from typing import ClassVar, Literal
 
 
 class PeerError(RuntimeError):
-    """The engine reports that it failed, or it cannot be started."""
+    """An engine reports a failure, or cannot be started."""
 
     status: ClassVar[Literal["error", "crashed", "timeout"]] = "error"
-    """Status of a trial that ends by this error."""
+    """Status of a trial that ends with this error."""
 
 
 class ProtocolError(PeerError):
-    """The engine breaks the protocol of the bridge; the message says what came, and what must come."""
+    """An engine breaks the protocol of the bridge; the message states the received and the required content."""
 
 
 class PeerExitError(PeerError):
-    """The engine's process ended; the message has its exit status and its last line on stderr."""
+    """An engine's process ended; the message contains its exit status and its last line on stderr."""
 
     status = "crashed"
 
 
 class PeerTimeoutError(PeerError):
-    """The engine does not answer; its process was killed."""
+    """An engine did not answer in time, and its process was killed."""
 
     status = "timeout"

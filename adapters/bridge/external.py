@@ -1,11 +1,11 @@
-"""Engines outside this repository: behind the bridge, as an engines.toml lists them, or classes of other packages.
+"""Engines outside this repository: engines behind the bridge, listed in an engines.toml, and classes of other packages.
 
-A file of engines has a table for each::
+A file of engines has a table for each engine::
 
     [NAME]
     command = ["program", "argument"]     # started in the folder of this file
-    profiles = "NAME.toml"                # settings, as adapters/profile_files.py reads them; left out: one profile
-    timeout_s = 60                        # time in which each question is answered
+    profiles = "NAME.toml"                # settings, in the layout of adapters/profile_files.py; default: one profile
+    timeout_s = 60                        # time limit [s] for the answer to each message
 
 A package offers an adapter, a subclass of ``adapters.base.Simulation``, as an entry point of ``ENTRY_POINTS``.
 """
@@ -30,34 +30,34 @@ from adapters.profile import AS_SHIPPED, Profile
 from adapters.profile_files import EngineSettings, load_settings
 
 ENTRY_POINTS = "stillstack.engines"
-"""Group of the entry points by which packages offer their engines."""
+"""Group of the entry points with which packages offer their engines."""
 FILE_VARIABLE = "STILLSTACK_ENGINES"
 """Environment variable that names a file of engines."""
 DEFAULT_FILE = Path("engines.toml")
-"""File of engines, in the working directory, that is read if the variable names none."""
+"""File of engines in the working directory, read if ``FILE_VARIABLE`` is not set."""
 
 _KEYS = ("command", "profiles", "timeout_s")
 _BUILT_IN = frozenset(ENGINES)
 
 
 class EnginesFileError(ValueError):
-    """A file of engines is wrong; the message names the file, the entry and the fix."""
+    """A file of engines is invalid; the message names the file, the entry and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExternalEntry:
-    """An engine behind the bridge."""
+    """Entry of an engine behind the bridge."""
 
     name: str
-    """Its name in this suite."""
+    """Name of the engine in this suite."""
     command: tuple[str, ...]
     folder: Path
-    """Working directory of its process."""
+    """Working directory of the engine's process."""
     profiles: Path | None = None
-    """File of settings."""
+    """File of the engine's profiles; None for one profile without knobs."""
     timeout_s: float = SILENCE_S
     source: str = "--bridge"
-    """File of the entry, for error messages."""
+    """File and table of the entry, for error messages."""
 
     @property
     def module(self) -> str:
@@ -67,28 +67,28 @@ class ExternalEntry:
     @property
     def remedy(self) -> str:
         """The fix if the engine cannot be loaded."""
-        return f"its command is {list(self.command)}, from {self.source}"
+        return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:
         """Return the version that the engine reports."""
         return _describe(self).version
 
     def load(self) -> type[BridgeSimulation]:
-        """Return a class for the engine.
+        """Return the class of the engine.
 
         Raises:
-            PeerError: if the engine does not say a valid hello.
-            ProfileFileError: if there is something wrong in its file of settings.
+            PeerError: if the engine cannot be started, or its hello message is not valid.
+            ProfileFileError: if its file of profiles is invalid.
         """
         return _class_of(self)
 
 
 def register_command(command: Sequence[str], profiles: Path | None) -> str:
-    """Add the engine that a command starts to ``ENGINES``, under the name that it gives itself; return the name.
+    """Add the engine that a command starts to ``ENGINES``, under the name in its hello message; return the name.
 
     Raises:
-        EnginesFileError: if this suite has an engine of that name.
-        PeerError: if it cannot be started, or does not say a valid hello.
+        EnginesFileError: if this suite already has an engine of that name.
+        PeerError: if the engine cannot be started, or its hello message is not valid.
     """
     entry = ExternalEntry("", tuple(command), Path.cwd(), profiles.absolute() if profiles else None)
     name = describe(entry).engine
@@ -97,10 +97,10 @@ def register_command(command: Sequence[str], profiles: Path | None) -> str:
 
 
 def register_external() -> None:
-    """Add the engines of the file and of the entry points to ``ENGINES``; no engine is started or imported.
+    """Add the engines of the file and of the entry points to ``ENGINES``, without starting or importing them.
 
     Raises:
-        EnginesFileError: if something in the file is wrong, or an engine has a name that this suite has.
+        EnginesFileError: if the file is invalid, or this suite already has an engine of the same name.
     """
     for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
         package = point.dist.name if point.dist else point.module
@@ -113,27 +113,27 @@ def register_external() -> None:
 
 
 def read_engines(path: Path) -> Mapping[str, ExternalEntry]:
-    """Return the engines of a file.
+    """Return the engines of a file, by name.
 
     Raises:
-        EnginesFileError: if it is missing, or something in it is wrong.
+        EnginesFileError: if the file is missing or invalid.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise EnginesFileError(
-            f"{path}: cannot be read ({error}); {FILE_VARIABLE} names the file of engines"
+            f"{path}: cannot be read ({error}); set {FILE_VARIABLE} to the path of a file of engines"
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise EnginesFileError(f"{path}: not TOML: {error}") from error
+        raise EnginesFileError(f"{path}: not TOML: {error}; correct the file at this place") from error
     return {name: _entry(path, name, table) for name, table in content.items()}
 
 
 def describe(entry: ExternalEntry) -> Description:
-    """Start an engine, and return what it says of itself.
+    """Start an engine, return the description in its hello message, and end its process.
 
     Raises:
-        PeerError: if it cannot be started, or does not say a valid hello.
+        PeerError: if the engine cannot be started, or its hello message is not valid.
     """
     peer = Peer(entry.command, entry.folder, entry.timeout_s)
     try:
@@ -176,23 +176,25 @@ def _settings(path: Path | None) -> EngineSettings:
 
 def _register(name: str, entry: Entry | ExternalEntry, source: str) -> None:
     if name in _BUILT_IN:
-        raise EnginesFileError(f"{source}: the suite has an engine '{name}'; give yours another name")
+        raise EnginesFileError(f"{source}: the suite already has an engine '{name}'; give yours another name")
     ENGINES[name] = entry
 
 
 def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
     where = f"{path}: [{name}]"
     if not isinstance(table, dict):
-        raise EnginesFileError(f"{path}: '{name}' must be a table: [{name}] with a 'command'")
+        raise EnginesFileError(f"{path}: '{name}' must be a table; write [{name}] with a 'command'")
     for key in table:
         if key not in _KEYS:
-            raise EnginesFileError(f"{where}: unknown key '{key}'; keys are {', '.join(_KEYS)}")
+            raise EnginesFileError(f"{where}: unknown key '{key}'; use one of: {', '.join(_KEYS)}")
     command, profiles, timeout_s = table.get("command"), table.get("profiles"), table.get("timeout_s", SILENCE_S)
     if not (isinstance(command, list) and command and all(isinstance(word, str) for word in command)):
-        raise EnginesFileError(f"{where}: 'command' must be a list of texts, the program first, got {command!r}")
+        raise EnginesFileError(
+            f"{where}: 'command' must be a list of texts, such as ['program', 'argument'], got {command!r}"
+        )
     if profiles is not None and not isinstance(profiles, str):
         raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, got {profiles!r}")
     if type(timeout_s) not in (int, float) or not 0.0 < timeout_s < float("inf"):
-        raise EnginesFileError(f"{where}: 'timeout_s' must be a time in seconds, got {timeout_s!r}")
+        raise EnginesFileError(f"{where}: 'timeout_s' must be a time in seconds, more than 0, got {timeout_s!r}")
     folder = path.parent.absolute()
     return ExternalEntry(name, tuple(command), folder, folder / profiles if profiles else None, float(timeout_s), where)

@@ -1,7 +1,7 @@
-"""The messages of the bridge, protocol version 1, as bytes: see docs/bridge.md.
+"""Conversion of the bridge's messages to and from bytes, in protocol version 1: see docs/bridge.md.
 
-A message is a header of two 32-bit numbers, the length of the body in bytes and its kind, and the body. Numbers are
-little-endian. The body of a step is an array of 64-bit floats; other bodies are JSON in UTF-8.
+A message is a header of two 32-bit numbers, the length of the body [bytes] and the kind of the message, followed by the
+body. Numbers are little-endian. The body of a step is an array of 64-bit floats; other bodies are JSON in UTF-8.
 """
 
 from __future__ import annotations
@@ -20,31 +20,31 @@ from adapters.bridge.errors import ProtocolError
 from stability_core.port import FloatArray, IntArray
 
 PROTOCOL = 1
-"""Version of the protocol. It changes when an engine that keeps the earlier version would no longer work."""
+"""Version of the protocol. It changes whenever engines of the previous version would no longer work."""
 HEADER = struct.Struct("<II")
-"""Length of the body [bytes], kind."""
+"""Header of a message: length of the body [bytes], kind."""
 MAX_BODY = 2**26
-"""Longest body [bytes] of a message: 64 MiB, the states of 100,000 bodies over five substeps. What announces more is
-not a message."""
+"""Greatest length of a body [bytes]: 64 MiB, the states of 100,000 bodies over five substeps. A header with a greater
+length is taken for other output of the engine."""
 
 COMMAND_WIDTH = 13
-"""Numbers of a command: its code, the body, and up to 11 arguments."""
+"""Count of numbers in a command: its code, the body, and up to 11 arguments."""
 STATE_WIDTH = 13
-"""Numbers of a body's state: position, quaternion (w, x, y, z), velocity, angular velocity."""
+"""Count of numbers in a body's state: position [m], quaternion (w, x, y, z), velocity [m/s], spin [rad/s]."""
 CONTACT_WIDTH = 14
-"""Numbers of a contact point: bodies a and b, points on a and on b, normal from a to b, force on b."""
+"""Count of numbers in a contact point: bodies a and b, points on a and b [m], normal from a to b, force on b [N]."""
 FORCE_WIDTH = 6
-"""Numbers of a force of an earlier substep: number of the substep, bodies a and b, force on b."""
+"""Count of numbers in a force of an earlier substep: index of the substep, bodies a and b, force on b [N]."""
 POSITION, QUATERNION, LINEAR, ANGULAR = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
-"""Columns of a state."""
+"""Columns of a state, for each of its four parts."""
 _REPLY_HEAD = 5
 
 Command = tuple[float, ...]
-"""The numbers of a command, without the zeros behind them."""
+"""Numbers of a command, without the zeros that fill its row."""
 
 
 class Kind(IntEnum):
-    """Kind of a message; an answer has the kind of its question, or is an error."""
+    """Kind of a message. An answer has the kind of the message that it answers, or is an error."""
 
     HELLO = 1
     OPEN = 2
@@ -53,7 +53,7 @@ class Kind(IntEnum):
 
 
 class Code(IntEnum):
-    """Commands before a step, in the order in which they are sent."""
+    """Codes of the commands that precede a step, in the order in which they are sent."""
 
     SPAWN = 1
     SPAWN_MOVED = 2
@@ -72,19 +72,19 @@ class StepReply:
     """An engine's answer to a step of n substeps."""
 
     engine_s: float
-    """Time [s] that the engine's own steps took, by its own clock."""
+    """Duration [s] of the engine's own steps, measured by the engine."""
     states: FloatArray
     """States before each substep and after the last one, shape (n + 1, m, 13); (1, m, 13) if contacts are not read."""
     contacts: FloatArray
     """Contact points of the last substep, shape (k, 14)."""
     forces: FloatArray
-    """Forces of earlier substeps, shape (l, 6)."""
+    """Forces of all substeps except the last, shape (l, 6)."""
     is_finite: bool
-    """Whether all states are finite."""
+    """True if all states are finite."""
 
 
 def json_body(content: object) -> bytes:
-    """Return the body of a message that is JSON."""
+    """Return the body of a JSON message, in UTF-8."""
     return json.dumps(content).encode()
 
 
@@ -92,25 +92,27 @@ def json_content(body: bytes | bytearray) -> dict[str, Any]:
     """Return the content of a JSON body.
 
     Raises:
-        ProtocolError: if it is not a JSON object.
+        ProtocolError: if the body is not a JSON object.
     """
     try:
         content = json.loads(body)
     except ValueError as error:
-        raise ProtocolError(f"the engine's answer is not JSON ({error}): {bytes(body[:60])!r}") from error
+        raise ProtocolError(
+            f"the engine's answer is not JSON ({error}), must be a JSON object: {bytes(body[:60])!r}"
+        ) from error
     if not isinstance(content, dict):
         raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}")
     return content
 
 
 def step_body(seconds: float, substeps: int, is_read: bool, commands: Iterable[Command]) -> bytes:
-    """Return the body of a step.
+    """Return the body of a step message.
 
     Args:
         seconds: length of a substep.
-        substeps: how many there are.
+        substeps: number of substeps.
         is_read: whether contacts, forces and the states before each substep are needed.
-        commands: to be carried out before the first substep.
+        commands: commands that the engine executes before the first substep.
     """
     rows = [command + (0.0,) * (COMMAND_WIDTH - len(command)) for command in commands]
     words = [seconds, float(substeps), float(is_read), float(len(rows))]
@@ -120,43 +122,43 @@ def step_body(seconds: float, substeps: int, is_read: bool, commands: Iterable[C
 
 
 def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepReply:
-    """Return the content of an answer to a step.
+    """Return the content of the answer to a step.
 
     Args:
-        body: of the message.
-        bodies: ids of the bodies whose states must be in it, rising, shape (m,).
-        states: how many states of each.
+        body: body of the answer.
+        bodies: ids of the bodies whose states the answer must contain, in rising order, shape (m,).
+        states: required number of states of each body.
 
     Raises:
-        ProtocolError: if it is anything else.
+        ProtocolError: if the answer has another length, other bodies, or numbers that are not valid.
     """
     if len(body) % 8:
-        raise ProtocolError(f"the answer to a step must be 64-bit floats, got {len(body)} bytes")
+        raise ProtocolError(f"the answer to a step must be 64-bit floats, 8 bytes each, got {len(body)} bytes")
     words = np.frombuffer(body, "<f8")
     if len(words) < _REPLY_HEAD:
-        raise ProtocolError(f"the answer to a step begins with {_REPLY_HEAD} numbers, got {len(words)}")
+        raise ProtocolError(f"the answer to a step must begin with {_REPLY_HEAD} numbers, got {len(words)}")
     engine_s, *counts = words[:_REPLY_HEAD].tolist()
     if not (math.isfinite(engine_s) and engine_s >= 0.0):
-        raise ProtocolError(f"the time of the engine's steps must be a number of seconds from 0, got {engine_s}")
+        raise ProtocolError(f"the time of the engine's steps must be finite and at least 0 s, got {engine_s} s")
     if not all(count >= 0.0 and count.is_integer() for count in counts):
-        raise ProtocolError(f"the answer to a step must count in whole numbers, got {counts}")
+        raise ProtocolError(f"the counts in the answer to a step must be whole numbers from 0, got {counts}")
     listed, blocks, points, forces = map(int, counts)
     sizes = (listed, blocks * listed * STATE_WIDTH, points * CONTACT_WIDTH, forces * FORCE_WIDTH)
     if len(words) != _REPLY_HEAD + sum(sizes):
         raise ProtocolError(
-            f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces has "
+            f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces must have "
             f"{_REPLY_HEAD + sum(sizes)} numbers, got {len(words)}"
         )
     of_moved, of_points = (
         _REPLY_HEAD + listed,
         _REPLY_HEAD + listed + sizes[1],
-    )  # slices: np.split costs more than the rest
+    )  # slices, because np.split takes longer than the rest
     of_forces = of_points + sizes[2]
     ids = words[_REPLY_HEAD:of_moved]
     if blocks != states or len(ids) != len(bodies) or (ids != bodies).any():
         raise ProtocolError(
-            f"the answer must have {states} states of the bodies that are live or moved, by rising id, "
-            f"{_listed(bodies)}; got {blocks} of {_listed(ids)}"
+            f"the answer must have {states} states of the live and moved bodies, by rising id, "
+            f"{_listed(bodies)}; got {blocks} states of {_listed(ids)}"
         )
     rows = words[of_moved:of_points].reshape(blocks, listed, STATE_WIDTH)
     contacts = words[of_points:of_forces].reshape(points, CONTACT_WIDTH)
@@ -165,11 +167,11 @@ def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepRe
         is_whole = math.isfinite(words.sum())  # a sum is not finite if a term is not
     is_finite = is_whole or bool(np.isfinite(rows).all())
     if is_finite and not is_whole:
-        raise ProtocolError("a contact point or a force in the answer is not finite, though all states are")
+        raise ProtocolError("the contact points and forces in an answer must be finite, because all its states are")
     return StepReply(engine_s, rows, contacts, felt, is_finite)
 
 
 def _listed(ids: FloatArray | IntArray) -> str:
-    """Return ids as text, the first ten of them."""
+    """Return the first ten ids as text."""
     shown = ", ".join(f"{number:g}" for number in ids[:10].tolist())
     return f"[{shown}{', ...' if len(ids) > 10 else ''}]"

@@ -1,4 +1,4 @@
-"""The process of an engine: starts it, asks it one thing at a time, and ends it."""
+"""The process of an engine: its start, the exchange of one message and one answer at a time, and its end."""
 
 from __future__ import annotations
 
@@ -20,41 +20,41 @@ from adapters.bridge.errors import PeerError, PeerExitError, PeerTimeoutError, P
 from adapters.bridge.messages import HEADER, MAX_BODY, Kind, json_content
 
 SILENCE_S = 60.0
-"""Time [s] after which an engine that has not answered is killed: longer than any engine's frame or start."""
+"""Time limit [s] for an answer, after which the engine is killed: longer than any engine's frame or start."""
 _END_S = 1.0
-"""Time [s] that an engine has to end by itself once its stdin is closed."""
+"""Time limit [s] for an engine to end after its stdin is closed."""
 _PIPE_BYTES = 2**20
-"""Room of the pipes [bytes], so that a frame's states pass in one piece: 64 KiB as the system gives them hold those of
-100 bodies over four substeps and no contact."""
+"""Capacity of the pipes [bytes], so that a frame's states pass in one piece. The system's default of 64 KiB holds the
+states of 100 bodies over four substeps and no contacts."""
 _LAST_LINES = 2**12
-"""How much of what the engine printed is looked through for its last line [bytes]."""
+"""Length [bytes] of the end of the engine's stderr that is searched for its last line."""
 _LAUNCH = (
     "import ctypes, os, signal, sys; ctypes.CDLL(None).prctl(1, signal.SIGKILL); os.execvp(sys.argv[1], sys.argv[1:])"
 )
-"""Start a program so that the kernel kills it when its parent dies (Linux, PR_SET_PDEATHSIG): an engine that computes
-without end does not see that its stdin is closed."""
+"""Python script that starts a program which the kernel kills when its parent dies (Linux, PR_SET_PDEATHSIG), because an
+engine in an endless computation does not notice that its stdin is closed."""
 
 
 class Peer:
-    """An engine's process. Its stdout speaks the protocol; its stderr is kept for error messages."""
+    """An engine's process. Its stdout carries the protocol; its stderr is stored for error messages."""
 
     def __init__(self, command: Sequence[str], folder: Path, timeout_s: float = SILENCE_S) -> None:
         """Start the process.
 
         Args:
             command: program and arguments.
-            folder: its working directory.
-            timeout_s: time in which it must answer each question.
+            folder: working directory of the process.
+            timeout_s: time limit for the answer to each message.
 
         Raises:
-            PeerError: if there is no such program.
+            PeerError: if the program does not exist.
         """
         program = shutil.which(command[0], path=f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
         if program is None:
             raise PeerError(f"cannot start the engine: no program '{command[0]}'; name it by its full path")
         self._name = " ".join(command)
         self._timeout_s = timeout_s
-        self._printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed as the process ends
+        self._printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed when the process ends
         launch = [sys.executable, "-ISc", _LAUNCH] if sys.platform == "linux" else []
         process = subprocess.Popen(
             [*launch, str(Path(program).absolute()), *command[1:]],
@@ -82,9 +82,9 @@ class Peer:
 
         Raises:
             PeerError: if the engine answers with an error.
-            ProtocolError: if the answer is not of this kind.
+            ProtocolError: if the answer has another kind or breaks the protocol.
             PeerExitError: if the process ends.
-            PeerTimeoutError: if no answer comes in time.
+            PeerTimeoutError: if the answer does not arrive in time.
         """
         deadline = monotonic() + self._timeout_s
         self._send(HEADER.pack(len(body), kind) + body, deadline)
@@ -92,11 +92,13 @@ class Peer:
         if answered == Kind.ERROR:
             raise PeerError(f"the engine reports: {json_content(answer).get('message', 'an error without a message')}")
         if answered != kind:
-            raise ProtocolError(f"the engine answers with a message of kind {answered}, must be {kind.value} or 4")
+            raise ProtocolError(
+                f"the engine answered with a message of kind {answered}, must be {kind.value}, or 4 for an error"
+            )
         return answer
 
     def close(self) -> None:
-        """End the process: it sees the end of its stdin, and is killed if it stays."""
+        """Close the engine's stdin so that its process ends, and kill the process if it continues."""
         self._end()
 
     def _send(self, message: bytes, deadline: float) -> None:
@@ -110,7 +112,7 @@ class Peer:
                 raise self._exited() from None
 
     def _receive(self, deadline: float) -> tuple[int, bytearray]:
-        """Return kind and body of a message."""
+        """Return the kind and the body of the next message."""
         have, need = 0, HEADER.size
         while have < need:
             self._await(self._readable, deadline)
@@ -123,37 +125,40 @@ class Peer:
                 length, _ = HEADER.unpack_from(self._buffer)
                 need = HEADER.size + length
                 self._check_announced(length)
-                if need >= len(self._buffer):  # one byte more, so that what comes behind the message is seen
+                if need >= len(self._buffer):  # one byte more, to detect output after the message
                     self._buffer.extend(bytes(need + 1 - len(self._buffer)))
         if have > need:
-            raise ProtocolError(f"the engine says more than it was asked: {have - need} bytes behind its answer")
+            raise ProtocolError(f"the engine wrote {have - need} bytes after its answer; write nothing else to stdout")
         return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
 
     def _check_announced(self, length: int) -> None:
         if length > MAX_BODY:
             begin = bytes(self._buffer[: HEADER.size])
             raise ProtocolError(
-                f"the engine announces a message of {length} bytes, more than {MAX_BODY}; its first bytes are {begin!r}"
-                f": does it print to stdout?"
+                f"the engine announces a message of {length} bytes, more than {MAX_BODY}, that begins with {begin!r}; "
+                f"if the engine prints text to stdout, print it to stderr"
             )
 
     def _await(self, poll: select.poll, deadline: float) -> None:
         """Wait until a pipe can be read or written."""
         if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
             self._process.kill()
-            raise PeerTimeoutError(f"the engine did not answer within {self._timeout_s:g} s: {self._name}")
+            raise PeerTimeoutError(
+                f"the engine did not answer within {self._timeout_s:g} s; raise its timeout_s if it needs longer: "
+                f"{self._name}"
+            )
 
     def _exited(self) -> PeerError:
-        """Return the error for a process that closed its end of a pipe."""
+        """Return the error for a process that closed its stdin or stdout."""
         try:
             code = self._process.wait(_END_S)
         except subprocess.TimeoutExpired:
-            return ProtocolError("the engine closed its stdin or stdout and still runs; both stay open to the end")
+            return ProtocolError("the engine closed its stdin or stdout and still runs; keep both open until it ends")
         ending = f"with status {code}" if code >= 0 else f"by signal {-code}"
         return PeerExitError(f"the engine's process ended {ending}: {self._last_line()}")
 
     def _last_line(self) -> str:
-        """Return the last line that the engine printed."""
+        """Return the last line that the engine printed to stderr."""
         size = self._printed.seek(0, os.SEEK_END)
         self._printed.seek(max(0, size - _LAST_LINES))
         lines = [line.strip() for line in self._printed.read().decode(errors="replace").splitlines() if line.strip()]
@@ -161,14 +166,14 @@ class Peer:
 
 
 def _widen(pipe: int) -> None:
-    """Make room for a whole frame in a pipe, where the system allows it."""
+    """Raise the capacity of a pipe to ``_PIPE_BYTES``, if the system allows it."""
     if hasattr(fcntl, "F_SETPIPE_SZ"):
-        with suppress(OSError):  # a limit of the user's pipes
+        with suppress(OSError):  # the capacity exceeds the user's limit
             fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
 
 
 def _end(process: subprocess.Popen[bytes], printed: IO[bytes]) -> None:
-    """Close the pipes of a process and wait for its end."""
+    """Close the pipes of a process, and wait for its end or kill it."""
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             with suppress(OSError):

@@ -49,34 +49,34 @@ from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 
 _INSTANT_S = 1e-6
-"""Step [s] in which contacts are found while nothing moves."""
+"""Step [s] in which ``find_contacts`` detects contacts: too short for a body to move."""
 _CLOCK_S = 1e-3
-"""Difference [s] that two clocks may show over a frame."""
+"""Tolerance [s] between the clocks of the engine and of the suite over a frame."""
 
 
 class BridgeSimulation(Simulation):
-    """One world of an engine that is started by ``command``; subclasses say which engine it is."""
+    """One world of an engine in a separate process. A subclass defines ``command``, which starts the engine."""
 
     folder: ClassVar[Path] = Path()
-    """Working directory of the process."""
+    """Working directory of the engine's process."""
     timeout_s: ClassVar[float] = SILENCE_S
     contacts_at: ClassVar[Detection] = "start"
     solver_noise: ClassVar[float] = 0.0
 
     def _open(self) -> None:
         self._commands: list[Command] = []
-        self._states = np.full((64, STATE_WIDTH), np.nan)  # by body
-        self._reply: StepReply | None = None  # of the latest frame, if it was read
+        self._states = np.full((64, STATE_WIDTH), np.nan)  # by the body's id
+        self._reply: StepReply | None = None  # answer of the latest frame, if its contacts were read
         self._replied: IntArray = np.empty(0, np.int64)
         self._before: Motions | None = None
-        self._finder: Peer | None = None  # process in which contacts are found, once it is needed
+        self._finder: Peer | None = None  # process of find_contacts; None until the first call
         self._peer = self._started()
         self._peer.ask(Kind.OPEN, json_body(self._opening()))
 
     @classmethod
     @abstractmethod
     def command(cls) -> Sequence[str]:
-        """Return the program that is the engine, and its arguments."""
+        """Return the engine's program and its arguments."""
 
     # -- bodies ------------------------------------------------------------------------------------
 
@@ -126,7 +126,10 @@ class BridgeSimulation(Simulation):
             self._before = Motions(bodies, earlier[:, :, POSITION], earlier[:, :, LINEAR], earlier[:, :, ANGULAR])
         elapsed = perf_counter() - begin
         if reply.engine_s > elapsed + _CLOCK_S:
-            raise ProtocolError(f"the engine reports steps of {reply.engine_s:g} s in a frame of {elapsed:g} s")
+            raise ProtocolError(
+                f"the engine reports steps of {reply.engine_s:g} s in a frame of {elapsed:g} s; "
+                "report the duration of its own steps in seconds"
+            )
         self.own_step_s = min(reply.engine_s, elapsed)
 
     # -- state -------------------------------------------------------------------------------------
@@ -184,15 +187,22 @@ class BridgeSimulation(Simulation):
     # -- helpers -----------------------------------------------------------------------------------
 
     def _started(self) -> Peer:
-        """Start a process, which must be of the version that the records name."""
+        """Start a process of the engine, and return it.
+
+        Raises:
+            ProtocolError: if its version differs from the recorded version.
+        """
         peer = Peer(self.command(), self.folder, self.timeout_s)
         said = described(json_content(peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
         if said.version != self.info.version:
-            raise ProtocolError(f"{self.engine} {self.info.version} was expected to answer, version {said.version} did")
+            raise ProtocolError(
+                f"{self.engine} reports version {said.version}, but {self.info.version} is recorded; "
+                "restart this program after a change of the engine"
+            )
         return peer
 
     def _copies(self) -> Iterator[Command]:
-        """Return the commands that spawn all bodies where they are now, at rest, and freeze those that are frozen."""
+        """Yield the commands that spawn all bodies at their present poses, at rest, and freeze the frozen bodies."""
         for body, brick in self.bricks.items():
             code = Code.SPAWN_MOVED if body in self.bodies.moved else Code.SPAWN
             yield (code, body, *brick.size, brick.mass, *self._states[body, : LINEAR.start].tolist())
@@ -207,7 +217,7 @@ class BridgeSimulation(Simulation):
             "gravity": self.world.gravity,
             "friction": self.world.friction,
             "scale": self.scale,
-            "ground_half_edges": (half_x + abs(ground.position[0]), half_y, half_z),  # it is centred there
+            "ground_half_edges": (half_x + abs(ground.position[0]), half_y, half_z),  # a ground centred at x = 0
             "fixed": [_box(box) for box in fixed],
             "sleeping": self.info.sleeping,
             "knobs": self.info.profile.values,
@@ -221,7 +231,7 @@ class BridgeSimulation(Simulation):
         self._place(body, brick.position, brick.quaternion)
 
     def _place(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Write down that a body rests there."""
+        """Record the pose of a body ([m], quaternion w, x, y, z), at rest."""
         self._states[body] = (*position, *quaternion, *(0.0,) * 6)
 
     def _exchange(self, substep_s: float, substeps: int, is_read: bool, bodies: IntArray) -> StepReply:
@@ -231,7 +241,10 @@ class BridgeSimulation(Simulation):
         return step_reply(self._peer.ask(Kind.STEP, question), bodies, substeps + 1 if is_read else 1)
 
     def _as_contacts(self, rows: FloatArray, bodies: IntArray, before: FloatArray, after: FloatArray) -> Contacts:
-        """Return those of the engine's points that nearly touch, where they are when a substep has ended."""
+        """Return the contacts of the engine's points that touch or nearly touch at the end of a substep.
+
+        The arguments are those of ``carried``.
+        """
         points, normals, separations = carried(rows, bodies, before, after)
         near = np.flatnonzero(separations <= NEAR * self.scale)
         a, b = rows[near, :2].astype(np.int64).T
@@ -240,7 +253,7 @@ class BridgeSimulation(Simulation):
         return Contacts(a, b, points[near], normals[near], separations[near], unknown, friction, rows[near, 11:])
 
     def _earlier_forces(self, reply: StepReply) -> list[SubstepForces]:
-        """Return the forces of each of the frame's substeps but the last."""
+        """Return the forces of each substep of the frame except the last."""
         substep, body_a, body_b = reply.forces[:, :3].astype(np.int64).T
         earlier = []
         for number in range(self.info.profile.substeps - 1):

@@ -58,11 +58,11 @@ def test_a_file_that_the_environment_names_must_be_there(monkeypatch: pytest.Mon
     [
         ("[mine\n", "not TOML"),
         ("mine = 3\n", "'mine' must be a table"),
-        ("[mine]\n", "'command' must be a list of texts, the program first, got None"),
+        ("[mine]\n", r"'command' must be a list of texts, such as \['program', 'argument'\], got None"),
         ("[mine]\ncommand = 'node mine.mjs'\n", "'command' must be a list of texts"),
-        ("[mine]\ncommand = ['a']\nprofile = 'b'\n", "unknown key 'profile'; keys are command, profiles, timeout_s"),
+        ("[mine]\ncommand = ['a']\nprofile = 'b'\n", "unknown key 'profile'; use one of: command, profiles, timeout_s"),
         ("[mine]\ncommand = ['a']\nprofiles = 3\n", "'profiles' must be the name of a file"),
-        ("[mine]\ncommand = ['a']\ntimeout_s = 0\n", "'timeout_s' must be a time in seconds, got 0"),
+        ("[mine]\ncommand = ['a']\ntimeout_s = 0\n", "'timeout_s' must be a time in seconds, more than 0, got 0"),
     ],
 )
 def test_a_mistake_is_reported(tmp_path: Path, text: str, message: str) -> None:
@@ -73,7 +73,7 @@ def test_a_mistake_is_reported(tmp_path: Path, text: str, message: str) -> None:
 def test_the_name_of_an_engine_of_the_suite_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path, "[bullet]\ncommand = ['a']\n")
     monkeypatch.setitem(os.environ, "STILLSTACK_ENGINES", str(path))
-    with pytest.raises(EnginesFileError, match="the suite has an engine 'bullet'; give yours another name"):
+    with pytest.raises(EnginesFileError, match="the suite already has an engine 'bullet'; give yours another name"):
         register_external()
 
 
@@ -86,5 +86,7 @@ def test_a_program_that_is_not_there_is_reported_with_its_entry(
     register_external()
     from adapters import capabilities
 
-    with pytest.raises(ImportError, match=r"no program 'no-such-program'.*its command is \['no-such-program'\], from"):
+    with pytest.raises(
+        ImportError, match=r"no program 'no-such-program'.*its command runs: \['no-such-program'\], from"
+    ):
         capabilities("mine")
