@@ -14,8 +14,8 @@ from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.stack import NONE, SUPPORT, Graph, is_ground, is_stack
 
 ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
-"""Action of the rest of the stack: none, as if it were absent; the kept forces; or rigid support like the ground, so
-that a body that falls does so whatever the rest does."""
+"""Action of the rest of the stack on a part: none, as if the rest were absent; the kept forces; or rigid support, as of
+the ground, so that a body that falls then also falls in the whole stack."""
 
 
 class Terms(NamedTuple):
@@ -34,7 +34,7 @@ class Terms(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A problem, and the origin of its rows."""
+    """A statics problem, with the bodies and patches that its rows stand for."""
 
     problem: Problem
     """The problem; its bodies are in the order of ``ids``."""
@@ -43,7 +43,7 @@ class Part(NamedTuple):
     level: BoolArray
     """Mask of the contacts that can carry a vertical force, shape (m,)."""
     patches: IntArray
-    """Rows of the patches, whose vertices are the contacts, in this order, shape (p,)."""
+    """Rows of the patches, shape (p,). Their vertices, in this order, are the contacts."""
     size: FloatArray
     """Size of each body [m], by which moments are divided, shape (n,)."""
 
@@ -123,7 +123,7 @@ def _rolling(graph: Graph, patches: IntArray, index: IntArray, n: int, radius: f
 def _add_kept_forces(
     graph: Graph, memory: Memory, kept: IntArray, index: IntArray, size: FloatArray, load: FloatArray
 ) -> None:
-    """Subtract the kept forces of the patches ``kept`` (q,) from the load on the other contacts."""
+    """Subtract the kept forces of the patches ``kept`` (q,) from the load that the other contacts must bear."""
     lever = np.empty(3)
     for at in kept:
         if not is_known(graph, memory, at):
@@ -148,7 +148,7 @@ def _divide(lever: FloatArray, body: IntArray, size: FloatArray) -> None:
 
 @compiled
 def part_of(graph: Graph, memory: Memory, ids: IntArray, terms: Terms) -> Part:
-    """Return the statics of the bodies ``ids``: O(bodies + patches).
+    """Return the statics problem of the bodies ``ids``: O(bodies + patches).
 
     Args:
         graph: the stack.

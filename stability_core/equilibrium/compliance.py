@@ -1,10 +1,11 @@
 """Displace bodies on compliant contacts under their loads, by Newton's method for one kappa.
 
-The contact law and the equation are those of ``loading``, which says what the answer is for. A solution exists for
-every kappa, because contact forces do no work. Friction that grows with the pressure makes the derivative unsymmetric,
-so that halved steps may end in a local minimum of the imbalance. Rounds of bounds lead on from there: each contact's
-friction is bounded by the latest forces (Tresca's law, whose solution is the minimum of a convex energy except for
-NORMAL_NOISE), the bodies are displaced, and Coulomb's law is tried from there.
+See ``loading`` for the contact law, the equation and the use of the result. A solution exists for every kappa, because
+contact forces do no positive work. Friction that grows with the pressure makes the derivative unsymmetric, so that
+halved steps may end in a local minimum of the imbalance. Rounds of friction bounds continue the search from that
+minimum: the latest forces bound each contact's friction (Tresca's law, whose solution is the minimum of a convex energy
+except for NORMAL_NOISE), the bodies are displaced with these bounds, and the search with Coulomb's law starts again
+from the result.
 
 Reference: N. Kikuchi, J. T. Oden, "Contact problems in elasticity", SIAM 1988, chapter 10, for the fixed point.
 """
@@ -21,39 +22,42 @@ from stability_core.equilibrium.problem import Problem, along_contacts, imbalanc
 from stability_core.port import FloatArray, IntArray
 
 NORMAL_NOISE = 1e-2
-"""Closure of a contact per length of slip [rad] that has no effect. Engines and single precision err by 1e-3 rad in
-normals and by 1e-4 m in the points of bricks of some centimetres; this is three standard deviations of both."""
+"""Closure of a contact, per length of slip [rad], that causes no pressure. Engines and single precision err by 1e-3 rad
+in normals and by 1e-4 m in the points of bricks of some centimetres; the value is three standard deviations of both
+errors."""
 COULOMB = -1.0
-"""Replaces a bound where friction follows the pressure."""
+"""Value of a bound that stands for Coulomb's law: friction follows the pressure."""
 CONVERGED = 1e-7
-"""Imbalance of a body, over its own weight, at which the displacements are found."""
+"""Imbalance of a body, over its weight, up to which displacements count as a solution."""
 NEWTON_STEPS = 40
-"""Most steps from zero. Standing stacks take 3 to 20, an arch of 200 takes 30."""
+"""Greatest number of steps from zero displacement. Standing stacks take 3 to 20, an arch of 200 blocks takes 30."""
 ROUNDS = 20
-"""Most rounds of bounds. Tight courses at which Newton's method fails take 1 to 4 from the last kappa that was
-solved."""
+"""Greatest number of rounds of friction bounds. Tight courses for which Newton's method fails take 1 to 4 rounds from
+the last kappa that was solved."""
 STALLS = 20
-"""Steps in a row with little gain after which the search ends: an arch of 200 continues after ten."""
+"""Number of consecutive steps with little gain after which the search ends: an arch of 200 blocks recovers after
+ten."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
-"""Share of its length by which a step must reduce the imbalance."""
+"""Least relative reduction of the imbalance by a step, as a share of the step length."""
 ROLLING = 1e3
-"""Inverse of the rotation at which all the slack of a rolling body resists it: a thousandth of the sag of bodies."""
+"""Inverse of the rotation at which the full slack of a rolling body resists it. That rotation is a thousandth of the
+sag of bodies."""
 TINY = 1e-300
-"""Replaces a displacement of zero."""
+"""Value that replaces a displacement of zero in a division."""
 ROTATIONAL = 1.0 / 3.0
-"""Moment of inertia over mass times size squared: of a rod about its middle; its value decides nothing."""
+"""Moment of inertia over mass times size squared, as of a rod about its middle. The verdict does not depend on it."""
 
 
 class Case(NamedTuple):
-    """Bodies to be loaded with one ratio of stiffnesses."""
+    """Bodies to be loaded, with one ratio of stiffnesses."""
 
     problem: Problem
     """The problem, with loads in units of their mean."""
     stiffness: float
     """Tangential over normal stiffness."""
     bound: FloatArray
-    """Friction [unit of load] that each contact bears at any pressure; negative for Coulomb's law, shape (m,)."""
+    """Greatest friction [unit of load] of each contact at any pressure; negative for Coulomb's law, shape (m,)."""
     place: IntArray
     """Place of each body in the matrix, shape (n,)."""
     envelope: Envelope
@@ -144,7 +148,8 @@ def _assemble(
 ) -> None:
     """Assemble A C A^T + M / kappa: its lower triangle by rows and its upper one by columns, the diagonal in both.
 
-    ``inertia`` (n, 6) is the diagonal M / kappa. The resistance of a rolling body counts until it is spent.
+    ``inertia`` (n, 6) is the diagonal M / kappa. The slack of a rolling body adds stiffness until the body has turned
+    by 1 / ``ROLLING``.
     """
     problem, place, offset = case.problem, case.place, case.envelope.offset
     lower[:] = 0.0
@@ -173,9 +178,9 @@ def _assemble(
 
 @compiled
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """Write a f - w - M u / kappa to ``rest`` (n, 6); return its norm, each body's over its own inertia.
+    """Write a f - w - M u / kappa to ``rest`` (n, 6); return its norm, with each body's part over its inertia.
 
-    A body that rolls is resisted by a moment of at most its slack.
+    A moment of at most its slack resists a rolling body.
     """
     imbalance(problem, force, rest)
     total = 0.0
@@ -216,7 +221,7 @@ def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
 
 @compiled
 def _inertia(problem: Problem) -> FloatArray:
-    """Return the diagonal M: the weight of each body for every component of its motion, shape (n, 6)."""
+    """Return the diagonal M, shape (n, 6): each body's weight, times ``ROTATIONAL`` for rotations."""
     inertia = np.empty((len(problem.load), 6))
     for i in range(len(inertia)):
         load = problem.load[i]
@@ -227,13 +232,13 @@ def _inertia(problem: Problem) -> FloatArray:
 
 @compiled
 def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
-    """Displace the bodies from ``u`` (n, 6), which is moved to the solution.
+    """Move the displacements ``u`` (n, 6) to the solution for ``kappa``.
 
-    Semismooth Newton with halved steps, at most ``most``: O(m) and a factorisation a step.
+    The method is semismooth Newton with halved steps, at most ``most`` of them. A step costs O(m) and a factorisation.
 
     Returns:
-        Whether it was found; the sensitivity of each body over its displacement, or 1 for bodies that are not balanced
-        yet, shape (n,).
+        True if the solution was found; the sensitivity of each body over its displacement, or 1 for bodies that are not
+        balanced yet, shape (n,).
     """
     problem, envelope = case.problem, case.envelope
     n, m = len(problem.load), len(problem.normal)
@@ -244,7 +249,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
     along_contacts(problem, u, v)
     _contact_law(case, v, force, tangent)
     error = _unbalanced(problem, inertia, u, force, rest)
-    enough = CONVERGED * kappa  # the error counts in M / kappa
+    enough = CONVERGED * kappa  # the error is measured in M / kappa
     stalls = 0
     for steps in range(most + 1):
         if error > enough or steps == 0:
@@ -278,7 +283,10 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
 
 @compiled
 def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, FloatArray]:
-    """Do as ``displace`` by rounds of bounds on friction: slower, but it hardly ever fails. Leaves Coulomb's law."""
+    """Find the solution of ``displace`` by rounds of friction bounds, which are slower but rarely fail.
+
+    Afterwards ``case.bound`` holds ``COULOMB``, as before.
+    """
     v, force = np.empty((len(case.bound), 3)), np.empty((len(case.bound), 3))
     tangent = np.empty((len(case.bound), 3, 3))
     trial, sensitivity = np.empty_like(u), np.ones(len(u))

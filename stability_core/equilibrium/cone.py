@@ -1,7 +1,7 @@
 """The Coulomb cone of a contact: |f_t| <= mu f_n, its projection and the derivative of that projection.
 
-Nothing is linearised: there is no pyramid in place of the cone. With mu = 0 the cone is the ray along the normal, so
-the same code serves forces of a known direction.
+The cone is exact: no pyramid replaces it. With mu = 0 the cone is the ray along the normal, so the same code serves
+forces of a known direction.
 """
 
 from __future__ import annotations
@@ -48,8 +48,11 @@ def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: Floa
 def derivative(z: FloatArray, normal: FloatArray, mu: float, direction: FloatArray, weight: FloatArray) -> int:
     """Return the derivative of one contact's projection at ``z`` as a sum of k terms weight_k u_k u_k^T.
 
-    Inside the cone it is the identity, in the polar zero. Else, with w = (n + mu e) / sqrt(1 + mu^2), it is
-    w w^T + (mu s / t) (n x e) (n x e)^T. The apex counts as inside, so that a start from rest sees every contact.
+    identity                                               inside the cone
+    0                                                      inside its polar
+    w w^T + (mu s / t) (n x e) (n x e)^T                   else, with w = (n + mu e) / sqrt(1 + mu^2)
+
+    The apex counts as inside the cone, so that a search that starts from zero includes every contact.
 
     Args:
         z: point of evaluation, shape (3,).

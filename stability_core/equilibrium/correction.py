@@ -1,13 +1,13 @@
-"""Correct the forces of the frame before, which nearly hold a set of bodies, for instance after one more plank.
+"""Correct the forces of the previous frame, which nearly hold a set of bodies, for instance after one more plank.
 
 Of all forces with A f = w inside cones K' a little narrower than Coulomb's, the nearest to f0 is
 
 f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
 
 A step dy of Newton's method forecasts the forces f + P_K'' A^T dy, which balance but may leave K'. As soon as they lie
-in the true cones K they are the proof, and the search ends before the minimum. The room between K' and K makes that
-soon: mostly at once, because the forces of before lie inside. If there are no such forces, nothing is proven either
-way.
+in the true cones K they prove equilibrium, and the search ends before the minimum. The room between K' and K ends the
+search soon, mostly after one step, because the previous forces lie inside. If the search finds no such forces, nothing
+is proven.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from stability_core.equilibrium.problem import BALANCED, Problem, along_contacts
 from stability_core.port import FloatArray, IntArray
 
 NARROWED = 0.97
-"""Friction of the cones K', over the true friction. Less would leave more room, but a stack within this share of its
-limit is not held here."""
+"""Friction of the cones K', over the true friction. A smaller value leaves more room, but fails for stacks that need
+more than this share of their friction."""
 RHO = 1e-9
 """Weight of the proximal term, which keeps the system regular where contacts leave a motion free."""
 
@@ -43,8 +43,8 @@ def correct(
         steps: greatest number of steps.
 
     Returns:
-        Whether they were found; the forces (m, 3), always in their cones; the unbalanced rest, (n, 6); the greatest
-        imbalance of a body relative to the largest force on it.
+        True if the forces hold all bodies; the forces (m, 3), always in their cones; the unbalanced rest, (n, 6); the
+        greatest imbalance of a body relative to the largest force on it.
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)
@@ -72,7 +72,7 @@ def correct(
         dy[:], dz[:] = space.dy, space.dz
         forecast[:] = force
         add_derivative_along(space.z, problem.normal, friction, dz, forecast)
-        imbalance(problem, forecast, unbalanced)  # RHO (y + dy)
+        imbalance(problem, forecast, unbalanced)  # equals RHO (y + dy)
         solve_for(problem, space, unbalanced)
         add_derivative_along(space.z, problem.normal, friction, space.dz, forecast)
         project(forecast, problem.normal, problem.friction, force)

@@ -1,7 +1,8 @@
 """Cholesky factors of the sparse matrices of a stack, kept in an envelope (skyline) of their rows.
 
-A row is stored from its first entry to its diagonal. Numbered in reverse Cuthill-McKee order a column or a wall of
-n bodies has rows of bounded length, so that a factor costs O(n); a pile whose widest layer has w bodies O(n w^2).
+A row is stored from its first entry to its diagonal. In reverse Cuthill-McKee order the rows of a column or a wall of n
+bodies have bounded length, so that a factorisation costs O(n). For a pile whose widest layer has w bodies it costs O(n
+w^2).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 
 _summing = partial(compiled, fastmath={"reassoc", "contract"})
-"""Compile a sum whose terms may be added in any order, so that it uses SIMD lanes."""
+"""Decorator that compiles a sum whose terms may be added in any order, so that the sum uses SIMD lanes."""
 
 
 class Envelope(NamedTuple):
@@ -24,7 +25,7 @@ class Envelope(NamedTuple):
     first: IntArray
     """First stored column of each row, shape (n,)."""
     offset: IntArray
-    """Entry (i, j) is stored at ``offset[i] + j``, shape (n,)."""
+    """Offset of each row, shape (n,): entry (i, j) is stored at ``offset[i] + j``."""
     size: int
     """Number of stored entries."""
 
@@ -57,7 +58,7 @@ def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, I
 
 @compiled
 def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mark: int, order: IntArray) -> int:
-    """Write the bodies breadth first from ``root`` into ``order``, by rising number of neighbours; return the end."""
+    """Write the bodies breadth first from ``root`` into ``order``, fewest neighbours first; return their number."""
     order[0] = root
     reached[root] = mark
     size, done = 1, 0
@@ -83,7 +84,7 @@ def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mar
 def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
     """Return the place of each body in reverse Cuthill-McKee order, shape (n,).
 
-    Each component starts at an end: at the last body that a walk from any of its bodies reaches.
+    Each component is numbered from an end: the last body that a breadth-first walk from any of its bodies reaches.
 
     Args:
         body_a: first body of each contact, from 0, or negative if it is fixed, shape (m,).
@@ -132,7 +133,7 @@ def _products(
 ) -> None:
     """Write the products of rows i + a of ``left`` and j + b of ``right`` over columns ``low`` to ``high`` to ``tile``.
 
-    The nine sums share their reads.
+    One pass computes all nine sums, so that they share their reads.
     """
     a0, b0 = left[offset[i] + low : offset[i] + high], right[offset[j] + low : offset[j] + high]
     a1, b1 = left[offset[i + 1] + low : offset[i + 1] + high], right[offset[j + 1] + low : offset[j + 1] + high]
@@ -159,7 +160,7 @@ def _products(
 def factorize(matrix: FloatArray, envelope: Envelope) -> None:
     """Replace a positive definite matrix by its Cholesky factor, in place; the diagonal is stored inverted.
 
-    In tiles of 3 x 3, for which the width of a block must be a multiple of 3.
+    The work is done in tiles of 3 x 3, so the width of a block must be a multiple of 3.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))
@@ -248,8 +249,8 @@ def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) 
     """Replace a matrix with a symmetric pattern by its factors L U, in place; L has ones on its diagonal.
 
     ``lower`` holds the lower triangle by rows, ``upper`` the upper one by columns, both with the diagonal, each in the
-    envelope; U is stored with its diagonal inverted. There is no pivoting: a zero pivot spoils the result, which the
-    caller sees by its residual. In tiles as ``factorize``.
+    envelope; U is stored with its diagonal inverted. There is no pivoting: after a zero pivot the result is wrong,
+    which the caller detects by the residual. The work is done in tiles, as in ``factorize``.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))

@@ -1,8 +1,8 @@
-"""Find the bodies of a snapshot that roll: those that touch only in points and lines.
+"""Find the bodies of a snapshot that roll: bodies that touch only in points and lines.
 
-A rigid sphere on a floor is held in one point. If that lies a billionth of its radius off the vertical, as it does in
-single precision, no force there balances the sphere. So the moment of a rolling body's weight about a point off
-by ``NOISE`` times its size may stay unbalanced (``Problem.slack``).
+A rigid sphere on a floor has one contact point. If that point lies a billionth of the radius off the vertical through
+the centre, as in single precision, no force at the point balances the sphere. Therefore a moment may stay unbalanced
+for a rolling body (``Problem.slack``): its weight times ``NOISE`` times its size.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _mark_faces(
     """Mark the contacts that belong to a face with an area, shape (m,).
 
     Args:
-        order: the contacts, those of a pair one after the other, shape (m,).
+        order: the contacts, sorted by pair, shape (m,).
         body_a: first bodies, shape (m,).
         body_b: second bodies, shape (m,).
         point: contact points [m], shape (m, 3).
@@ -79,7 +79,7 @@ def _mark_faces(
 def rolling_bodies(
     index_a: IntArray, index_b: IntArray, point: FloatArray, normal: FloatArray, size: FloatArray
 ) -> BoolArray:
-    """Return which bodies touch only in points and lines, shape (n,).
+    """Return the mask of the bodies that touch only in points and lines, shape (n,).
 
     O(m log m) in the contacts, and O(k^2) in the points of a pair.
 

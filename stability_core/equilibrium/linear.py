@@ -36,7 +36,10 @@ class Workspace(NamedTuple):
 
 @compiled
 def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
-    """Return the workspace of one problem: O(n + m) and the envelope. ``rows`` are a multiple of three."""
+    """Return the workspace of one problem; the number of ``rows`` must be a multiple of three.
+
+    O(n + m) and the size of the envelope.
+    """
     n, m, width = len(problem.load), len(problem.normal), len(rows)
     place = numbering(problem.body_a, problem.body_b, n)
     envelope = envelope_of(problem.body_a, problem.body_b, place, width)
@@ -69,7 +72,7 @@ def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArra
 def _add_product(
     matrix: FloatArray, offset: IntArray, i: int, j: int, weight: float, left: FloatArray, right: FloatArray
 ) -> None:
-    """Add weight left right^T to the block of the bodies in places i >= j; the upper half of a diagonal is left out."""
+    """Add weight left right^T to the block of the bodies in places i >= j; of a diagonal block, the lower half."""
     width = len(left)
     for k in range(width):
         start = offset[i * width + k] + j * width
@@ -107,7 +110,7 @@ def _assemble(problem: Problem, space: Workspace, rho: float) -> None:
 
 @compiled
 def factorize_at(problem: Problem, space: Workspace, rho: float) -> None:
-    """Factorize the Hessian at ``space.z``: O(m) and a factor (see ``envelope``)."""
+    """Factorize the Hessian at ``space.z``: O(m) and a factorisation (see ``envelope``)."""
     _assemble(problem, space, rho)
     factorize(space.matrix, space.envelope)
 
@@ -144,7 +147,7 @@ def _slope(problem: Problem, z: FloatArray, dz: FloatArray, t: float, work: Floa
 def step_length(
     problem: Problem, space: Workspace, rho: float, y: FloatArray, center: FloatArray, force: FloatArray
 ) -> float:
-    """Return the step length from ``y`` along dy: 1 unless that overshoots, else where the slope has nearly vanished.
+    """Return the step length from ``y`` along dy: 1 unless that overshoots, else a length with nearly zero slope.
 
     The minimised function is |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2; its slope along the line rises with t.
     ``force`` is overwritten.

@@ -1,8 +1,8 @@
 """Loads of live bodies on the stack; live bodies are not bodies of the problem.
 
-Whether a live body stands does not matter. All live bodies on a part of the stack are solved together, with the stack
-below as rigid as the ground. The forces that hold them, as far as contacts can, are their loads: a toppling brick
-presses where it turns, with no more than its weight.
+All live bodies on a part of the stack are solved together, with the stack below as rigid as the ground, whether they
+stand or fall. Their loads are the contact forces that hold them, or that hold them as far as contacts can: a toppling
+brick presses at the point about which it turns, with at most its weight.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
-"""Imbalance of a live body, over its weight, up to which it counts as held: an estimate leaves a thousandth."""
+"""Imbalance of a live body, over its weight, up to which it counts as held. The estimate of its forces leaves about a
+thousandth."""
 
 
 @compiled
@@ -53,7 +54,7 @@ def lying_on(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def carriers(graph: Graph, ids: IntArray) -> IntArray:
-    """Return the frozen among ``ids``, and frozen bodies that bear the live ones among them, shape (k,)."""
+    """Return the frozen bodies among ``ids``, and the frozen bodies that bear live bodies among ``ids``, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found, waiting = np.empty(len(bodies), np.int64), np.empty(len(bodies), np.int64)
@@ -83,7 +84,7 @@ def carriers(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def is_upright(graph: Graph, live: IntArray) -> bool:
-    """Return True if all ``live`` bodies (k,) stand on level contacts only, so that they press straight down."""
+    """Return True if all ``live`` bodies (k,) have load-bearing contacts only, so that they press straight down."""
     for body in live:
         at = graph.bodies[body].first_support
         while at != NONE:
@@ -102,14 +103,14 @@ def live_load(
     Args:
         graph: the stack.
         memory: the kept forces.
-        part: the part of the stack that they lie on.
+        part: the part of the stack on which the live bodies lie.
         live: the live bodies, shape (k,).
         gravity: gravitational acceleration [m/s2], positive.
         y: start of the search, by body; overwritten (see ``nearest_forces``).
 
     Returns:
-        Force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6); which of the live bodies
-        are held, (k,), were the stack as rigid as the ground.
+        Force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6); mask of the live bodies
+        that a rigid stack would hold, (k,).
     """
     pressed = np.zeros((len(part.ids), 6))
     held = np.ones(len(live), np.bool_)
@@ -117,7 +118,7 @@ def live_load(
         return pressed, held
     above = part_of(graph, memory, live, Terms(FIXED, gravity, 0.0, 1.0, 0.0))
     problem, upright = above.problem, above.level.all()
-    if upright:  # a body that topples off level contacts presses straight down, and so do the bodies on it
+    if upright:  # a body that topples off load-bearing contacts presses straight down, and so do the bodies on it
         problem.normal[:, :2] = 0.0
         problem.normal[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
         problem.friction[:] = 0.0

@@ -1,29 +1,31 @@
 """Load a stack from zero prestress, to see whether contact forces that could hold the bodies arise by themselves.
 
 Forces inside the Coulomb cones may be a self-stress that nothing supplies: two walls "could" hold a brick between them
-if something pressed them together. So every contact gets a compliance, all loads grow from zero, and the bodies
-move until the contacts hold them. With closed gaps the problem is homogeneous of degree 1, so that one solution is the
-whole proportional path:
+if something pressed them together. So every contact gets a compliance, all loads grow from zero, and the bodies move
+until the contacts hold them. With closed gaps the problem is homogeneous of degree 1, so that one solution gives the
+whole path of proportional loads:
 
     M u / kappa = w + A f(u)                       u (n, 6): displacements, w: loads, A f: wrenches of the contacts
     v = A^T u                                      relative displacement at a contact, v_n along its normal
     f_n = max(0, -v_n - NORMAL_NOISE |v_t|)        pressed as the contact closes
     f_t = Proj_{|f_t| <= mu f_n} (-r v_t)          r: tangential over normal stiffness
 
-M u / kappa is the unbalanced rest: u / kappa is the remaining acceleration [g]. If the bodies stand, u tends to a limit
-as kappa grows; if they fall, u grows as kappa does. The sensitivity decides which, body by body:
+M u / kappa is the unbalanced rest: u / kappa is the remaining acceleration [g]. If a body stands, u tends to a limit as
+kappa grows; if it falls, u grows in proportion to kappa. The sensitivity decides between these cases for each body:
 
     d u / d ln kappa = (A C A^T + M / kappa)^-1 M u / kappa        C: tangent of the contact law,
 
-It is u itself for a body that falls and u times (compliance / kappa) for a body that stands; the two lie decades apart.
-The bodies need no prestress if the sensitivity is small for each tangential stiffness of ``STIFFNESSES``.
+The sensitivity is u itself for a body that falls, and u times (compliance / kappa) for a body that stands. The two
+cases lie decades apart. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
+``STIFFNESSES``.
 
-The term NORMAL_NOISE |v_t| subtracts from each contact the closure that an error of its normal could cause: a brick
-that slides along a neighbour's side wedges itself for one sign of a normal's rounding, and falls for the other.
+The term NORMAL_NOISE |v_t| subtracts from each contact the closure that an error of its normal could cause: without it,
+a brick that slides along a neighbour's side would jam for one sign of the normal's rounding error, and fall for the
+other.
 
 Proof and limits: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa, so a stack that stands here
-has an equilibrium that arises monotonically from zero. It is one loading path (all loads in proportion) and three
-stiffnesses; other paths are not examined. A body that only prestress holds (a hammered wedge) is refused.
+has an equilibrium that arises monotonically from zero. The method examines one loading path (all loads in proportion)
+and three stiffnesses, and no other paths. It refuses a body that only prestress holds (a hammered wedge).
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
 ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
@@ -41,31 +43,33 @@ from stability_core.equilibrium.problem import Problem
 from stability_core.port import BoolArray, FloatArray
 
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
-"""Tangential over normal stiffness of a contact: no real ratio is known, so the verdict must not depend on it."""
+"""Tangential over normal stiffness of a contact. The real ratio is unknown, so the bodies must stand for all three."""
 KAPPA = 1e7
 """Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body. It is
-a hundred times the sag of a tower of 100 blocks, and a rounding of 1e-9 of the weights for a falling body."""
+a hundred times the sag of a tower of 100 blocks. For a falling body, rounding at this displacement is 1e-9 of the
+weights."""
 SENSITIVE = 0.1
-"""Sensitivity, over the displacement, above which a body counts as not held. Standing bodies have 1e-6 to 1e-2 (a
-tower of 100 blocks, an arch of 200), falling bodies 0.5 to 1."""
+"""Sensitivity, over the displacement, above which a body counts as not held. Standing bodies have 1e-6 to 1e-2 (a tower
+of 100 blocks, an arch of 200 blocks), falling bodies 0.5 to 1."""
 WARM_STEPS = 8
-"""Most steps from an earlier displacement."""
+"""Greatest number of steps from an earlier displacement."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
-"""Sequences of kappa: Newton's method rarely fails on the first, or straight to its end. On the second, rounds of
-bounds solve where it fails."""
+"""Short and long sequence of kappa. Newton's method rarely fails on the short sequence, or on its last value alone. On
+the long sequence, rounds of friction bounds continue where Newton's method fails."""
 WIDEST = 48
-"""Mean width of the matrix up to which the slowest sequence is tried: an arch has 12; in a pile of twenty bricks it
-costs a tenth of a second, and hardly ever decides more."""
+"""Mean length of the matrix rows up to which the long sequence is tried. An arch has 12. In a pile of twenty bricks the
+long sequence costs 0.1 s and rarely decides more bodies."""
 
 
 @compiled
 def _displace_step_by_step(case: Case, u: FloatArray) -> FloatArray:
     """Load at ``KAPPA`` from ``u``; if not all bodies are held, from zero, through smaller values of kappa.
 
-    Only the last sequence decides a fall: a long step may end in a distant jam, where less is held than on the path.
+    Only the last sequence decides a fall, because a long step may end in a distant jam that holds fewer bodies than the
+    path from zero.
 
     Returns:
-        The sensitivity of each body over its displacement, or 1 for those that are not balanced, shape (n,).
+        The sensitivity of each body over its displacement, or 1 for bodies that are not balanced, shape (n,).
     """
     if u.any():
         held, sensitivity = displace(case, KAPPA, WARM_STEPS, u)
@@ -83,7 +87,7 @@ def _displace_step_by_step(case: Case, u: FloatArray) -> FloatArray:
         return sensitivity
     u[:] = 0.0
     known = np.empty_like(u)
-    for kappa in MANY_KAPPAS:  # if one fails, the next may converge
+    for kappa in MANY_KAPPAS:  # after a failure, a later kappa may converge
         known[:] = u
         held, sensitivity = displace(case, kappa, NEWTON_STEPS, u)
         if not held:
@@ -94,7 +98,7 @@ def _displace_step_by_step(case: Case, u: FloatArray) -> FloatArray:
 
 @compiled
 def needs_prestress(problem: Problem, displacement: FloatArray) -> BoolArray:
-    """Return which bodies no contact force would hold if all loads grew from zero, shape (n,).
+    """Return the mask of the bodies that contacts do not hold if all loads grow from zero, shape (n,).
 
     Args:
         problem: n bodies, each with a weight, that have an equilibrium.

@@ -1,8 +1,8 @@
-"""The certificate: contact forces that last held the stack, and the start of the next search.
+"""The certificate: the contact forces that last held the stack, from which the next search starts.
 
-Bodies that bear a change are solved again; the forces kept for all other bodies still hold those. ``is_held``
-recomputes that from the present patches. Forces that are out of date, or belong to another patch, fail there, and their
-bodies are solved as well.
+After a change, only the bodies that bear it are solved again, because the kept forces still hold all others.
+``is_held`` checks this with the present patches. Forces that are out of date, or belong to another patch, fail the
+check, and their bodies are solved as well.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ the solve, because sizes are measured again."""
 
 
 class Memory(NamedTuple):
-    """One row for each row of ``Graph.patches``."""
+    """Kept forces, one row for each row of ``Graph.patches``."""
 
     pair: IntArray
-    """Upper body, lower body and kind of the patch whose forces these are, shape (n, 3)."""
+    """Upper body, lower body and kind of the patch to which the forces belong, shape (n, 3)."""
     force: FloatArray
     """Force [N] on the upper body at each vertex, shape (n, MAX_VERTICES, 3)."""
 
 
 def memory_for(patches: int, known: Memory | None = None) -> Memory:
-    """Return a table with ``patches`` rows that keeps the ``known`` ones."""
+    """Return a table with ``patches`` rows that keeps the ``known`` rows."""
     fresh = Memory(np.full((patches, 3), NONE), np.zeros((patches, MAX_VERTICES, 3)))
     if known is not None:
         rows = np.flatnonzero(known.pair[:, 0] != NONE)
@@ -61,7 +61,7 @@ def carries(memory: Memory, at: int) -> bool:
 def is_held(graph: Graph, memory: Memory, body: int, gravity: float) -> bool:
     """Return True if the kept forces lie in the Coulomb cones of a frozen body's contacts and balance its weight.
 
-    Only contacts with the ground and with frozen bodies count. O(its patches).
+    Only contacts with the ground and with frozen bodies count. O(patches of the body).
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -125,9 +125,9 @@ def remember(graph: Graph, memory: Memory, patches: IntArray, force: FloatArray)
 
 @compiled
 def hand_on(graph: Graph, memory: Memory, patches: IntArray, bodies: IntArray) -> None:
-    """Give the patches of ``bodies`` (k,) the forces of the same pairs, if they were rebuilt in other rows since.
+    """Copy the kept forces to the patches of ``bodies`` (k,) that were since rebuilt in other rows.
 
-    O(their patches times p).
+    O(patches of the bodies times p).
 
     Args:
         graph: the stack.

@@ -9,10 +9,11 @@ f       = P_K(A^T y), the solution of least norm, where y minimises the convex f
 |P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
 
 P_K is the projection onto the cones. The last term, about the latest y', makes it a proximal point method, which copes
-with degenerate problems. The rest r = w - A f = rho (y - y') tends to zero if there are such forces, and else to the
-shortest vector between w and A K. That vector is the proof: r . w > 0, while A^T r lies in the polar of K, so that with
-velocities -r gravity does work and no contact resists (Farkas). Before the limit A^T r lies there nearly; the same
-method finds the nearest motion that lies there exactly (w = 0, y' = r).
+with degenerate problems. If such forces exist, the rest r = w - A f = rho (y - y') tends to zero; otherwise it tends to
+the shortest vector between w and A K. That vector proves the fall: r . w > 0, while A^T r lies in the polar of K, so
+that with velocities -r gravity does work and no contact resists (Farkas). Before the limit, A^T r lies only nearly in
+the polar. The same method, with w = 0 and y' = r, then finds the nearest motion for which A^T r lies exactly in the
+polar.
 """
 
 from __future__ import annotations
@@ -37,21 +38,22 @@ from stability_core.port import FloatArray, IntArray
 HELD, FALLING, UNDECIDED = 0, 1, 2
 
 FIRST_RHO, LAST_RHO = 1e-3, 1e-12
-"""Weight of the proximal term against forces of weight 1: large at first, so that a falling stack is not thrown far,
-then tenfold less at each proximal point, for tall stacks that are almost balanced."""
+"""First and last weight of the proximal term, relative to the term of the forces. The weight is large at first, so that
+y stays small for a falling stack. It falls tenfold at each proximal point, because tall stacks that are almost balanced
+need a small weight."""
 RAY_RHO = 1e-4
-"""Weight of the proximal term in the search for a motion that no contact resists, over the weight of its first
-guess."""
+"""Weight of the proximal term in the search for a motion that no contact resists, over its weight in the search that
+gave the first guess."""
 STRONGEST = 1e6
-"""Greatest force of an equilibrium, over all weight: no real wedge is stiffer."""
+"""Greatest force of an equilibrium, over the weight of all bodies: no real wedge bears more."""
 CONVERGED = 1e-14
 """Newton's decrement, relative to the minimised function, at which a proximal point is reached."""
 PROXIMAL_POINTS = 12
 ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
-"""Proximal points, steps and imbalance for an estimate of the forces."""
+"""Limits for an estimate of the forces: number of proximal points, number of steps at each, imbalance."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
-"""Most steps. A stack takes 5 to 20 in all; a stack that takes more lies at its limit."""
+"""Greatest numbers of steps. A stack takes 5 to 20 in all; a stack that takes more lies at its limit."""
 
 
 class Search(NamedTuple):
@@ -71,7 +73,7 @@ class Search(NamedTuple):
 def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search: Search) -> None:
     """Move y to the minimum of |P_K(A^T y)|^2 / 2 - w . y + rho |y - center|^2 / 2.
 
-    Takes at most ``steps`` steps, and ends early when the forces are balanced.
+    The search takes at most ``steps`` steps, and ends early when the forces are balanced.
     """
     center, y, force, rest = search.center, search.y, search.force, search.rest
     along_contacts(problem, y, space.z)
@@ -100,7 +102,7 @@ def _minimise(problem: Problem, space: Workspace, rho: float, steps: int, search
 def nearest_forces(problem: Problem, rows: IntArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return forces in the cones that hold the bodies, or as much of their load as contacts can, and the rest.
 
-    Nothing is proven: the search ends at an imbalance of ``ROUGHLY_BALANCED``.
+    The result proves nothing, because the search ends at an imbalance of ``ROUGHLY_BALANCED``.
 
     Args:
         problem: n bodies and m contacts.
@@ -132,8 +134,8 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
     Args:
         problem: n bodies and m contacts.
         rows: components of force and moment that may be nonzero, shape (k,): all six, or [2, 3, 4] if every force is
-        vertical.
-        strongest: force, over all weight, above which an equilibrium counts as none (see ``STRONGEST``).
+            vertical.
+        strongest: greatest force of an equilibrium, over the weight of all bodies (see ``STRONGEST``).
 
     Returns:
         HELD, FALLING or UNDECIDED; the forces on the second bodies [N], (m, 3), always in their cones; the unbalanced
@@ -162,7 +164,7 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         worst = greatest_imbalance(problem, force, rest)
         if worst <= BALANCED:
             return HELD, force, rest, worst
-        if worst > 0.5 * before:  # no progress: perhaps there are no such forces
+        if worst > 0.5 * before:  # no progress: perhaps no forces hold the bodies
             ray[:] = rest
             for _ in range(RAY_STEPS):
                 _minimise(without_load, space, RAY_RHO * rho, 1, mechanism)

@@ -1,12 +1,12 @@
 """Pass vertical forces from the top down: each body passes its load to its supports.
 
 For stacks on level contacts this finds an equilibrium in one sweep, O(contacts), where a joint solve of all bodies from
-zero takes some factorisations. Each body's share is the one of least norm among those that balance it,
+zero takes some factorisations. Of all forces below a body that balance it, the sweep takes those of least norm,
 
     minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0,
 
-with W and M its own weight and all loads from above. Where a body must press differently so that a body below it is
-held, such as a counterweight, the sweep fails and proves nothing.
+where W and M are the force and the moment of the body's weight and of all loads from above. Where a body must press
+differently so that a body below it is held, such as a counterweight, the sweep fails and proves nothing.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from stability_core.port import BoolArray, FloatArray, IntArray
 REFINEMENTS = 2
 """Corrections of a share for rounding: the normal equations lose half of the digits."""
 ALONG_A_LINE = 1e-12
-"""Regularisation, over the trace: contacts along a line leave one moment free."""
+"""Regularisation, over the trace of the matrix, because contacts along a line leave one moment free."""
 
 
 @compiled
@@ -66,7 +66,7 @@ def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: F
 def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
     """Write the forces (k,) of least norm, none negative, whose sums with the ``row``s (k, 3) are ``wanted`` (3,).
 
-    Pulling forces are removed, the worst first, until none is left.
+    Contacts whose forces pull are excluded, the worst first, until no force pulls.
     """
     active, missing = np.ones(len(row), np.bool_), np.empty(3)
     for _ in range(len(row)):
@@ -87,8 +87,8 @@ def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]
     """Return the supports of each body, by contacts along the vertical.
 
     Returns:
-        Upper body of each contact, negative for none, (m,); the lower one, likewise; start of each body's contacts
-        below it in the list, (n + 1,); that list.
+        Upper body of each contact, negative for a fixed body, (m,); lower body, likewise; for each body, the start of
+        its list of contacts below, (n + 1,); all these lists in one array.
     """
     n, m = len(problem.load), len(problem.normal)
     upper, lower = np.empty(m, np.int64), np.empty(m, np.int64)
@@ -130,8 +130,8 @@ def pass_down(problem: Problem) -> tuple[bool, FloatArray, FloatArray, float]:
         problem: n bodies and m contacts, whose normals are all vertical.
 
     Returns:
-        Whether the forces hold all bodies; the forces (m, 3); the unbalanced rest, (n, 6); the greatest
-        imbalance of a body relative to the largest force on it.
+        True if the forces hold all bodies; the forces (m, 3); the unbalanced rest, (n, 6); the greatest imbalance of a
+        body relative to the largest force on it.
     """
     n = len(problem.load)
     upper, lower, start, listed = _supports(problem)

@@ -35,9 +35,9 @@ class Problem(NamedTuple):
     load: FloatArray
     """Force [N] and moment [N, over the body's size] that contacts must exert on each body, shape (n, 6)."""
     slack: FloatArray
-    """Moment [N, over the body's size] that may stay unbalanced, shape (n,): of the weight about a contact point that
-    is off by measurement noise. Zero except for bodies that touch only in points and lines, because no rigid sphere
-    balances on a point that lies beside the vertical by a rounding error."""
+    """Moment [N, over the body's size] that may stay unbalanced, shape (n,): the moment of the weight about a contact
+    point that is off by measurement noise. It is zero except for bodies that touch only in points and lines, because no
+    rigid sphere balances on a point that lies off the vertical by a rounding error."""
 
 
 @compiled
@@ -156,9 +156,10 @@ def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
 
 
 def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolArray]:
-    """Return the problem of the bodies that may move, (n,), all others fixed, and the mask of its contacts, (m,).
+    """Return the problem with all bodies fixed except the mask ``moves`` (n,), and the mask of its contacts, (m,).
 
-    Bodies that fall there fall in the whole problem as well, because fixed bodies withstand more than free ones.
+    Bodies that fall in this problem fall in the whole problem as well, because fixed bodies withstand more than free
+    bodies.
     """
     index = np.full(len(moves) + 1, -1)  # the last row is the ground's
     index[:-1][moves] = np.arange(np.count_nonzero(moves))
@@ -177,9 +178,9 @@ def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolA
 
 
 def relieved_of(problem: Problem, gone: BoolArray, force: FloatArray) -> tuple[Problem, BoolArray]:
-    """Return the problem of the bodies that are not ``gone``, (n,), under the contact forces (m, 3) of those.
+    """Return the problem without the bodies of the mask ``gone`` (n,), whose contact forces (m, 3) stay as loads.
 
-    Also return the mask of the contacts they keep, (m,).
+    Also return the mask of the remaining contacts, (m,).
     """
     stays = np.append(~gone, True)  # the last row is the ground's
     index = np.cumsum(stays) - 1

@@ -3,13 +3,12 @@
 U(ground contact) is the whole patch. U(body) is the hull over its supports of (contact patch, cut with the U of the
 support). Proof by induction from the ground up:
 
-- A weight at a point of U(body) is split among points of the patches that lie in the supports' own U, as forces
-  straight
-down, which level contacts can bear.
-- Each of these is passed on in the same way, down to the ground.
-- Added to the forces of any equilibrium they stay in the Coulomb cones, which are convex.
+- A weight at a point of U(body) is split among points of the patches that lie in the supports' own U, as vertical
+  forces, which load-bearing contacts can bear.
+- Each of these forces is passed on in the same way, down to the ground.
+- Added to the forces of any equilibrium, they stay in the Coulomb cones, because the cones are convex.
 
-So if the stack stood before, it stands with the weight, and no force need be known.
+Therefore a stack that stood before also stands with the weight, and no force need be computed.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ REGION = np.dtype(
     [
         ("vertices", "i8"),  # 0 where no region is known
         ("vertex", "f8", (MAX_VERTICES, 3)),  # a convex polygon in plan, counter-clockwise [m]
-        ("links", "i8"),  # fingerprint of its surroundings when it was proven to stand, or frozen in doubt
+        ("links", "i8"),  # fingerprint of the body's surroundings when it was proven to stand, or frozen in doubt
     ],
     align=True,
 )
@@ -62,7 +61,7 @@ Regions: TypeAlias = Any
 
 
 def regions_for(bodies: int, known: Regions) -> Regions:
-    """Return a table with rows for ``bodies`` that keeps the ``known`` ones."""
+    """Return a table with rows for ``bodies`` that keeps the ``known`` rows."""
     fresh = np.zeros(bodies, REGION)
     fresh[: len(known)] = known
     return fresh
@@ -97,7 +96,7 @@ def cut(subject: FloatArray, by: FloatArray) -> FloatArray:
 
 @compiled
 def known_region(regions: Regions, body: int) -> FloatArray:
-    """Return U of a frozen body, shape (k, 3); empty where none is known."""
+    """Return U of a frozen body, shape (k, 3); empty if no region is known."""
     row = regions[body]
     region: FloatArray = row.vertex[: row.vertices]
     return region
@@ -107,7 +106,7 @@ def known_region(regions: Regions, body: int) -> FloatArray:
 def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
     """Return U of a body that stands on the stack, shape (k, 3), from the regions of its supports.
 
-    O(supports), whatever the height of the stack.
+    O(supports), independent of the height of the stack.
     """
     bodies, patches = graph.bodies, graph.patches
     points = np.empty((2 * MAX_VERTICES * count_patches(graph, body), 3))
@@ -145,10 +144,10 @@ def _id_of(bodies: Bodies, body: int) -> int:
 
 @compiled
 def fingerprint(graph: Graph, body: int) -> int:
-    """Return a number that changes with the mass of ``body`` and with its contacts, in any order.
+    """Return a number that depends on the mass and the contacts of ``body``, but not on the order of the contacts.
 
-    Contacts with the ground and with frozen bodies count, with their normals; for a body in doubt the live bodies on it
-    count as well, because no change at all leaves it frozen.
+    Contacts with the ground and with frozen bodies count, with their normals; for a body in doubt live bodies count as
+    well, because any change unfreezes it.
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -179,7 +178,7 @@ def is_unchanged(graph: Graph, regions: Regions, body: int) -> bool:
 def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
     """Return True if ``body`` has the same mass and frozen contacts as when it was proven to stand.
 
-    Never True for a body that was frozen in doubt.
+    The result is False for a body that was frozen in doubt.
     """
     return bool(graph.bodies[body].doubt == PROVEN and is_unchanged(graph, regions, body))
 
@@ -188,7 +187,7 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 def note_doubts(graph: Graph, regions: Regions) -> None:
     """Record the surroundings of the bodies just frozen in doubt: any later change unfreezes them.
 
-    O(bodies that changed in this frame). They have no region, so nothing may be placed on them without a solve.
+    O(bodies that changed in this frame). These bodies get no region, so a body placed on them needs a solve.
     """
     for body in graph.changed[1 : 1 + graph.changed[0]]:
         row = graph.bodies[body]
@@ -199,7 +198,7 @@ def note_doubts(graph: Graph, regions: Regions) -> None:
 
 @compiled
 def _supports_are_proven(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if every frozen body below is unchanged since its proof, because regions build on theirs."""
+    """Return True if the proofs of all frozen bodies below still hold; the region of ``body`` builds on them."""
     bodies, patches = graph.bodies, graph.patches
     at = bodies[body].first_support
     while at != NONE:
@@ -224,8 +223,8 @@ def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bo
 def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
     """Return True if a body topples alone and the stack bears its load meanwhile.
 
-    It turns about the border of its contact area and presses there, with no more than its weight, at the point nearest
-    to its centre of mass. If that point lies in the ``region`` (k, 3) of its supports, they bear it. False means
+    The body turns about the border of its contact area and presses, with at most its weight, on the point of the border
+    nearest to its centre of mass. If that point lies in the ``region`` (k, 3), the supports bear the load. False means
     unknown.
     """
     support = support_polygon(graph, body)
@@ -262,11 +261,10 @@ def keep_proof_of_neighbours(graph: Graph, regions: Regions, body: int) -> None:
 
 @compiled
 def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
-    """Return True if a body held by nothing else has its centre of mass outside its contact area.
+    """Return True if a body topples by itself: its centre of mass lies outside its contact area.
 
-    Friction cannot help such a body.
-
-    A live body at rest below it may hold it, once both are frozen together.
+    Friction cannot hold such a body. The result is False if the body carries another, leans, or stands on a live body
+    at rest, because both may be frozen together and hold each other.
 
     Args:
         graph: the stack.

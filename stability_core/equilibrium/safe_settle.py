@@ -34,7 +34,7 @@ SAFE, LEFT, UNSOLVED = range(3)
 
 @compiled
 def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
-    """Freeze the ``candidates``, lowest first, that lie in safe regions; return them, and the undecided ones.
+    """Freeze the ``candidates`` in safe regions, lowest first; return the frozen and the undecided bodies.
 
     A body that topples alone is decided as well: it stays live.
     """
@@ -62,7 +62,7 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
 def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
     """Return the live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
 
-    They may be frozen while they still move a little; a flat body can wait.
+    These bodies may be frozen while they still move slightly; a flat body waits until it is at rest.
     """
     bodies = graph.bodies
     found = np.empty(len(candidates), np.int64)
@@ -78,7 +78,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
     """Return the ``candidates``, and the live bodies at rest below them, directly or indirectly, by rising id.
 
-    Bodies that hold each other can only be frozen together, whichever of them came to rest first.
+    Bodies that hold each other can only be frozen together, in whatever order they came to rest.
     """
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
@@ -102,7 +102,7 @@ def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
 
 @compiled
 def keep_proofs(graph: Graph, regions: Regions, bodies: IntArray) -> None:
-    """Record that the ``bodies`` (k,), lowest first, stand together; regions build on those below."""
+    """Record that the ``bodies`` (k,), lowest first, stand together; regions build on the regions below."""
     for body in bodies:
         keep_proof(graph, regions, body, region_of(graph, regions, body))
 
@@ -116,7 +116,7 @@ def _is_borne(graph: Graph, regions: Regions, body: int) -> bool:
 
 @compiled
 def _unproven(graph: Graph, regions: Regions, bodies: IntArray) -> IntArray:
-    """Return those of ``bodies`` whose part of the stack must be solved again, shape (k,)."""
+    """Return the ``bodies`` whose part of the stack must be solved again, shape (k,)."""
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)
     n = 0
@@ -158,7 +158,7 @@ def settle_safely(
     limits: Limits,
     found: IntArray,
 ) -> tuple[int, int, int]:
-    """Settle the frame as far as cheap proofs go: completely, unless a candidate is left undecided.
+    """Settle the frame by cheap proofs: completely, unless a candidate stays undecided.
 
     O(1) per body on the worklist, independent of the number of frozen bodies. The arrays of ``Graph`` and
     ``FrameBuffers`` are separate arguments, because Numba unpacks a tuple from Python slowly (ADR-0002).

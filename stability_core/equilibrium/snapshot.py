@@ -27,7 +27,8 @@ from stability_core.validation import (
 )
 
 ROUNDING = 1e-12
-"""Tolerance of the cosine of a contact's slope against its angle of friction: zero friction on a level face."""
+"""Tolerance of the cosine in the comparison of a contact's slope with its friction angle: a horizontal face without
+friction must count as load-bearing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,48 +36,53 @@ class Equilibrium:
     """The result of statics for one snapshot."""
 
     verdict: Verdict
-    """Held by ``forces`` that arise from zero; falling by ``mechanism``; or neither is proven."""
+    """``stable``: held by ``forces`` that arise from zero load; ``unstable``: falling by ``mechanism``; ``doubt``:
+    neither is proven."""
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
     forces: FloatArray | None
-    """Force [N] on ``body_b`` of each contact, shape (n, 3); the opposite acts on ``body_a``. None if there is none."""
+    """Force [N] on ``body_b`` of each contact, shape (n, 3); the opposite force acts on ``body_a``. None if no forces
+    were found."""
     mechanism: FloatArray | None
     """Virtual velocity [m/s] and angular velocity [rad/s] of each body, shape (m, 6), in the order of the masses,
     scaled so that the fastest body has 1 m/s. None unless unstable."""
     in_doubt: BoolArray
-    """Bodies that no force would hold, or about which nothing was proven, shape (m,); none unless in doubt."""
+    """Mask of the bodies that loading from zero does not hold, or about which nothing is proven, shape (m,); all False
+    unless the verdict is ``doubt``."""
 
     @property
     def stable(self) -> bool:
-        """True only if proven."""
+        """True if stability is proven."""
         return self.verdict == "stable"
 
 
 def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Equilibrium:
     """Decide whether all bodies stay at rest.
 
-    Every row of ``contacts`` counts as touching, whatever its separation and velocity: leave out the others.
-    The ground alone is fixed. The verdict does not depend on units: not on the scale of length, mass or gravity. A body
-    that touches only in points and lines may lie off them by a millionth of its size (see ``faces``).
+    Every row of ``contacts`` counts as touching, at any separation and velocity; leave out rows that do not touch. Only
+    the ground is fixed. The verdict does not depend on the scale of length, mass or gravity. For a body that touches
+    only in points and lines, these may be off by a millionth of its size (see ``faces``).
 
     - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and such forces arise by themselves:
-      vertical ones on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths of
-      the friction as well (see ``loading``).
-    - "unstable": there are no such forces; ``mechanism`` is the motion that proves it (see ``newton``). Equilibria that
-      need a force of more than a million times all weight count as none.
-    - "doubt": the forces exist, but they do not arise by themselves: two walls could hold a brick between them, if
-      something
-      pressed it in. Or friction is within a tenth of the required friction. Or no proof was found.
+      vertical forces on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths
+      of the friction as well (see ``loading``).
+    - "unstable": no contact forces hold the bodies; ``mechanism`` is the motion that proves it (see ``newton``). An
+      equilibrium that needs a force of more than a million times the weight of all bodies does not count.
+    - "doubt": forces exist but do not arise by themselves (two walls could hold a brick between them if something
+      pressed them together); or they arise with the full friction, but not with nine tenths of it; or no proof was
+      found.
 
-    A step takes O(n) to O(n w^2) for n bodies in layers of w; 5 to 20 steps, with friction 10 to 60.
+    A step takes O(n) to O(n w^2) for n bodies in layers of w bodies. A decision takes 5 to 20 steps, with friction 10
+    to 60 steps.
 
     Args:
         contacts: the touching points; ``body_a`` and ``body_b`` are ``GROUND`` or listed in ``masses``.
         masses: all bodies that must stand; ``removed`` is ignored.
         gravity: [m/s2], in any direction.
 
-    ValueError: for malformed contacts or masses (the message names field and row), for normals that all point from b
-    to a, and for bad gravity.
+    Raises:
+        ValueError: for malformed contacts or masses (the message names field and row), for normals that all point from
+            b to a, and for bad gravity.
     """
     index_a, index_b = _checked(contacts, masses)
     down = np.asarray(gravity, np.float64)
@@ -90,7 +96,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     verdict, forces, rest, residual = decide(snapshot, _is_level(snapshot))
     motion = None
     if verdict == "unstable":
-        forces = None  # they hold nothing
+        forces = None  # they do not hold the bodies
         motion = np.hstack([-rest[:, :3] @ upright, -rest[:, 3:] / size[:, None] @ upright]) / np.abs(rest).max()
     in_doubt = takes_part(rest) if verdict == "doubt" else np.zeros(len(masses.body), np.bool_)
     return Equilibrium(verdict, residual, None if forces is None else forces @ upright, motion, in_doubt)
@@ -100,7 +106,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     """Return the index in ``masses`` of both bodies of each contact, -1 for the ground.
 
     Raises:
-    ValueError: for malformed contacts or masses.
+        ValueError: for malformed contacts or masses.
     """
     check_shapes(contacts, masses)
     check_ids("contacts.body_a", contacts.body_a)
@@ -123,7 +129,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     twice = np.flatnonzero(listed[1:] == listed[:-1])
     if len(twice):
         raise fault_of(LISTED_TWICE, int(order[twice[0] + 1]), contacts, masses)
-    order, listed = np.append(order, -1), np.append(listed, GROUND)  # the ground's index, and a row where all may end
+    order, listed = np.append(order, -1), np.append(listed, GROUND)  # the ground, and the end of the search
     indices = []
     for bodies in (contacts.body_a, contacts.body_b):
         place = np.where(bodies == GROUND, -1, np.searchsorted(listed[:-1], bodies))
@@ -135,7 +141,7 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
 
 
 def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray, up: FloatArray) -> None:
-    """Check that normals do not all point from b to a, so that the ground pushes bodies down from below.
+    """Check that not all normals point from b to a, as if the ground pushed the bodies down.
 
     Raises:
         ValueError: naming the first such contact.
@@ -150,7 +156,7 @@ def _refuse_flipped(contacts: Contacts, masses: Masses, index_a: IntArray, index
 
 
 def _sizes(contacts: Contacts, masses: Masses, index_a: IntArray, index_b: IntArray) -> FloatArray:
-    """Return the size of each body [m], shape (n + 1,): its longest lever. The last is the ground's: infinite."""
+    """Return the size of each body [m], its longest lever, and then of the ground, infinity, shape (n + 1,)."""
     size = np.zeros(len(masses.body) + 1)
     for index in (index_a, index_b):
         moves = index >= 0
@@ -166,7 +172,7 @@ def _problem(
 ) -> tuple[Problem, FloatArray]:
     """Return the snapshot with z up and dimensionless levers, and the size of each body [m], shape (n,).
 
-    A body's size is its longest lever, so that force and moment are measured alike, whatever the unit of length.
+    A body's size is its longest lever, so that forces and moments have the same scale in any unit of length.
     """
     n = len(masses.body)
     size = _sizes(contacts, masses, index_a, index_b)
@@ -189,6 +195,6 @@ def _problem(
 
 
 def _is_level(problem: Problem) -> BoolArray:
-    """Return which contacts can carry a vertical force: their cone contains the vertical."""
+    """Return the mask of the load-bearing contacts, whose cones contain the vertical, shape (m,)."""
     level: BoolArray = np.abs(problem.normal[:, 2]) >= 1.0 / np.sqrt(1.0 + problem.friction**2) - ROUNDING
     return level

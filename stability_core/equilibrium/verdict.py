@@ -1,9 +1,9 @@
 """Decide stable, unstable or doubt: which of the two proofs exists, and whether the forces would arise.
 
 - unstable: no contact forces in the Coulomb cones hold the bodies; a mechanism proves it.
-- stable: there are such forces, and either vertical ones on load-bearing contacts suffice, or loading from zero
-  prestress comes to rest (see ``loading``).
-- doubt: there are such forces, but they would not arise by themselves; or nothing was proven.
+- stable: such forces exist, and either vertical forces on load-bearing contacts suffice, or loading from zero prestress
+  comes to rest (see ``loading``).
+- doubt: such forces exist, but would not arise by themselves; or nothing was proven.
 """
 
 from __future__ import annotations
@@ -38,15 +38,16 @@ OTHER_ROWS = np.array([0, 1, 5])
 MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 """Factor that selects the moments."""
 SLACK_STEPS = 8
-"""Solves for rolling bodies; a pile of spheres takes one or two."""
+"""Greatest number of solves for rolling bodies; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
-"""Steps of the correction, before and after including the neighbours of the changed bodies. One more plank on a card
-house of 100 takes 1 to 5 steps, an off-centre load of 20 planks' weight 12."""
+"""Steps of the correction, before and after the changed bodies are tested for a fall with their neighbours. One more
+plank on a card house of 100 planks takes 1 to 5 steps, an off-centre load of 20 planks' weight 12."""
 LESS_FRICTION = 0.9
-"""Share of the friction with which forces must arise as well, where they exist: of tight courses that stood when loaded
-with mu = 0.8, two kinds fell in two engines of three."""
+"""Share of the friction with which forces must arise as well, if they exist: of the tight courses that stood when
+loaded with mu = 0.8, two kinds fell in two of three engines."""
 FEW = 0.25
-"""Share of the bodies up to which neighbours are included: more would cost as much as the steps do."""
+"""Greatest share of the bodies for which the test for a fall includes neighbours. A larger share would cost as much as
+the steps of the correction."""
 MOVES = 1e-2
 """Share of the largest unbalanced force below which a body does not take part in a mechanism."""
 
@@ -69,8 +70,9 @@ def decide(
 
     Only the changed bodies are tested for a fall. Vertical forces from the top down are tried next (see
     ``passing_down``), because they cost less than a step of the correction. The correction takes one to four steps for
-    nearly all standing stacks; meanwhile its unbalanced bodies are tested for a fall as well. See ``correction`` and
-    ``newton`` for a step.
+    nearly all standing stacks. If its first steps fail, the changed bodies are tested for a fall with their neighbours;
+    if all its steps fail, the bodies that are still unbalanced are tested. See ``correction`` and ``newton`` for the
+    cost of a step.
 
     Args:
         problem: n bodies and m contacts, z up.
@@ -78,7 +80,7 @@ def decide(
         start: forces that nearly hold the bodies [N], shape (m, 3), or None.
         changed: bodies that were added, moved, or lost a neighbour since the rest was found to stand, shape (n,); None
             for all.
-        displacement: start of loading, shape (3, n, 6), overwritten; None for none (see ``loading``).
+        displacement: start of loading, shape (3, n, 6), overwritten; None for zero (see ``loading``).
 
     Returns:
         The verdict; forces (m, 3) that hold the bodies, or nearly if they are "unstable", or None; a motion (n, 6) that
@@ -114,7 +116,7 @@ def decide(
 
 
 def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
-    """Return the proof that vertical forces on level contacts hold all bodies; None if the sweep from the top fails.
+    """Return the proof that vertical forces on load-bearing contacts hold all bodies; None if the sweep fails.
 
     Such forces arise by themselves, because each body presses on its supports.
     """
@@ -129,7 +131,7 @@ def _passed_down(problem: Problem, level: BoolArray) -> Answer | None:
 
 
 def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | None:
-    """Return the proof that the ``changed`` bodies, (n,), fall with nearby bodies; None if there is none."""
+    """Return the proof that the ``changed`` bodies, (n,), fall with nearby bodies; None if no proof is found."""
     moves = changed
     while True:
         more = with_neighbours(problem, moves)
@@ -142,7 +144,7 @@ def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | Non
 
 
 def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
-    """Return the proof that some movable bodies, (n,), fall even if all others are fixed; None if there is none."""
+    """Return the proof that bodies of the mask ``moves`` (n,) fall even if all others are fixed, or None."""
     if moves.all() or not moves.any():
         return None
     part, theirs = held_by_the_rest(problem, moves)
@@ -159,12 +161,15 @@ def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
 
 
 def _is_vertical(load: FloatArray) -> bool:
-    """Return True if no load (n, 6) asks for other than vertical forces."""
+    """Return True if vertical forces alone can balance every load (n, 6)."""
     return not load[:, OTHER_ROWS].any()
 
 
 def _decide_from_scratch(problem: Problem, level: BoolArray, displacement: FloatArray) -> Answer:
-    """Try vertical forces on level contacts first, at an eighth of the cost, then all that the cones allow."""
+    """Try vertical forces on load-bearing contacts first, then all forces in the cones, without a start.
+
+    The first try costs an eighth of the second.
+    """
     held, force, rest, residual = _held_by_verticals(problem, level)
     if held:
         return "stable", force, rest, residual
@@ -212,9 +217,12 @@ def _held_within_slack(
 
 
 def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatArray, FloatArray, float]:
-    """Return whether vertical forces on level contacts hold the bodies; the forces (m, 3); the unbalanced rest.
+    """Try to hold the bodies by vertical forces on load-bearing contacts.
 
     Such forces arise by themselves, because each body presses on its supports.
+
+    Returns:
+        True if they hold the bodies; the forces (m, 3); the unbalanced rest, (n, 6); the greatest imbalance.
     """
     verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, STRONGEST)
     forces = np.zeros((len(level), 3))
@@ -239,9 +247,10 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
 
 
 def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
-    """Return which bodies loading does not hold, shape (n,), with full friction and, if that can hold them, with less.
+    """Return the mask of the bodies that loading does not hold, shape (n,).
 
-    Where there is no equilibrium with less, friction itself is at its limit, as in an inverted V: all of it decides.
+    Loading must hold them with ``LESS_FRICTION`` of the friction. If no equilibrium exists with that share, as for an
+    inverted V near its limit, the full friction decides.
     """
     less = island._replace(friction=LESS_FRICTION * island.friction)
     loose = needs_prestress(less, displacement)
@@ -265,7 +274,7 @@ def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:
 
 
 def _verticals(problem: Problem) -> FloatArray:
-    """Return up or down for each contact, as its normal points, shape (m, 3)."""
+    """Return a vertical unit vector for each contact, up or down as its normal points, shape (m, 3)."""
     vertical = np.zeros_like(problem.normal)
     vertical[:, 2] = np.where(problem.normal[:, 2] >= 0.0, 1.0, -1.0)
     return vertical
