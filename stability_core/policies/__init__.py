@@ -1,4 +1,4 @@
-"""The policies: which bodies freeze and which unfreeze. A policy differs in its decision only, never in the loop."""
+"""The policies, which decide which bodies freeze and which unfreeze. The loop around them is always the same."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ from stability_core.settle import lay_due, lay_frozen
 from stability_core.stack import FROZEN, NONE, Graph, take_changed
 
 CEILING = -0.5
-"""Upward component of a normal below which the touching body lies above."""
+"""Upward component of a patch's normal below which the other body lies above, as a ceiling does."""
 
 
 @compiled
 def _is_held(graph: Graph, body: int) -> bool:
-    """Return True if ``body`` touches anything below or beside it: a ceiling carries nothing."""
+    """Return True if ``body`` touches anything below or beside it; a ceiling does not count."""
     at = graph.bodies[body].first_support
     while at != NONE:
         if graph.patches[at].normal[2] > CEILING:
@@ -44,13 +44,13 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
 class AtRest(Policy):
     """Freezes every body at rest, stable or not, and keeps it frozen while any support is left.
 
-    The weaker rule for leaning bodies is for policies that test them.
+    It ignores the weaker rest rule for leaning bodies, which is meant for policies that test these bodies.
     """
 
     name = "at_rest"
     judges_statics = False
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Accept every body at rest; only bodies without any support left are unbalanced. O(changes)."""
+        """Accept every body at rest; report bodies without any support as unbalanced. O(changes)."""
         floating = _settle(graph, buffers, self.limits)
         return Decision(dict.fromkeys(listed(buffers, AT_REST).tolist(), "at rest"), floating)

@@ -24,7 +24,7 @@ class Decision(NamedTuple):
     unbalanced: IntArray
     """The frozen bodies that no longer balance, shape (k,)."""
     deferred: IntArray = NOBODY
-    """Live bodies left without budget, shape (m,): they are judged in the next frame."""
+    """Live bodies left without budget, shape (m,), which the next frame judges."""
 
 
 class Policy(ABC):
@@ -32,14 +32,15 @@ class Policy(ABC):
 
     name: ClassVar[str]
     judges_statics: ClassVar[bool] = True
-    """True if its frozen bodies pass a stability test, so that bodies may be judged before they were seen at rest."""
+    """True if the policy tests the stability of bodies before it freezes them, so that it may judge bodies that were
+    not yet seen at rest."""
 
     def __init__(self, gravity: float, settings: Settings) -> None:
         """Set gravity and tolerances.
 
         Args:
-        gravity: gravitational acceleration [m/s2], positive.
-        settings: the tolerances.
+            gravity: gravitational acceleration [m/s2], positive.
+            settings: the tolerances.
         """
         self.gravity = gravity
         self.settings = settings
@@ -49,10 +50,10 @@ class Policy(ABC):
         has a budget: frozen bodies are always tested for balance."""
 
     def set_gravity(self, gravity: float) -> None:
-        """Set the strength of gravity [m/s2], or note another direction: no earlier proof holds any more.
+        """Set the strength of gravity [m/s2], after its strength or its direction has changed.
 
-        The graph is turned so that z is up, and lists every frozen body as changed. A policy that remembers proofs or
-        forces forgets them here.
+        The graph has been turned so that z is up, and lists every frozen body as changed. Earlier proofs and forces no
+        longer hold, so a policy that keeps them must drop them here.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)

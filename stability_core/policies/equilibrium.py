@@ -5,10 +5,10 @@ accepted, in O(1) at any height. Only the remaining bodies are solved, with the 
 counterweights, lost supports. Bodies that move in the mechanism fall.
 
 A proof holds for frozen bodies only: there is no certificate for a stack with a live load, nor after a change of mass,
-normal or neighbour. So a departing live load never matters where there is a proof, and an arriving one is borne if it
-lies in a safe region.
+normal or neighbour. So the departure of a live load invalidates no proof, and the stack bears a new live load if the
+load lies in a safe region.
 
-A body that statics leaves in doubt (see ``verdict``) is never proven. It freezes only after the engine has held it in
+A body that statics leaves in doubt (see ``verdict``) has no proof. It freezes only after the engine has held it in
 place for ``doubt_s`` under the present contacts, and unfreezes at any change of contact, load or neighbour.
 """
 
@@ -46,21 +46,22 @@ from stability_core.stack import (
 )
 
 WAKE_GRIP = 1.02
-"""Hysteresis in friction: unfreezing requires a fall with this many times the friction."""
+"""Factor on friction for unfreezing, as a hysteresis: a body unfreezes only if it falls even with so much friction."""
 UNCERTAIN = 0.2
-"""Share of the greatest load that may be missing where loads are estimates, because contact forces tremble by as
-much."""
+"""Greatest missing force, over the greatest load, that unfreezes nothing where loads are estimates, because contact
+forces fluctuate by as much."""
 TOGETHER = 12
-"""Most candidates judged together within a budget: few bodies hold each other in a pile, and a solve of fifty that lean
-on each other takes half a second."""
+"""Greatest number of candidates judged together within a budget: few bodies hold each other in a pile, and a solve of
+fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
-"""Number of bodies above which a solve is expensive: bodies that it leaves in doubt are not judged again within
-``doubt_s``, whatever changes around them."""
+"""Number of bodies above which a solve is expensive. Bodies that an expensive solve leaves in doubt are not judged
+again within ``doubt_s``, even if their surroundings change."""
 FEW_TOGETHER = 16
-"""Most bodies up to which live bodies are solved together with the stack below them; on level contacts
-``FEW_BODIES``."""
+"""Greatest number of bodies in a joint solve of live bodies with the stack below them; ``FEW_BODIES`` if all contacts
+of the live bodies are load-bearing."""
 FEW_BODIES = 64
-"""Most bodies up to which a whole part of the stack is solved if the bodies that bear the change do not decide."""
+"""Greatest number of bodies for which a whole part of the stack is solved, if a solve of the bodies that bear the
+change decides nothing."""
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
@@ -84,8 +85,8 @@ class Equilibrium(Policy):
         """Set gravity and tolerances.
 
         Args:
-        gravity: gravitational acceleration [m/s2], positive.
-        settings: the tolerances.
+            gravity: gravitational acceleration [m/s2], positive.
+            settings: the tolerances.
         """
         super().__init__(gravity, settings)
         self._regions = np.zeros(0, REGION)
@@ -93,7 +94,7 @@ class Equilibrium(Policy):
         self._found = np.empty((3, 0), np.int64)
         self._wake_margin, self._wake_grip = settings.wake_margin, WAKE_GRIP
         self._sag = np.zeros((len(STIFFNESSES), 0, 6))
-        """Displacements of the last loading, by body: the start of the next."""
+        """Displacements of the last loading, by body, from which the next loading starts."""
         self._solved = 0
         """Number of bodies solved in this frame."""
         self._not_before = np.zeros(0)
@@ -106,8 +107,8 @@ class Equilibrium(Policy):
     def set_gravity(self, gravity: float) -> None:
         """Forget proofs, regions and forces.
 
-        The next frame judges without hysteresis: contacts of frozen bodies do not change while gravity turns, so that
-        bodies wake at the exact angle at which they slide or topple.
+        The next frame judges without hysteresis, so that bodies unfreeze at the exact angle at which they slide or
+        topple. Hysteresis is not needed, because contacts of frozen bodies do not change while gravity turns.
         """
         super().set_gravity(gravity)
         self._wake_margin, self._wake_grip = 0.0, 1.0
@@ -116,10 +117,10 @@ class Equilibrium(Policy):
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Settle the bodies in safe regions in one compiled call; then the others together, without falling ones.
+        """Freeze the bodies in safe regions by one compiled call; then freeze the others that stand together.
 
-        O(1) per changed body while safe regions decide, else some solves of the bodies that bear it, which start from
-        its latest forces.
+        The cost is O(1) per changed body while safe regions decide. Otherwise it is some solves of the bodies that bear
+        the change, which start from the latest forces.
         """
         if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
@@ -182,7 +183,7 @@ class Equilibrium(Policy):
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
         """Return the candidates of a ``part`` to judge together, (k,): within a budget the lowest few.
 
-        Bodies on level contacts only are cheap to judge, in any number.
+        Bodies with load-bearing contacts only are judged in any number, because they are cheap.
         """
         if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
             return part
@@ -190,7 +191,7 @@ class Equilibrium(Policy):
         return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
-        """Yield bodies to solve for the ``seeds``: those that bear them; then the whole part, if it is small.
+        """Yield the bodies to solve for the ``seeds``: the bodies that bear them; then the whole part, if it is small.
 
         The second value is True for the whole part.
         """
@@ -279,8 +280,9 @@ class Equilibrium(Policy):
         """Return which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
 
         The loads of live bodies on a rigid stack are one of many ways to share their weight. If the stack does not bear
-        them, the live bodies that do not fall themselves are solved together with it. If that does not prove that the
-        stack bears the load, the loaded bodies are unfrozen, and the rest is judged again without them.
+        these loads, the live bodies that do not fall themselves are solved together with the stack. If this solve does
+        not prove that the stack bears the loads either, the loaded bodies unfreeze, and the rest is judged again
+        without them.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
@@ -308,10 +310,10 @@ class Equilibrium(Policy):
         return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
-        """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and which of them are known to be held, (k,).
+        """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and the mask of those known to be held, (k,).
 
-        A body on level contacts presses with its weight. Only the engine knows the force of a wedged body; if it
-        reports no forces, see ``live_load``.
+        A body on load-bearing contacts presses with its weight. Only the engine knows the force of a wedged body; for
+        an engine that reports no forces, see ``live_load``.
         """
         has_forces = buffers.clock.item(HAS_FORCES) > 0.0
         if has_forces and not is_upright(graph, live):
@@ -348,8 +350,8 @@ class Equilibrium(Policy):
     def _moves(self, graph: Graph, part: Part, problem: Problem, seeds: IntArray, answer: Answer) -> IntArray:
         """Return the frozen bodies that move in an ``answer``'s mechanism, shape (k,); the seeds if nothing is known.
 
-        Live bodies may fall from a standing stack, or be in doubt, and so may bodies that the engine held before they
-        froze: they are removed, and the rest must bear their loads.
+        Live bodies, and bodies frozen in doubt, may fall or be in doubt although the stack stands. They are removed,
+        and the rest must bear their loads.
         """
         bodies, ids, level = graph.bodies, part.ids, part.level
         may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)

@@ -52,7 +52,7 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
     """Freeze the ``candidates``, lowest first, that pass the flat test; return them, shape (k,).
 
-    Lowest first, so that each candidate sees the bodies that it stands on.
+    The order is lowest first, so that the supports of each candidate are decided before it.
     """
     accepted = np.empty(len(candidates), np.int64)
     n = 0
@@ -68,7 +68,7 @@ def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
 def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_width: float) -> IntArray:
     """Freeze the live ``candidates`` that do not lie flat and pass the leaning test; return them, shape (k,).
 
-    Bodies that lean on each other, as the planks of an inverted V, pass together or not at all.
+    Bodies that lean on each other, such as the planks of an inverted V, pass together or not at all.
     """
     group = np.empty(len(candidates), np.int64)
     n = 0
@@ -96,9 +96,9 @@ def pass_leaning_test(graph: Graph, candidates: IntArray, gravity: float, flat_w
 
 @compiled
 def fail_overall_test(graph: Graph, bodies: IntArray, gravity: float, wake_margin: float) -> IntArray:
-    """Return the frozen among ``bodies`` that fail the overall test, shape (k,).
+    """Return the frozen bodies among ``bodies`` that fail the overall test, shape (k,).
 
-    Hysteresis: unfreezing requires a centre well outside the area.
+    Unfreezing has a hysteresis: the centre must lie more than ``wake_margin`` [sizes] outside the area.
     """
     table = graph.bodies
     found = np.empty(len(bodies), np.int64)

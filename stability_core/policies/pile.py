@@ -1,18 +1,15 @@
 """The sleeping rule for piles, after Hsu and Keyser 2010: bodies inside the pile freeze, its slope stays live.
 
 S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Their method models
-a pile by its shape, bounded by an angle of repose; it deactivates objects within the pile, by more than their own
-momentum; and it is meant for random piles, not for structures. The decision from contacts, sleep and mass is our
-reading:
+a pile by its shape, bounded by an angle of repose; it deactivates objects inside the pile, by more criteria than their
+own momentum; and it is meant for random piles, not for structures. This policy adapts it to contacts, sleep and mass:
 
 - The pile of a body is the set of frozen bodies joined to it by contacts. It stands on a base: the convex hull, in
-  plan,
-of its contact points on the ground.
+  plan, of its contact points on the ground.
 - Its shape is that of sand on such a base: a roof that rises from the hull's border inward, by mu per metre. The angle
-  of
-repose is atan(mu), of the least friction on which the body stands; in their method the user chooses it.
+  of repose is atan(mu), of the least friction on which the body stands; in their method the user chooses the angle.
 - A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
-- It freezes once it is at rest, as in every policy, and touches no moving live body, which would take it along.
+- It freezes once it is at rest, as in every policy, and touches no moving live body, which would move it.
 - It unfreezes by an impact, as in every policy, and when one of its supports is gone.
 
 Balance is not tested: inside a pile the neighbours hold bodies that would tip. A tower is steeper than any pile of its
@@ -110,7 +107,7 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
         stands = True
         if not is_ground(graph.bodies, patch.lower):
             roof = patch.friction * inside_distance(base, patch.center[0], patch.center[1])
-            if not patch.center[2] - base[:, 2].mean() <= roof:  # so that a pile without a base carries nothing
+            if not patch.center[2] - base[:, 2].mean() <= roof:  # also for a pile without a base (NaN)
                 return False
     return stands
 
@@ -167,8 +164,8 @@ class Pile(Policy):
         """Set gravity and tolerances.
 
         Args:
-        gravity: gravitational acceleration [m/s2], positive.
-        settings: the tolerances.
+            gravity: gravitational acceleration [m/s2], positive.
+            settings: the tolerances.
         """
         super().__init__(gravity, settings)
         self._supports = NOBODY
@@ -179,7 +176,7 @@ class Pile(Policy):
         self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Decide lowest first, so that each body sees its frozen supports. O(pile) per body at rest."""
+        """Freeze bodies inside their piles, lowest first, because supports must be frozen. O(pile) per body."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))
