@@ -22,18 +22,18 @@ class Change(NamedTuple):
     woken: tuple[int, ...]
     """Bodies unfrozen in this frame, by rising id."""
     reasons: Mapping[int, str]
-    """The reason for each of them."""
+    """Reason for each frozen or unfrozen body, by id."""
     deferred: tuple[int, ...] = ()
-    """Bodies at rest that are judged in the next frame, because the budget of this one was spent, by rising id."""
+    """Bodies at rest that the next frame judges, because this frame's budget was spent, by rising id."""
 
 
 UNCHANGED = Change((), (), {})
 DRAGGED_ALONG = 3
-"""Number of contacts over which a body is dragged along by a body that a blow flings away."""
+"""Number of contacts, counted from a body that a blow throws away, within which frozen bodies unfreeze with it."""
 
 
 def unfreeze(world: World, row: int) -> None:
-    """Make a frozen body live; until it moves it still loads its supports."""
+    """Make a frozen body live. Until the body moves, it still loads its supports."""
     body = world.graph.bodies[row]
     body["state"], body["unsettled"], body["leans"], body["doubt"] = LIVE, True, False, PROVEN
     body["rest_s"] = body["still_s"] = body["lean_s"] = body["steady_s"] = 0.0
@@ -62,7 +62,10 @@ class Batch:
             unfreeze(self._world, row)
 
     def wake_above(self, roots: IntArray, reason: str) -> None:
-        """Unfreeze the ``roots``, shape (k,), and the bodies on them; a body frozen in the same frame never slept."""
+        """Unfreeze the ``roots``, shape (k,), and the bodies on them.
+
+        The engine is not called for a body that was frozen in the same frame.
+        """
         graph = self._world.graph
         for row in with_all_above(graph, roots).tolist():
             if graph.bodies["state"][row] == FROZEN:
@@ -72,7 +75,7 @@ class Batch:
                     self.woken[row] = reason if row in roots else f"rested on what was {reason}"
 
     def wake_struck(self, struck: IntArray) -> None:
-        """Unfreeze the bodies that blows move, shape (k,); bodies flung away drag their neighbours along."""
+        """Unfreeze the ``struck`` bodies, shape (k,), and the neighbours of bodies that a blow throws away."""
         graph = self._world.graph
         rows = graph.bodies[struck]
         flung = struck[rows["blow"] > rows["size"]]
@@ -80,7 +83,7 @@ class Batch:
         self.wake_above(struck, "struck")
 
     def leave_moved(self, moved: IntArray) -> None:
-        """Unfreeze the bodies on kinematic bodies that began to move, and drop these bodies' supports."""
+        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them; kinematic ones lose their supports."""
         self.wake_above(moved, "moved by the host")
         graph = self._world.graph
         for row in moved.tolist():
@@ -90,8 +93,9 @@ class Batch:
     def hand_over(self, port: StabilityPort) -> Change:
         """Send one sleep and one wake batch to the engine; return the change by ids.
 
-        If the engine raises, its part of the batch is undone: bodies to sleep are live, bodies to wake are frozen and
-        still in ``woken``, for another try.
+        A call that raises is undone: after a failed ``sleep`` the bodies of the batch have their former states, after a
+        failed ``wake`` the bodies to unfreeze are frozen. The bodies to unfreeze stay in ``woken``, so that the next
+        update tries again.
         """
         later = tuple(np.sort(self._world.ids[self.deferred]).tolist()) if len(self.deferred) else ()
         if not self.frozen and not self.woken:

@@ -1,12 +1,13 @@
 """Blows: find the frozen bodies that a live body is about to strike, or has struck, hard enough to move them.
 
 A frozen body has infinite mass, so a striker loses its momentum within one step, and unfreezing the body afterwards is
-too late. So a contact that closes within the next frame counts before it touches, and the engine simulates the impact.
-A sideways blow is judged by the slide that it would cause. With striker mass M and body mass m, a plastic impact gives
+too late. Therefore a contact that will close within the next frame counts before the bodies touch, so that the engine
+simulates the impact. A sideways blow is judged by the slide that it would cause. With striker mass M and body mass m, a
+plastic impact gives
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
-Slides below the limit are added up.
+Slides below the limit add up until their sum exceeds the limit.
 """
 
 from __future__ import annotations
@@ -23,10 +24,11 @@ from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 AHEAD = 1.5
-"""Frames within which a gap must close to count as a blow: one, and half a frame for accelerating bodies."""
+"""Time [frames] within which a gap must close to count as a blow: one frame, and half a frame because bodies
+accelerate."""
 SIDEWAYS = 0.3
-"""Vertical share of a normal up to which a blow pushes sideways: a body that lands on a steep face is borne from
-below."""
+"""Vertical component of a unit normal up to which a blow counts as sideways. Above it, the supports of the struck body
+take the blow."""
 
 
 class Blow(NamedTuple):
@@ -42,7 +44,7 @@ class Blow(NamedTuple):
 
 @compiled
 def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
-    """Return the horizontal speed [m/s] of a frozen body after a plastic impact; zero if the blow is downwards."""
+    """Return the horizontal speed [m/s] of a frozen body after a plastic impact; zero for a downward blow."""
     if abs(blow.upward) > SIDEWAYS:
         return 0.0
     share = 1.0 if striker.state == MOVING else striker.mass / (striker.mass + target.mass)
@@ -51,7 +53,7 @@ def _speed_after(striker: Bodies, target: Bodies, blow: Blow) -> float:
 
 @compiled
 def _note_blow(bodies: Bodies, striker: int, target: int, blow: Blow, limits: Limits, dt: float) -> bool:
-    """Note the effect of a blow on a frozen body; return True for its first blow."""
+    """Record the effect of a blow on a frozen body; return True for its first effective blow in this frame."""
     row = bodies[target]
     size = size_of_pair(bodies, striker, target)
     is_hard = is_impact(blow.approach, size, limits, dt)

@@ -1,4 +1,4 @@
-"""Compile kernels by Numba, once, into its cache on disk."""
+"""Compile kernels with Numba, once, into Numba's cache on disk."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ __all__ = ["KEPT", "NOT_KEPT", "WrongTypeError", "compiled"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 NOT_KEPT: list[str] = []
-"""Reasons why compiled kernels cannot be cached for later processes, by kernel; empty if there is a cache."""
+"""Reasons, one per kernel, why compiled kernels cannot be cached for later processes; empty if a cache exists."""
 KEPT: list[Any] = []
-"""The kernels that have a cache."""
+"""Kernels that are cached on disk."""
 
 
 def compiled(function: Kernel, **options: Any) -> Kernel:
-    """Compile ``function`` on its first call. NumPy's rules for division: x / 0 is inf, not an exception.
+    """Compile ``function`` on its first call, with NumPy's rules for division: x / 0 is inf, not an exception.
 
     Args:
         function: a function that Numba can compile.

@@ -1,7 +1,7 @@
-"""Compile all kernels before they are needed, and log the time.
+"""Compile all kernels before their first use, and log the time.
 
 Numba compiles a kernel on its first call, and caches it beside the sources, in the user's cache, or in
-``NUMBA_CACHE_DIR``. This is the only module of the core that reads a clock and files, and neither affects a verdict.
+``NUMBA_CACHE_DIR``. This is the only module of the core that reads a clock and files; neither affects a verdict.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
         _LOG.warning("compiling for policy %r: a minute or two, once per version", policy)
     try:
         _play(extension_of)
-    except (ImportError, AttributeError):  # an earlier version's kernel names a module or a class that is gone
+    except (ImportError, AttributeError):  # an earlier version's kernel names a module or a class that was removed
         _forget_kept()
         _play(extension_of)
     seconds = time.perf_counter() - begin

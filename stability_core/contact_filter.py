@@ -1,7 +1,7 @@
 """Filter contacts: drop fast impacts and gaps, and decide by the normal which body stands on which.
 
-The paper also drops pairs of which neither body touches the stack. Here only bodies that touch the stack are tested, so
-such a pair never decides anything; it still shows the bodies that lie on a live load.
+The paper also drops pairs in which neither body touches the stack. This filter keeps them. They decide nothing, because
+only bodies that touch the stack are tested, but they show which bodies lie on a live load.
 """
 
 from __future__ import annotations
@@ -28,19 +28,20 @@ CONTACT = np.dtype(
     ],
     align=True,
 )
-"""A contact that counts, with the fields of ``Contacts``."""
+"""Row of a contact that the filter kept; its fields are those of ``Contacts``."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
 BEARS = 0.1
-"""Vertical share of a normal above which a contact bears some weight, however steep its face: friction may not hold
-there, but a brick in a wedge of two such faces rests in it."""
+"""Vertical component of a unit normal above which a contact bears some weight, even on a face that is too steep for
+friction: a brick can rest in a wedge of two steep faces."""
 _NEAR = 0.1
-"""Gap, over the distance from a body's centre, up to which a contact point lies on the body's surface."""
+"""Gap up to which a contact point counts as lying on a body's surface, over the point's distance from the body's
+centre."""
 
 
 @compiled
 def bit_of(body: int) -> np.uint64:
-    """Return the bit of a body in a set of 64."""
+    """Return the bit that stands for a body in a set of 64 bits."""
     return np.uint64(1) << np.uint64((body + 1) % 64)
 
 
@@ -51,16 +52,16 @@ def is_level(upward: float, friction: float, level_tilt: float) -> bool:
     Args:
         upward: vertical component of the unit normal.
         friction: Coulomb coefficient of the pair.
-        level_tilt: slope [rad] up to which a contact counts as level at any friction.
+        level_tilt: slope [rad] up to which a contact counts as load-bearing at any friction.
     """
     return bool(abs(upward) >= np.cos(max(np.arctan(friction), level_tilt)))
 
 
 @compiled
 def upper_of(body_a: int, body_b: int, upward: float) -> int:
-    """Return the body that its contact pushes up: it stands on the other.
+    """Return the body that the contact pushes up, which stands on the other body.
 
-    Heights of centres do not decide: a tilted plank's centre lies above a block on its low end.
+    The heights of the centres do not decide, because a tilted plank's centre lies above a block on the plank's low end.
 
     Args:
         body_a: first body.
@@ -78,9 +79,10 @@ def is_moving(body: Bodies, limits: Limits) -> bool:
 
 @compiled
 def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upward: float) -> None:
-    """Note a contact with ``other`` on a live body.
+    """Record a contact with ``other`` in the row of a live body.
 
-    Penetration [m] counts only where the body ``stands`` on the other. A contact with an ``upward`` normal bears it.
+    The penetration ``depth`` [m] counts only if the body ``stands`` on the other body. The other body is a support if
+    ``stands`` is True, or if the ``upward`` component of the normal exceeds ``BEARS``.
     """
     row = bodies[body]
     row.touches = row.touches or is_stack(bodies, other)
@@ -119,9 +121,9 @@ def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray,
 
 @compiled
 def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
-    """Note how far from its centre each body is touched: its size, the unit of all lengths.
+    """Record each body's size: the distance [m] from its centre to its farthest contact point, its unit of length.
 
-    A point across a gap of more than ``_NEAR`` of that distance is ignored.
+    Points across a gap of more than ``_NEAR`` times that distance are ignored.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, separation = contacts.point, contacts.separation
@@ -140,7 +142,7 @@ def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
 
 @compiled
 def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
-    """Return the size [m] of the smaller body of a pair; the ground has none."""
+    """Return the size [m] of the smaller body of a pair; for a contact with the ground, the size of the other body."""
     if body_a == GROUND:
         return float(bodies[body_b].size)
     if body_b == GROUND:
@@ -150,22 +152,22 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """Return True if a pair of this ``size`` [m] meets at ``approach`` [m/s], faster than placed bricks do."""
+    """Return True if the ``approach`` speed [m/s] of a pair of this ``size`` [m] exceeds that of placed bricks."""
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 
 
 @compiled
 def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, kept: ContactRows) -> int:
-    """Filter one frame's contacts; note on each live body its neighbours, its depth and its sliding speed.
+    """Filter one frame's contacts; record the neighbours, the depth and the sliding speed of each live body.
 
     Args:
         bodies: the table, tracked for this frame.
         contacts: n contacts between rows of the table.
-        limits: the settings; impacts are faster than ``impact_speed``, gaps wider than ``contact_gap`` once the pair is
-            drawn apart until it overlaps nowhere: a plank that its drop pressed into the ground stands on its edge.
-            Contacts that are not load-bearing count only if they touch, to ``touch_gap``, because friction needs
-            pressure.
+        limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. Gaps
+            count from the deepest point of the pair, because a plank that its drop pressed into the ground stands on
+            its edge only. A contact that is not load-bearing counts up to a gap of ``touch_gap``, because friction
+            needs pressure.
         dt: time since the last frame [s].
         kept: output, at least n rows of ``CONTACT``.
 

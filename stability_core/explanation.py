@@ -11,7 +11,7 @@ from stability_core.stack import DOUBTED, FALLS, FIXED, FROZEN, MOVING, TOPPLES
 
 
 def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str) -> str:
-    """Explain a body's state: the first rule that keeps it live.
+    """Explain a body's state; for a live body, state the first rule that keeps it live.
 
     Args:
         row: a row of ``BODY``, after an update.

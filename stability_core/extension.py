@@ -35,9 +35,10 @@ MOMENT_S = 1e-9
 def warm_up(policy: str = "equilibrium") -> float:
     """Compile all kernels of ``policy``, or read them from Numba's cache; return the time [s].
 
-    ``StabilityExtension`` calls it, once in a process for each policy, so that nothing is compiled while a simulation
-    runs. Call it where the wait matters least, such as when a container is built: compiling takes a minute or two, once
-    per version. Long compilations, and a cache that is not writable, are reported to the logger ``stability_core``.
+    ``StabilityExtension`` calls this function once per process and policy, so that nothing is compiled while a
+    simulation runs. Call it yourself where the wait matters least, such as when a container is built: compiling takes
+    one to two minutes, once per version. Long compilations, and a cache that is not writable, are reported to the
+    logger ``stability_core``.
 
     Raises:
         UnknownNameError: if there is no such policy.
@@ -47,7 +48,7 @@ def warm_up(policy: str = "equilibrium") -> float:
 
 
 class StabilityExtension:
-    """The stability extension of Thomsen and Kraus, over any engine that provides contacts, sleep and mass."""
+    """The stability extension of Thomsen and Kraus, for any engine that provides contacts, sleep and mass."""
 
     def __init__(
         self,
@@ -56,12 +57,12 @@ class StabilityExtension:
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         settings: Settings | None = None,
     ) -> None:
-        """Watch the world behind ``port``.
+        """Attach the extension to the world behind ``port``.
 
         The first extension of a policy in a process compiles its kernels: see ``warm_up``.
 
         Args:
-            port: the engine, as the core sees it.
+            port: the core's view of the engine.
             policy: a name of ``POLICIES``, or a policy of your own.
             gravity: [m/s2], in any direction; it may change at any time, see ``StabilityExtension.gravity``.
             settings: the tolerances.
@@ -135,7 +136,7 @@ class StabilityExtension:
     def close(self) -> None:
         """Unfreeze every body and refuse further use, so that another extension can take over the port.
 
-        It does nothing if the extension is closed already.
+        A second call does nothing.
         """
         if self._is_closed:
             return
@@ -149,9 +150,10 @@ class StabilityExtension:
     def wake(self, bodies: Iterable[int]) -> Change:
         """Unfreeze ``bodies`` and the frozen bodies that rest on them, at once, as an impact on them would.
 
-        Call it before an impulse or an explosion is applied, so that it moves them in the same frame. Call it also if
-        the port cannot show that a support moves, such as a conveyor belt that starts under frozen bodies: name the
-        belt. An unfrozen body may freeze again once it has moved, or stayed calm for ``calm_s``, and is at rest.
+        Call this method before you apply an impulse or an explosion, so that the bodies move in the same frame. Call it
+        also when a support starts to move in a way that the port cannot show, such as a conveyor belt under frozen
+        bodies; pass the id of the belt. An unfrozen body may freeze again once it has moved, or has stayed calm for
+        ``calm_s``, and is at rest.
 
         Raises:
             KeyError: for a body that no update has seen.
@@ -198,8 +200,8 @@ class StabilityExtension:
         """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
 
         The cost depends on the live bodies and the changes, not on the number of frozen bodies; it is negligible while
-        nothing is live. If it raises, nothing changes, except that a port whose ``sleep`` or ``wake`` raised may have
-        carried out a part of the batch: the next update repeats that batch.
+        nothing is live. If the call raises, nothing changes, except that a port whose ``sleep`` or ``wake`` raised may
+        have carried out a part of the batch; the next update repeats that batch.
 
         Raises:
             ValueError: if dt is not positive, or the port returns malformed contacts or masses.
@@ -222,9 +224,9 @@ class StabilityExtension:
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
         """Judge bodies in place by statics, at once: freeze those that stand, without waiting for their rest.
 
-        Use it for stacks that exist when the simulation starts, or are set down whole: call it before the first step,
-        with an engine that lists the contacts of the present poses. Bodies that cannot stand, move, or slide at a
-        contact stay live. Policies that require rest only (``at_rest``, ``pile``) adopt nothing.
+        Use this method for stacks that exist when the simulation starts, or that are placed as a whole. Call it before
+        the first step, with an engine that lists the contacts of the present poses. Bodies that cannot stand, move, or
+        slide at a contact stay live. Policies that require rest only (``at_rest``, ``pile``) adopt nothing.
 
         Args:
             bodies: the live bodies to judge; None for all.
@@ -251,7 +253,7 @@ class StabilityExtension:
             raise RuntimeError(CLOSED)
 
     def _is_in_place(self, rows: Bodies) -> BoolArray:
-        """Return which live bodies neither move, as far as known, nor slide at a contact, nor are held, shape (k,)."""
+        """Return the mask, shape (k,), of live bodies that are not held, not sliding and not known to move."""
         fall_speed = np.sqrt(self._world.limits["gravity"] * rows["size"])
         moves = np.isfinite(rows["speed"]) & (rows["speed"] > self.settings.rest_speed * fall_speed)
         slides = rows["slip"] > self.settings.rest_slip * fall_speed
@@ -292,7 +294,7 @@ class StabilityExtension:
         return due, kept
 
     def _follow_gravity(self) -> None:
-        """Have all bodies judged again if gravity has changed by more than its tolerances."""
+        """Request a new judgement of all bodies if gravity has changed by more than its tolerances."""
         if self._world.turn(self._gravity):
             self.policy.set_gravity(self._world.upright.strength)
             self._is_pending = True
@@ -314,7 +316,7 @@ class StabilityExtension:
         return contacts.chosen(stays), Masses(masses.body[lives], masses.mass[lives], masses.center_of_mass[lives])
 
     def _follow_frozen(self, masses: Masses) -> None:
-        """Follow listed frozen bodies: judge a changed mass again, and make a moved body live."""
+        """Update the listed frozen bodies: request a new judgement of a changed mass, and make a moved body live."""
         bodies = self._world.graph.bodies
         for row, mass, moved in self._world.frozen_listed(masses):
             if math.isinf(mass) or moved > self.settings.steady_shift * bodies["size"][row]:
@@ -328,7 +330,7 @@ class StabilityExtension:
     def _settle(self, contacts: int, budget: float) -> Change:
         """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced ones with the bodies on them.
 
-        Each of ``contacts`` may need a patch for either body, before and after it freezes.
+        Each of ``contacts`` may need a patch for either body, before and after the body freezes.
         """
         batch, worklist = Batch(self._world), self._world.buffers.worklist
         if self._news:

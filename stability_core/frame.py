@@ -1,6 +1,6 @@
 """The per-frame kernel: validate input, track live bodies, filter contacts, collect candidates.
 
-A quiet frame costs this one compiled call.
+A frame without changes costs only this compiled call.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from stability_core.validation import (
 
 @compiled
 def _first_repeated(bodies: Bodies, ids: IntArray) -> int:
-    """Return the first row of a body that is listed twice, or -1; note the ``place`` of each body in the list."""
+    """Return the first row of a body that is listed twice, or -1; record the ``place`` of each body in the list."""
     for i in range(len(ids)):
         place = bodies[ids[i]].place  # may be left over from another list
         if place < i and ids[place] == ids[i]:
@@ -67,7 +67,7 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
     """Return a contact with the ground if the normals of all such contacts are flipped, else -1.
 
-    Kinematic bodies do not count: they need not be convex, nor rest on anything.
+    Kinematic bodies do not count, because they need not be convex and need not rest on anything.
     """
     body_a, body_b, point, normal = contacts.body_a, contacts.body_b, contacts.point, contacts.normal
     ids, mass, center = masses.body, masses.mass, masses.center
@@ -94,7 +94,7 @@ def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) 
 def _first_fault(
     bodies: Bodies, slots: IntArray, named: ContactArrays, contacts: ContactArrays, masses: MassArrays
 ) -> tuple[int, int]:
-    """Return the first fault found once the listed bodies have rows, and its row.
+    """Return the first fault that appears after the listed bodies have got rows, and the row of the fault.
 
     Args:
         bodies: the table.
@@ -125,7 +125,7 @@ def _name_new(bodies: Bodies, ids: IntArray, rows: IntArray) -> None:
 
 @compiled
 def _take_new(bodies: Bodies, slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> None:
-    """Free the rows of the bodies listed for the first time, in the opposite order."""
+    """Free the rows of the bodies listed for the first time, in the reverse order of their allocation."""
     new = np.empty(len(ids), np.int64)
     n = 0
     for i in range(len(ids)):
@@ -167,9 +167,9 @@ def observe(
 
     Args:
         bodies: the table.
-        slots: the slots of ``Rows``: the row of each body; new bodies are given one.
+        slots: the slots of ``Rows``, which hold the row of each body; new bodies get a row.
         spare: the free rows of ``Rows``.
-        contacts: output, of ``FrameBuffers``, with room for n more; likewise the next four.
+        contacts: output, with room for n more rows; this and the next four are the arrays of ``FrameBuffers``.
         sizes: shape (frames,).
         latest: shape (1,).
         clock: shape (4,).
@@ -181,10 +181,10 @@ def observe(
         body_b: second bodies, shape (n,).
         mass: masses of the live bodies [kg], shape (m,).
         center: their centres of mass [m], shape (m, 3).
-        point: contact points [m], shape (n, 3); this and what follows as ``Contacts`` has it.
+        point: contact points [m], shape (n, 3); this and the following arrays as in ``Contacts``.
         normal: unit normals from a to b, shape (n, 3).
         separation: signed distances [m], shape (n,).
-        relative_velocity: of b against a [m/s], shape (n, 3).
+        relative_velocity: velocity of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
         force: forces on b [N], shape (n, 3), or (0, 3) if the engine reports none.
 

@@ -13,11 +13,11 @@ from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
 IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
 NO_FORCES = np.zeros((0, 3))
-"""Replaces the contact forces of an engine that reports none."""
+"""Contact forces of an engine that reports none, shape (0, 3)."""
 
 
 class ContactArrays(NamedTuple):
-    """Contacts of one frame, in the upright frame of reference; fields as of ``Contacts``."""
+    """Contacts of one frame, in the upright frame of reference; the fields are those of ``Contacts``."""
 
     body_a: IntArray
     """First bodies, ids or rows of the table, shape (n,)."""
@@ -38,7 +38,7 @@ class ContactArrays(NamedTuple):
 
 
 class MassArrays(NamedTuple):
-    """Listed bodies of one frame; fields as of ``Masses``."""
+    """Listed bodies of one frame; the fields are those of ``Masses``."""
 
     body: IntArray
     """The bodies, ids or rows of the table, shape (m,)."""
@@ -51,7 +51,7 @@ class MassArrays(NamedTuple):
 def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
     """Return an array in the layout for which the kernels are compiled; copied only if necessary."""
     if type(array) is np.ndarray and array.dtype is dtype and array.flags.carray:
-        return array  # as most are: the check takes a third less time than the conversion
+        return array  # the usual case: this check takes a third less time than the conversion
     contiguous = np.ascontiguousarray(array, dtype)
     return contiguous if contiguous.flags.writeable else contiguous.copy()
 

@@ -18,8 +18,8 @@ from stability_core.settings import ROUNDING_S
 from stability_core.stack import ABSENT, Bodies
 
 FRAME_S = 1 / 60
-"""Least time [s] of a dwell frame. A host at 1 kHz keeps the last of 17 frames, so that six of them span the true
-contact area as they do at 60 Hz, at the same cost."""
+"""Least length [s] of a dwell frame. Of a host's frames at 1 kHz only every 17th is kept, so that six kept frames span
+the true contact area as at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning
@@ -33,11 +33,11 @@ class FrameBuffers(NamedTuple):
     """The dwell frames, of ``FRAME_S`` or of a slower host's frame, and the worklist of the latest frame."""
 
     contacts: ContactRows
-    """The contacts that count, as many rows of ``CONTACT`` for each frame, shape (frames x room,)."""
+    """Kept contacts, with the same number of rows of ``CONTACT`` for each frame, shape (frames x room,)."""
     sizes: IntArray
     """Number of used rows of each frame, shape (frames,)."""
     latest: IntArray
-    """Index of the latest frame, shape (1,): frames are written in turn."""
+    """Index of the latest frame, shape (1,); frames are overwritten in turn."""
     clock: FloatArray
     """Age [s] of the latest frame; least time of a frame [s]; time since the first frame [s]; 1 if the engine reports
     contact forces; shape (4,)."""
@@ -48,7 +48,7 @@ class FrameBuffers(NamedTuple):
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
     """Return arrays for dwell frames of ``seconds`` in all, with ``room`` contacts and bodies each.
 
-    ``known`` arrays keep their content.
+    The content of the ``known`` arrays is copied.
     """
     frames = max(1, math.ceil((seconds - ROUNDING_S) / FRAME_S))
     fresh = FrameBuffers(
@@ -96,7 +96,7 @@ def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
 
 @compiled
 def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) -> None:
-    """Advance to the next dwell frame, if the latest is ``FRAME_S`` old; a faster host overwrites it."""
+    """Advance to the next dwell frame if the latest is ``FRAME_S`` old; else a faster host overwrites the latest."""
     clock[NOW] += dt
     clock[STOOD] += dt
     clock[LENGTH] = max(dt, FRAME_S)

@@ -1,14 +1,14 @@
-"""Kinematic bodies: bodies of infinite mass, which the host moves and no contact force does.
+"""Kinematic bodies: bodies of infinite mass that only the host moves, not a contact force.
 
 Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVING:
 
 - FIXED: it keeps its place. It counts as ground: bodies may freeze on it, and it is immovable for statics.
 - MOVING: nothing may freeze on it. Bodies that rested on it unfreeze in the frame in which it begins to move.
 
-It begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes of the
-smallest body that has touched it, and it is FIXED again once it has kept its place for ``still_s``. The path of its
-surface is the sum of the greatest relative speeds at its contacts with frozen bodies, which shows turns about its
-centre and belts.
+A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes
+of the smallest body that has touched it. It is FIXED again once it has kept its place for ``still_s``. The path of its
+surface is the sum, over the frames, of the greatest relative speed at its contacts with frozen bodies times the length
+of the frame. This path reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 @compiled
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Return True if a kinematic body is in its place; its place follows it while nothing has touched it."""
+    """Return True if a kinematic body keeps its place; until a body touches it, its place is where it is."""
     moved = 0.0
     for k in range(3):
         moved += (row.center[k] - row.still_center[k]) ** 2
@@ -53,7 +53,7 @@ def _begin(row: Bodies) -> bool:
 
 @compiled
 def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Set a kinematic body FIXED or MOVING by its centre; return True if it has just begun to move."""
+    """Set a kinematic body FIXED or MOVING by its motion; return True if it has just begun to move."""
     if _keeps_place(row, limits, dt):
         row.still_s += dt
         if row.still_s >= limits.still_s - ROUNDING_S:
@@ -69,14 +69,14 @@ def _follow(row: Bodies, limits: Limits, dt: float) -> bool:
 
 @compiled
 def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, moved: IntArray) -> tuple[int, int]:
-    """Follow the kinematic bodies that the host moves, makes kinematic or releases.
+    """Update the kinematic bodies that the host moves, makes kinematic or releases.
 
     Args:
         bodies: the table, before this frame is tracked.
         masses: m listed bodies, by their rows; kinematic ones have infinite mass.
         limits: the settings.
         dt: time since the last frame [s].
-        moved: output, bodies on which nothing rests any longer, at least m rows.
+        moved: output, bodies that can no longer bear a frozen body, at least m rows.
 
     Returns:
         Number of kinematic bodies; number of bodies written to ``moved``.
@@ -104,7 +104,7 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
 
 @compiled
 def list_carried(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: float, moved: IntArray, n: int) -> int:
-    """Note the contacts of the kinematic bodies; list the frozen bodies that one of them moves: O(contacts).
+    """Record the contacts of kinematic bodies; list the frozen bodies that a kinematic body moves: O(contacts).
 
     Args:
         bodies: the table, with sizes noted.

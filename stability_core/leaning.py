@@ -38,7 +38,7 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
 
     Args:
         weight: gravitational force G on the body and its loads [N], shape (3,).
-        center: where it acts [m], shape (3,).
+        center: point at which G acts [m], shape (3,).
         pivot: pivot point [m], shape (3,).
         contact: centre of the other contact area [m], shape (3,).
     """
@@ -54,8 +54,8 @@ def torque_induced_force(weight: FloatArray, center: FloatArray, pivot: FloatArr
 def split_force(force: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return a force [N] on a contact, split into (normal force, sliding force), each (3,).
 
-    The normal force is the projection onto the inverted normal, zero where the force pulls away; the sliding
-    force is the rest, F_sliding = F - F_normal.
+    The normal force is the projection onto the inverted normal, or zero if the force pulls away. The sliding force is
+    the rest, F_sliding = F - F_normal.
 
     Args:
         force: force of the body on the contact [N], shape (3,).
@@ -77,7 +77,8 @@ def holds_on_pivot(
     """Return True if the pivot does not slip under the load that the other contact leaves to it (Eqs 6 and 7).
 
     |F_friction| = mu |F_normal| against the sliding direction (Eq. 6), and
-    F_pivot = -F_normal + G - F_friction (Eq. 7). Stable iff friction at the pivot exceeds its sliding force.
+    F_pivot = -F_normal + G - F_friction (Eq. 7). The body is stable if and only if the friction at the
+    pivot exceeds the sliding force there.
 
     Args:
         weight: G [N], shape (3,).

@@ -1,8 +1,9 @@
 """Contact manifolds: unite the points of a pair over the dwell frames into contact patches.
 
-One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points, then, tilted by micrometres, 1 or 2.
-The hull of the points of some frames is the true contact area. A pair that touches in several faces (two walls of one
-ground, a bracket) has a patch for each, because points are grouped by their normals.
+One frame's manifold is often degenerate: a brick on two others shows 4 + 4 points in one frame and, tilted by
+micrometres, 1 or 2 points in the next. The hull of the points of several frames is the true contact area. A pair that
+touches in several faces (two walls of one ground, a bracket) has a patch for each, because points are grouped by their
+normals.
 """
 
 from __future__ import annotations
@@ -30,10 +31,10 @@ from stability_core.stack import (
 from stability_core.upright import turned
 
 ENOUGH_VERTICES = 4
-"""Vertices that are always kept: a box stands on four."""
+"""Number of vertices that are always kept, because a box stands on four."""
 NEGLIGIBLE = 1e-3
-"""Share of a patch's area below which a vertex is dropped: the points of several frames tremble, and each costs
-time."""
+"""Share of a patch's area below which a vertex is dropped, because the points of several frames scatter and each vertex
+costs time."""
 _LOAD, _FILED = -1, -2
 """Kinds beside SUPPORT and LEAN: the other body stands on this one; the contact is already in a patch."""
 
@@ -49,9 +50,10 @@ def _twice_area(hull: FloatArray) -> float:
 
 @compiled
 def _thinned(hull: FloatArray) -> FloatArray:
-    """Return the hull (k, 3) with fewer vertices; vertices whose loss costs the least area go first.
+    """Return the hull (k, 3) with fewer vertices, without those that add the least area.
 
-    At most MAX_VERTICES stay; of more than four, vertices that add less than ``NEGLIGIBLE`` of the area go.
+    At most MAX_VERTICES remain. Beyond four vertices, a vertex that adds less than ``NEGLIGIBLE`` of the area is
+    dropped.
     """
     size = len(hull)
     negligible = NEGLIGIBLE * _twice_area(hull) if size > ENOUGH_VERTICES else 0.0
@@ -140,8 +142,8 @@ def _share_a_face(first: ContactRows, second: ContactRows, face_angle: float) ->
 def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, face_angle: float) -> None:
     """Rebuild the patches of ``body`` on all bodies that it stands on or leans against in ``contacts``.
 
-    A frozen body keeps its patches, so it gets patches on the stack only (ground and frozen bodies); frozen bodies that
-    stand on it get patches on it as well. O(rows times neighbours), whatever the height of the stack.
+    A frozen body keeps its patches, so it gets patches on the stack only (ground and frozen bodies). Frozen bodies that
+    stand on it get patches on it as well. O(rows times neighbours), independent of the height of the stack.
 
     Args:
         graph: with at least as many spare patches as there are rows.
@@ -219,7 +221,7 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
 
 @compiled
 def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
-    """Call ``lay_patches`` for each of ``ids`` with the last ``frames`` frames, and note the pose."""
+    """Call ``lay_patches`` for each of ``ids`` with the last ``frames`` frames, and record the centres."""
     if len(ids) == 0:
         return
     start, rows = _contacts_of(graph, buffers, ids, frames)
@@ -242,7 +244,7 @@ def lift(graph: Graph, body: int) -> None:
 
 @compiled
 def supports_as_bits(graph: Graph, body: int) -> np.uint64:
-    """Return the bodies on which ``body`` stands by its patches, as a set of 64 bits by id."""
+    """Return the bodies on which ``body`` stands by its patches, as a set of 64 bits (see ``bit_of``)."""
     patches = graph.patches
     bits = np.uint64(0)
     at = graph.bodies[body].first_support

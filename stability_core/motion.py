@@ -65,9 +65,9 @@ def _squared_distance(a: FloatArray, b: FloatArray) -> float:
 
 @compiled
 def _turns(body: Bodies, limits: Limits) -> bool:
-    """Return True in a frame in which a body on kinematic ones has turned with them by ``steady_shift`` [rad] in all.
+    """Return True in a frame in which a body on kinematic bodies has turned with them by ``steady_shift`` [rad].
 
-    Its centre may keep its place meanwhile, and its contacts do not slide.
+    The turn counts as motion although the body's centre may keep its place and its contacts do not slide.
     """
     length = 0.0
     for k in range(3):
@@ -122,7 +122,7 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
     """Measure how long each live body has been at rest, by each of the three rules, and has kept its place.
 
     The rules are: strictly at rest, at rest by the rule for leaning, and slow enough to lie on its support. A body that
-    touches nothing has no size yet, so that no speed is slow.
+    has touched nothing yet has size zero, so that no speed counts as slow.
     """
     for i in range(len(ids)):
         body = bodies[ids[i]]
@@ -154,9 +154,9 @@ def time_at_rest(bodies: Bodies, ids: IntArray, limits: Limits, dt: float) -> No
 
 @compiled
 def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: bool, deferred: bool) -> bool:
-    """Return True in the frame in which ``elapsed`` [s] reaches ``dwell``, and each time ``again`` [s] later.
+    """Return True in a frame in which a body must be tested: at ``elapsed`` = ``dwell`` [s], then every ``again`` [s].
 
-    With ``rarely``, the times between double. If the body was ``deferred``, true in any frame from then on.
+    With ``rarely``, the intervals double. For a ``deferred`` body, the result is True in every frame after ``dwell``.
     """
     late = elapsed - dwell + ROUNDING_S
     if late < dt or deferred:
@@ -171,7 +171,7 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 def _patience(body: Bodies, limits: Limits) -> float:
     """Return the additional rest time [s] of a body: ``calm_s`` after the second wake, doubled after each further wake.
 
-    A body that is woken repeatedly in its place lies in a pile that still moves.
+    The wait is longer because a body that is woken repeatedly in its place lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0
@@ -182,11 +182,16 @@ def _patience(body: Bodies, limits: Limits) -> float:
 def list_due(
     bodies: Bodies, ids: IntArray, limits: Limits, dt: float, at_rest: IntArray, leaning: IntArray
 ) -> tuple[int, int]:
-    """List the bodies whose stability must be decided now; return their number.
+    """List the bodies whose stability must be decided now; return the lengths of both lists.
 
-    A deferred body is tested in the next frame, a refused one after another ``rest_s``. While it and its neighbours
-    keep their places, a body that would fall is tested after 2, 4, 8 times that, and a body in doubt not before
-    ``doubt_s``, because solves are expensive.
+    A body that was not frozen is tested again
+
+    - in the next frame, if it was deferred;
+    - every ``rest_s``, if it was refused;
+    - after 2, 4, 8, ... times ``rest_s`` while it and its neighbours keep their places, if it would fall;
+    - once it and its neighbours have kept their places for ``doubt_s``, if it is in doubt.
+
+    The last two waits are long, because solves are expensive.
 
     Args:
         bodies: the table.
@@ -223,7 +228,7 @@ def list_due(
 def list_shifted_loads(
     bodies: Bodies, ids: IntArray, limits: Limits, lying: IntArray, gone: IntArray
 ) -> tuple[int, int]:
-    """List the live bodies whose patches no longer show their supports; return their number.
+    """List the live bodies whose patches no longer show their supports; return the lengths of both lists.
 
     Args:
         bodies: the table.

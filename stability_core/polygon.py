@@ -1,6 +1,6 @@
 """Convex polygons on the ground plane: hull, distance, width and centroid of contact points.
 
-Points are (n, 3) [m]; only x and y count, z is carried along.
+Points are (n, 3) [m]; only x and y count, and z is copied.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 
 MANY = 64
-"""Number of points above which most are left out before sorting: below, this would take longer than it saves."""
+"""Number of points above which inner points are dropped before sorting; with fewer points this takes more time than it
+saves."""
 
 
 @compiled
@@ -162,8 +163,8 @@ def lies_on(hull: FloatArray, x: float, y: float) -> bool:
 def inside_distance(hull: FloatArray, x: float, y: float) -> float:
     """Return the distance [m] from (x, y) to the border of the hull; positive inside, negative outside.
 
-    The vertical ray test: a ray from the centre of mass hits the contact area iff this is >= 0.
-    No points: minus infinity. A point or a line has no inside.
+    This is the vertical ray test: a vertical ray from the centre of mass hits the contact area if and only if the
+    distance is >= 0. Without points the distance is minus infinity. A point or a line has no inside.
     """
     n = len(hull)
     if n == 0:

@@ -22,8 +22,8 @@ GROUND = -1
 """Id of everything that never moves and was never spawned: floor, table, walls.
 
 A body that the host will ever move (a lift, a door, a conveyor belt) has its own id and infinite mass, see ``Masses``.
-If a part of the ground starts to move all the same, list it as such a body from then on, and name the bodies that rest
-on it to ``StabilityExtension.wake``.
+If a part of the ground does start to move, list it as a body of infinite mass from then on, and pass the bodies that
+rest on it to ``StabilityExtension.wake``.
 """
 
 
@@ -45,8 +45,8 @@ class Contacts:
     separation: FloatArray
     """Signed distance [m], shape (n,); negative is penetration."""
     relative_velocity: FloatArray
-    """Velocity [m/s] of b against a at the point before the solver stops it, shape (n, 3): the fastest approach over
-    the frame's substeps."""
+    """Velocity [m/s] of b against a at the point, before the solver stops the approach, shape (n, 3): that of the
+    fastest approach over the frame's substeps."""
     friction: FloatArray
     """Coulomb coefficient of the pair, shape (n,)."""
     force: FloatArray | None = None
@@ -72,14 +72,14 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    Frozen bodies may be left out, because they do not move and the core remembers them. A listed frozen body is
-    followed: if
-    it has moved it is live from then on, and if its mass has changed the stack is judged with the new mass.
+    Frozen bodies may be left out, because they do not move and the core remembers them. If a listed frozen body has
+    moved, it is live from then on. If its mass has changed, the stack is judged with the new mass.
 
     A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that its
     motion is seen. While it keeps its place it counts as ground; when it begins to move, all bodies on it unfreeze. A
     body that moves in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
-    (``Contacts.relative_velocity``); if the engine lists none, name it to ``StabilityExtension.wake``.
+    (``Contacts.relative_velocity``); if the engine lists no such contacts, pass the body to
+    ``StabilityExtension.wake``.
     """
 
     body: IntArray

@@ -24,7 +24,8 @@ from stability_core.validation import (
 )
 
 APART = 0.1
-"""Separation, over the distance from a body's centre to the contact, that no contact of a resting body has."""
+"""Least separation of a body's contacts with the ground at which the body cannot rest there, over the distance from its
+centre to the contacts."""
 STOPPED = 1e-3
 """Share of its size that a body at rest may move per frame."""
 SAME = 1e-6
@@ -51,7 +52,7 @@ def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
         frames: number of frames within which a body comes to rest.
 
     Returns:
-        The checked promises, and those that could not be observed: one line each.
+        One line for each checked promise, and for each promise that could not be observed.
 
     Raises:
         PortError: at the first broken promise.
@@ -109,10 +110,10 @@ def _on_ground(contacts: Contacts, body: int) -> IntArray:
 
 
 def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> tuple[int, float]:
-    """Return the body that moves least among those on the ground, and its distance [m] to its contacts there.
+    """Return the body on the ground that moves least, and the distance [m] from its centre to its contacts there.
 
     Raises:
-        PortError: if none touches the ground, or none is at rest.
+        PortError: if no body touches the ground, or no body on the ground is at rest.
     """
     best, found, best_size = np.inf, -1, 0.0
     known = {} if before is None else dict(zip(before.body.tolist(), before.center_of_mass, strict=True))

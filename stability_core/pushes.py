@@ -2,8 +2,8 @@
 
 A body that lies on a stack presses with its weight, which statics knows. A motor, a robot or a user that leans on a
 stack presses with a force that only the engine knows. If the engine reports contact forces, those at side faces count,
-and all forces of bodies that the user holds or the host moves. The mean over ``load_s`` is used, so that a bump is no
-push.
+and all forces of bodies that the user holds or the host moves. The force is averaged over ``load_s``, so that a short
+bump does not count.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
-"""Change of a push, over the body's weight and that push, at which its balance is judged again."""
+"""Change of a push, over the sum of the body's weight and the push, above which the body's balance is judged again."""
 
 
 @compiled
 def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
-    """Return True if a body's force at a contact with a frozen body is a push, beyond lying there."""
+    """Return True if a body's force at a contact with a frozen body is a push, not only its weight."""
     if pusher == GROUND:
         return False
     row = bodies[pusher]
@@ -35,7 +35,7 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 
 @compiled
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
-    """Make room for the share ``weight`` of the present frame in the mean; drop a push of long ago."""
+    """Prepare the mean push for the present frame, whose share is ``weight``; drop a push older than ``load_s``."""
     if now - row.pushed_s > limits.load_s:
         row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now

@@ -1,9 +1,8 @@
 """Rows of the tables by body id: memory grows with the number of bodies that live, not with the greatest id.
 
 A hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. A body that leaves
-closes the gap behind it (Algorithm R), and its row is reused. Rows are given in order of appearance, by rising id
-within a
-frame: as long as no body is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+closes the gap behind it (Algorithm R), and its row is reused. Bodies get rows in order of appearance, by rising id
+within a frame: as long as no body is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ class Rows(NamedTuple):
     slots: IntArray
     """Id and row, shape (2**k, 2); the id is NONE in a free slot."""
     spare: IntArray
-    """Free rows: their number, then the rows, shape (1 + rows,); the last is given first."""
+    """Free rows: their number, then the rows, shape (1 + rows,); the last one is used first."""
 
 
 @compiled
@@ -72,7 +71,7 @@ def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
 def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> int:
     """Give a row to each of ``ids`` (k,) without one, by rising id; its place in ``rows`` (k,) is UNKNOWN.
 
-    Return the number of missing rows; nothing is given unless there are enough.
+    Return the number of missing rows; if any row is missing, no body gets a row.
     """
     new = ids[rows == UNKNOWN]
     if len(new) > spare[0]:
@@ -114,7 +113,7 @@ def _copy_slots(known: IntArray, slots: IntArray) -> None:
 
 
 def rows_for(count: int, known: Rows | None = None) -> Rows:
-    """Return a table with ``count`` rows that keeps the ``known`` ones; it has at least twice as many slots."""
+    """Return a table with ``count`` rows and at least twice as many slots that keeps the ``known`` rows."""
     slots = np.full((1 << max(1, 2 * count - 1).bit_length(), 2), NONE, np.int64)
     old, free = (0, np.empty(0, np.int64)) if known is None else (len(known.spare) - 1, known.spare[1:])
     if known is not None:

@@ -41,16 +41,16 @@ def _side(first: int, second: int, x: float) -> _Touch:
 
 
 _CUBES = {
-    0: (0.0, 0.0, 0.05),  # two on the ground, one across both, one on top
+    0: (0.0, 0.0, 0.05),  # two cubes on the ground, one across both, one on top
     1: (0.12, 0.0, 0.05),
     2: (0.06, 0.0, 0.15),
     3: (0.06, 0.0, 0.25),
-    4: (0.95, 0.0, 0.08),  # two that lean on each other
+    4: (0.95, 0.0, 0.08),  # two cubes that lean on each other
     5: (1.05, 0.0, 0.08),
-    6: (2.00, 0.0, 0.55),  # one on the ground's edge, one held beside it by nothing but friction
+    6: (2.00, 0.0, 0.55),  # a cube on the ground's edge, and a cube beside it that only friction holds
     7: (2.10, 0.0, 0.55),
     8: (3.0, 0.0, 0.05),  # a ball
-    9: (0.1, 0.0, 0.35),  # overloads the third at its edge, from the middle of the script
+    9: (0.1, 0.0, 0.35),  # a cube that appears in the middle of the script and overloads cube 3 at its edge
 }
 _LATE = 9
 _TOUCHES = (

@@ -2,8 +2,8 @@
 
 Lengths are in sizes of a body, which the core infers from its contacts (``contact_filter.note_sizes``), and speeds in
 sqrt(gravity times size), so that a stack that is a hundred times larger and falls ten times more slowly is judged
-alike. Times are seconds, at any frame rate. For the paper's plank of 117 mm the defaults are the lengths and speeds in
-their reasons.
+alike. Times are seconds, at any frame rate. For the paper's plank of 117 mm, each default equals the length or speed
+that its reason states.
 """
 
 from __future__ import annotations
@@ -161,7 +161,7 @@ class Settings:
 
     @property
     def longest_dwell(self) -> float:
-        """Time [s] for which contacts must be kept: the slowest of the three rules."""
+        """Time [s] for which contacts must be kept: the longest dwell of the three rules."""
         return max(self.rest_s, self.lean_s, self.load_s)
 
     def limits(self, gravity: float) -> Limits:
@@ -170,4 +170,5 @@ class Settings:
 
 
 _LIMITS = np.dtype([*((item.name, "f8") for item in fields(Settings)), ("gravity", "f8")], align=True)
-"""The one dtype of all settings, because Numba recognises this object at once and compares others field by field."""
+"""Dtype of all settings. It is one shared object, because Numba recognises the same object at once and compares
+different objects field by field."""

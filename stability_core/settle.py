@@ -30,7 +30,9 @@ def _with_rule(graph: Graph, buffers: FrameBuffers, rule: int, state: int) -> In
 
 @compiled
 def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
-    """Build the patches of the worklist, from as many frames as its rule needs; remove patches of departed bodies.
+    """Build the patches of bodies on the worklist, and remove the patches of bodies that no longer lie on the stack.
+
+    Each rule needs the contacts of a certain number of frames.
 
     O(contacts of the dwell frames), independent of the number of frozen bodies.
     """
@@ -50,7 +52,7 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Rebuild the patches of newly frozen bodies, on the stack alone; remove patches built for a failed test.
 
-    A body that touches only the stack has them already. A body in passing is no load.
+    A body that touches only the stack keeps its patches. A body that only passes by is no load, so it keeps none.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):

@@ -20,7 +20,7 @@ SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
 """A body's ``doubt``: NOTED once its surroundings are recorded, so that any change is seen."""
 NOT_REFUSED, TOPPLES, FALLS, DOUBTED = 0, 1, 2, 3
-"""A body's ``refusal``: the policy's reason when it was last not frozen."""
+"""A body's ``refusal``: the policy's reason for the last refusal to freeze the body."""
 NONE = -1
 """End of a linked list."""
 FEW = 16
@@ -63,11 +63,11 @@ BODY = np.dtype(
         ("frozen_neighbours", "u8"),  # the frozen ones among them, and the ground
         # durations [s] up to the latest frame
         ("rest_s", "f8"),  # at rest by the strict rule
-        ("still_s", "f8"),  # in its place, with any tremble and depth
-        ("still_center", "f8", (3,)),  # centre of mass at the start of that [m]
+        ("still_s", "f8"),  # in its place, at any depth, perhaps with small vibrations
+        ("still_center", "f8", (3,)),  # centre of mass at the start of ``still_s`` [m]
         ("lean_s", "f8"),  # at rest by the rule for leaning
         ("load_s", "f8"),  # slow enough to lie on its support
-        ("unsettled", "?"),  # woken, and since then neither seen moving nor calm for long
+        ("unsettled", "?"),  # woken, and since then neither moving nor calm for ``calm_s``
         ("idle_s", "f8"),  # at rest by the strict rule, whatever it touches
         ("is_resting", "?"),  # at rest for as long as freezing requires
         ("wakes", "i8"),  # number of wakes since it was last in flight
@@ -75,7 +75,7 @@ BODY = np.dtype(
         ("still_normal", "f8", (3,)),  # unit direction of that sum when it last turned by ``steady_shift``
         # duration in its place among the same neighbours
         ("steady_s", "f8"),  # [s]
-        ("steady_center", "f8", (3,)),  # centre of mass at the start of that [m]
+        ("steady_center", "f8", (3,)),  # centre of mass at the start of ``steady_s`` [m]
         ("steady_neighbours", "u8"),
         ("lately", "u8"),  # all bodies that it touched in the latest ``lately_s``
         ("lately_s", "f8"),  # [s]
@@ -86,8 +86,8 @@ BODY = np.dtype(
         ("deferred", "?"),  # due, but without budget: judged in the next frame
         # a live body on the stack with patches in the graph
         ("is_load", "?"),
-        ("load_center", "f8", (3,)),  # centre of mass for which the patches were laid [m]
-        ("load_supported_by", "u8"),  # supports for which they were laid
+        ("load_center", "f8", (3,)),  # centre of mass for which the patches were built [m]
+        ("load_supported_by", "u8"),  # supports for which the patches were built, as ``supported_by``
         ("provisional", "?"),  # it touches or carries live bodies, so that its patches change when it freezes
         # scratch of one frame
         ("rule", "i1"),  # its strictest rule: AT_REST, LEANING or LYING
@@ -378,7 +378,7 @@ def empty_graph() -> Graph:
 
 
 def _longer(table: Any, rows: int, used: IntArray | slice) -> Any:
-    """Return a table with ``rows`` rows and a copy of the ``used`` ones; the others stay untouched memory."""
+    """Return a table with ``rows`` rows and a copy of the ``used`` rows; the other rows are zero."""
     longer = np.zeros(rows, table.dtype)
     longer[used] = table[used]
     return longer

@@ -36,7 +36,7 @@ def support_polygon(graph: Graph, body: int) -> FloatArray:
 
 @compiled
 def pivot_of(graph: Graph, body: int) -> int:
-    """Return the lowest patch of a leaning body, on which it pivots; NONE if it has none."""
+    """Return the lowest patch of a leaning body, on which it pivots; NONE without patches."""
     patches = graph.patches
     lowest, height = NONE, np.inf
     at = graph.bodies[body].first_support
@@ -86,9 +86,8 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
     """Return the load of the upper body of patch ``at`` on the lower one: mass [kg], and its point x, y, z [m].
 
     - Single branch: the whole load, at C_stack.
-    - Merge branch: the whole load on the support whose own area contains C_stack; else, of two supports, the equivalent
-      mass
-    at the contact's centre; of more, equal shares there.
+    - Merge branch: the whole load on the support whose own contact area contains C_stack. If none does, the equivalent
+      mass for two supports, or equal shares for more, each at the centre of the contact area.
     - A leaning body puts its whole load on its pivot, at the contact point closest to its C_stack, because the paper
       does not
     say how a leaning load is carried down.
@@ -149,8 +148,8 @@ def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
 def carry_down(graph: Graph, changed: IntArray) -> IntArray:
     """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, (k,).
 
-    Highest first, so that each body is updated once; a branch ends where nothing changes any more.
-    O(k log k) for the k bodies in the cone below the change, whatever stands elsewhere.
+    The order is highest first, so that each body is updated once. A branch ends at a body whose stack data did not
+    change. O(k log k) for the k bodies in the cone below the change, independent of all other bodies.
     """
     bodies, patches = graph.bodies, graph.patches
     waiting = [(0.0, 0) for _ in range(0)]

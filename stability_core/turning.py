@@ -40,7 +40,7 @@ def _turn_vector(vector: FloatArray, turn: FloatArray) -> None:
 
 @compiled
 def _turn_bodies(bodies: Bodies, turn: FloatArray) -> None:
-    """Turn all places; drop the policy's refusals of live bodies, and the times for which the engine held them."""
+    """Turn all positions; reset the policy's refusals, and the times for which the engine held bodies in place."""
     for i in range(len(bodies)):
         row = bodies[i]
         if row.state == ABSENT:

@@ -52,14 +52,14 @@ class Upright:
         """Derive the upright frame.
 
         Args:
-        gravity: [m/s2], finite and not zero.
+            gravity: [m/s2], finite and not zero.
         """
         vector = np.array(gravity)
         self.gravity = gravity
         self.strength = float(np.linalg.norm(vector))
         self.up = -vector / self.strength
         self.is_world = gravity[0] == gravity[1] == 0.0 and gravity[2] < 0.0
-        """True if the upright frame is the world's."""
+        """True if the upright frame is the frame of the world."""
         self.rotation = np.eye(3) if self.is_world else rotation_to_upright(self.up)
 
     def differs(self, gravity: tuple[float, float, float], tilt: float, share: float) -> bool:

@@ -60,9 +60,9 @@ def first_bad_mass(masses: MassArrays) -> int:
 
 @compiled
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
-    """Return True if a contact with the ground below a body's centre pushes that body down, out of its own inside.
+    """Return True if a contact with the ground below a body's centre pushes the body down, away from its inside.
 
-    No convex body can be touched like that, so the normal points from b to a.
+    No contact of a convex body can do so, unless its normal points from b to a.
 
     Args:
         center: centre of mass of the body [m], shape (3,).

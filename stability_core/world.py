@@ -1,7 +1,7 @@
 """An extension's memory of its world: the stack, the latest contacts, and the row of each body.
 
-The port names bodies by ids, in the coordinates of its world; the kernels use rows, in the upright frame. Both are
-translated here.
+The port names bodies by ids, in the coordinates of its world; the kernels use rows, in the upright frame. This module
+translates ids to rows and world coordinates to the upright frame.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class World:
         """Create an empty world.
 
         Args:
-        settings: the tolerances.
-        gravity: [m/s2], finite and not zero.
+            settings: the tolerances.
+            gravity: [m/s2], finite and not zero.
         """
         self.settings = settings
         self.upright = Upright(gravity)
@@ -41,7 +41,7 @@ class World:
         self.buffers = buffers_for(settings.longest_dwell, 32)
         self._rows = rows_for(0)
         self.ids: IntArray = self.graph.bodies["id"]
-        """The body of each row, shape (rows,): a view of the table."""
+        """Id of the body in each row, shape (rows,): a view of the table."""
 
     def rows_of(self, bodies: Iterable[int]) -> IntArray:
         """Return the rows of bodies that an update has seen, shape (k,).
@@ -98,7 +98,7 @@ class World:
                     laid_out(seen.friction, NUMBERS),
                     NO_FORCES if seen.force is None else laid_out(seen.force, NUMBERS),
                 )
-            except WrongTypeError:  # an array has more or fewer dimensions
+            except WrongTypeError:  # an array has more or fewer dimensions than required
                 check_shapes(contacts, masses)
                 raise
             if fault != NO_ROOM:
@@ -144,7 +144,7 @@ class World:
     def forget(self, bodies: Sequence[int]) -> IntArray:
         """Drop bodies that left the world; return their former rows, shape (k,).
 
-        An unknown body leaves nothing behind.
+        Unknown bodies are ignored.
         """
         ids = np.array(bodies, np.int64)
         rows = self._find(ids)
