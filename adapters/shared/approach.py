@@ -1,4 +1,4 @@
-"""Motions of the live bodies before the solver stopped them, for engines that report no approach speed."""
+"""Approach velocities from the bodies' motions before the solver stops them, for engines that report none."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from stability_core.port import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Positions and velocities of the m live bodies before each of the frame's s substeps."""
+    """Positions and velocities of the m live and moved bodies before each of the frame's s substeps."""
 
     body: IntArray
-    """Ids, rising, shape (m,)."""
+    """Ids of the bodies, in rising order, shape (m,)."""
     position: FloatArray
-    """Centres of mass [m], shape (s, m, 3)."""
+    """Centres of mass [m] in the world's frame, shape (s, m, 3)."""
     linear: FloatArray
-    """Velocities [m/s], shape (s, m, 3)."""
+    """Velocities [m/s] of the centres of mass, shape (s, m, 3)."""
     angular: FloatArray
     """Angular velocities [rad/s], shape (s, m, 3)."""
 
@@ -27,19 +27,19 @@ class Motions:
 def fastest_approach(
     before: Motions | None, a: IntArray, b: IntArray, point: FloatArray, normal: FloatArray, noise: float = 0.0
 ) -> FloatArray:
-    """Return velocity [m/s] of b against a at n contact points, before the substep in which they came closer fastest.
+    """Return velocities of b relative to a at n contact points, before the substep with the fastest approach.
 
     Args:
-        before: the frame's motions; None if they were not recorded.
+        before: motions in the frame; None if they were not recorded.
         a: first bodies, shape (n,).
         b: second bodies, shape (n,).
         point: contact points [m], shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).
-        noise: approach [m/s] by which a later substep must be faster to be chosen. At rest all substeps are equal but
-            for the solver's noise; the first shows how a support slips away before friction has stopped it.
+        noise: margin [m/s] by which a later substep must be faster to replace an earlier one. At rest the substeps
+            differ only by the solver's noise, and the first one shows the slip of a support before friction stops it.
 
     Returns:
-        Velocities, shape (n, 3); NaN where nothing was live in that frame, for bodies unfrozen since.
+        Velocities [m/s], shape (n, 3); NaN if the frame has no recorded motions, as for bodies unfrozen after it.
     """
     velocity = np.full(point.shape, np.nan)
     if before is not None and len(before.body):
@@ -64,9 +64,9 @@ def _fastest(
     noise: float,
     chosen: FloatArray,
 ) -> None:
-    """Write the velocities into ``chosen``.
+    """Write the velocities that ``fastest_approach`` returns into ``chosen`` (n, 3).
 
-    It is compiled, because a dozen calls of NumPy cost more than an engine's whole step.
+    The function is compiled, because a dozen NumPy calls take longer than an engine's step.
     """
     for row in range(len(point)):
         x, y, z = point[row]

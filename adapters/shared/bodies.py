@@ -14,23 +14,23 @@ NO_VELOCITY: Vector = (0.0, 0.0, 0.0)
 
 
 class Bodies:
-    """Every body has an id that is never used again; it is live, frozen, or moved by the host.
+    """Record of the bodies of a world, each of which is live, frozen, or moved by the host. Ids are never reused.
 
-    The collections are the same objects for the life of the world, and may be kept.
+    The public collections remain the same objects while the world exists, so that other objects may refer to them.
     """
 
     def __init__(self) -> None:
         self.count = 0
-        """Ids given out so far."""
+        """Number of ids assigned so far."""
         self.bricks: dict[int, Brick] = {}
-        """Every body as it was spawned, by rising id."""
+        """Brick of every body as spawned, by rising id."""
         self.live: dict[int, float] = {}
         """Mass [kg] of every live body, by rising id."""
         self.frozen: set[int] = set()
         self.moved: dict[int, tuple[Vector, Vector]] = {}
-        """Velocity [m/s] and spin [rad/s] of the bodies that the host moves."""
+        """Velocity [m/s] and spin [rad/s] of each body that the host moves."""
         self.steady: dict[int, Vector] = {}
-        """Steady force [N] on each pressed body."""
+        """Steady force [N] on each body that has one."""
         self._removed: list[int] = []
         self._live_rows: tuple[IntArray, FloatArray] | None = None
 
@@ -49,7 +49,7 @@ class Bodies:
         self._live_rows = None
 
     def remove(self, body: int) -> None:
-        """Forget a body; the next ``take_removed`` returns its id."""
+        """Delete the record of a body; the next ``take_removed`` returns its id."""
         del self.bricks[body]
         self.frozen.discard(body)
         self.live.pop(body, None)
@@ -64,19 +64,19 @@ class Bodies:
         self._live_rows = None
 
     def unfreeze(self, body: int) -> None:
-        """Record that a frozen body is live again; ``sort_live`` must follow."""
+        """Record that a frozen body is live again. The caller must then call ``sort_live``."""
         self.frozen.remove(body)
         self.live[body] = self.bricks[body].mass
 
     def sort_live(self) -> None:
-        """Bring the live bodies into the order of their ids."""
+        """Sort the live bodies by id."""
         rising = sorted(self.live.items())
         self.live.clear()
         self.live.update(rising)
         self._live_rows = None
 
     def take_removed(self) -> list[int]:
-        """Return the ids that were removed since the last call."""
+        """Return the ids of the bodies removed since the previous call."""
         removed, self._removed = self._removed, []
         return removed
 
@@ -84,16 +84,18 @@ class Bodies:
         """Raise ``KeyError`` if one of the bodies is not in the world."""
         unknown = [body for body in bodies if body not in self.bricks]
         if unknown:
-            raise KeyError(f"unknown body {', '.join(map(str, unknown))}: it was never spawned, or was removed")
+            raise KeyError(
+                f"unknown body {', '.join(map(str, unknown))}: never spawned, or removed; use an id from poses()"
+            )
 
     def ids(self) -> IntArray:
-        """Return the ids (n,) of all bodies, rising."""
+        """Return the ids (n,) of all bodies, in rising order."""
         return np.fromiter(self.bricks, np.int64, len(self.bricks))
 
     def live_rows(self) -> tuple[IntArray, FloatArray]:
-        """Return ids (m,), rising, and masses (m,) [kg] of the live bodies.
+        """Return the ids (m,), in rising order, and the masses (m,) [kg] of the live bodies.
 
-        The arrays are the same until the live bodies change.
+        The method returns the same arrays until the live bodies change.
         """
         if self._live_rows is None:
             count = len(self.live)
@@ -104,10 +106,10 @@ class Bodies:
         return self._live_rows
 
     def moving(self) -> IntArray:
-        """Return the ids (k,), rising, of the bodies that may move: live ones and those of the host."""
+        """Return the ids (k,) of the live bodies and of the bodies that the host moves, in rising order."""
         live, _ = self.live_rows()
         return np.union1d(live, np.fromiter(self.moved, np.int64, len(self.moved))) if self.moved else live
 
     def driven(self) -> list[int]:
-        """Return the bodies that the host moves now, rising."""
+        """Return the ids of the bodies that the host moves at a velocity other than zero, in rising order."""
         return sorted(body for body, (linear, angular) in self.moved.items() if any(linear) or any(angular))

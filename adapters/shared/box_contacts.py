@@ -1,7 +1,6 @@
-"""Contacts of boxes that touch or nearly touch, in compiled code: corners of contact faces, and near pairs.
+"""Kernels for the contacts of boxes that touch or nearly touch: corners of contact areas, and pairs at a small gap.
 
-All in one file, for Numba's cache does not notice a change of a kernel from another one: after a change of what
-``adapters.shared.swept_contacts`` uses of it, clear the cache.
+``adapters.shared.swept_contacts`` compiles some of these kernels into its own: see ADR-0002 on Numba's cache.
 """
 
 from __future__ import annotations
@@ -14,37 +13,37 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 NEAR = 0.1e-3
-"""Gap [m] up to which faces nearly touch: above the tilt of a brick at rest, below any visible distance."""
+"""Greatest gap [m] of faces that nearly touch: above the tilt of a brick at rest, below any visible distance."""
 SLACK = 1e-6
-"""Distance [m] by which edges that meet may miss each other sideways: rounding of poses in single precision."""
+"""Greatest sideways gap [m] of edges that meet: the rounding error of poses in single precision."""
 SAME = 1e-3
-"""Distance [m] within which a corner is one that the engine has listed."""
+"""Distance [m] within which a corner and a point of the engine count as the same point."""
 PLANK = math.sqrt(58.5e-3 * 58.5e-3 + 11.7e-3 * 11.7e-3 + 3.9e-3 * 3.9e-3)
-"""Half the diagonal [m] of the plank for which these lengths are given. For a pair of boxes they are multiplied by the
-size of the smaller box over that of the plank, as the core multiplies its tolerances."""
+"""Half the diagonal [m] of the plank for which the lengths of this module are chosen. For a pair of boxes a length is
+multiplied by the size of the smaller box over the size of the plank, as in the core's tolerances."""
 
 CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
-"""Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and how far it reaches along x, y, z [m]."""
+"""Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and half extents along x, y, z [m]."""
 
 _MOST_CORNERS = 8
-"""Of a face that is clipped by another: each of four cuts adds one at most."""
+"""Greatest number of corners of a face clipped by another face, because each of four cuts adds at most one corner."""
 
 
 @numba.njit(cache=True)
 def half_diagonal(half: FloatArray) -> float:
-    """Return half the diagonal [m] of a box of half edges (3,)."""
+    """Return half the diagonal [m] of a box with half edges ``half`` (3,) [m]."""
     return math.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
 
 
 @numba.njit(cache=True)
 def _pair_size(box_a: FloatArray, box_b: FloatArray) -> float:
-    """Return size of the smaller of two boxes over that of the plank."""
+    """Return the size of the smaller of two boxes over the size of the plank, without unit."""
     return min(half_diagonal(box_a[HALF]), half_diagonal(box_b[HALF])) / PLANK
 
 
 @numba.njit(cache=True)
 def axes_of(quaternion: FloatArray) -> FloatArray:
-    """Return rotation matrix (3, 3) of a unit quaternion (w, x, y, z); its columns are the box's axes."""
+    """Return the rotation matrix (3, 3) of a unit quaternion (w, x, y, z). Its columns are the box's axes."""
     w, x, y, z = quaternion
     return np.array(
         [
@@ -57,7 +56,10 @@ def axes_of(quaternion: FloatArray) -> FloatArray:
 
 @numba.njit(cache=True)
 def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
-    """Return the axis most along ``direction`` and its cosine, negative if it points the other way."""
+    """Return the index of the axis most parallel to ``direction``, and the cosine of the angle between both.
+
+    The cosine is negative if the axis points against ``direction``.
+    """
     best, cosine = 0, 0.0
     for axis in range(3):
         along = axes[0, axis] * direction[0] + axes[1, axis] * direction[1] + axes[2, axis] * direction[2]
@@ -68,7 +70,7 @@ def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
 
 @numba.njit(cache=True)
 def _clip(polygon: FloatArray, normal: FloatArray, limit: float) -> FloatArray:
-    """Return the part (k, 3) of a polygon where normal . x <= limit (Sutherland and Hodgman)."""
+    """Return the part (k, 3) of a polygon (n, 3) where normal . x <= limit (Sutherland and Hodgman)."""
     n = len(polygon)
     clipped = np.empty((2 * n, 3))
     size = 0
@@ -89,7 +91,7 @@ def _clip(polygon: FloatArray, normal: FloatArray, limit: float) -> FloatArray:
 
 @numba.njit(cache=True)
 def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, side: float) -> FloatArray:
-    """Return corners (4, 3) of a box's face, in order around it."""
+    """Return the corners (4, 3) [m] of a box's face, in order around the face."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     corners = np.empty((4, 3))
     for i in range(4):
@@ -104,13 +106,13 @@ def _face(center: FloatArray, axes: FloatArray, half: FloatArray, axis: int, sid
 def face_corners(
     box_a: FloatArray, box_b: FloatArray, normal: FloatArray, slack: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return corners (k, 3) of the contact face of two boxes, and their separations (k,).
+    """Return the corners (k, 3) [m] of the contact area of two boxes, and their separations (k,) [m].
 
     Args:
-        box_a: row of box a.
-        box_b: row of box b.
-        normal: from a to b.
-        slack: distance [m] by which the face that clips is larger on each side.
+        box_a: row of box a, shape (13,).
+        box_b: row of box b, shape (13,).
+        normal: unit normal from a to b, shape (3,).
+        slack: distance [m] by which the clipping face is enlarged on each side.
     """
     axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     axis_a, cosine_a = _facing(axes_a, normal)
@@ -140,9 +142,9 @@ def face_corners(
 
 @numba.njit(cache=True)
 def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> float:
-    """Return gap [m] between two boxes across the face that parts them best, negative if they overlap.
+    """Return the greatest gap [m] between two boxes along the normal of a face, negative if they overlap.
 
-    The face's unit normal is written into ``normal`` (3,), from a to b.
+    Write the unit normal of this face, from a to b, into ``normal`` (3,).
     """
     axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     widest = -np.inf
@@ -168,7 +170,7 @@ def _parting_face(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> f
 
 @numba.njit(cache=True)
 def note_reach(boxes: FloatArray, rows: IntArray) -> None:
-    """Compute the extents of the boxes of these ``rows`` along x, y and z."""
+    """Write the half extents along x, y and z of the boxes in ``rows`` into their columns ``REACH``."""
     for row in rows:
         axes = axes_of(boxes[row, TURN])
         for k in range(3):
@@ -182,9 +184,17 @@ def note_reach(boxes: FloatArray, rows: IntArray) -> None:
 def missing_corners(
     boxes: FloatArray, a: IntArray, b: IntArray, normal: FloatArray, point: FloatArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return a row of its pair (k,), point (k, 3) and separation (k,) of each corner that its pair's rows do not list.
+    """Return the corners of contact areas that the engine's contacts do not list.
 
-    Rows of a pair stand together; ``a`` and ``b``, (n,), are rows of ``boxes``.
+    Args:
+        boxes: all boxes, shape (m, 13).
+        a: row of the first box of each contact, shape (n,); contacts of a pair are adjacent.
+        b: row of the second box of each contact, shape (n,).
+        normal: unit normals from a to b, shape (n, 3).
+        point: contact points [m], shape (n, 3).
+
+    Returns:
+        The index (k,) of a contact of the corner's pair, the corners (k, 3) [m] and their separations (k,) [m].
     """
     n = len(a)
     row, corner, gap = np.empty(8 * n, np.int64), np.empty((8 * n, 3)), np.empty(8 * n)
@@ -211,15 +221,15 @@ def missing_corners(
 
 @numba.njit(cache=True)
 def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float) -> list[tuple[int, int]]:
-    """Return pairs of rows, the lower first, of which one is ``live``, that are not ``listed`` and nearly meet.
+    """Return pairs of rows, the lower row first, of a live box and a near box that the engine does not list.
 
-    O(boxes) a live one.
+    The cost is O(boxes) per live box.
 
     Args:
-        boxes: all of them, shape (n, 13).
-        live: rows, rising, shape (m,).
-        listed: n a + b for each pair (a, b) that the engine lists, rising.
-        way: added to the gap that counts as near [m].
+        boxes: all boxes, shape (n, 13).
+        live: rows of the live boxes, in rising order, shape (m,).
+        listed: n a + b for each pair (a, b) that the engine lists, in rising order.
+        way: distance [m] added to the greatest gap of a near pair.
     """
     found = [(0, 0) for _ in range(0)]
     for one in live:
@@ -233,7 +243,7 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float)
                 continue
             at = np.searchsorted(live, other)
             if other < one and at < len(live) and live[at] == other:
-                continue  # a pair of live boxes occurs twice
+                continue  # skip the second occurrence of a pair of live boxes
             key = min(one, other) * len(boxes) + max(one, other)
             at = np.searchsorted(listed, key)
             if at == len(listed) or listed[at] != key:
@@ -245,11 +255,19 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float)
 def near_corners(
     boxes: FloatArray, live: IntArray, listed: IntArray, slack: float, way: float
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
-    """Return rows a (k,) and b (k,), point (k, 3), normal (k, 3) and gap (k,) of each corner of near boxes not listed.
+    """Return the corners of the contact areas of near boxes that the engine does not list.
 
-    See ``_neighbours``. With a ``slack`` [m], given for the plank, edges that miss each other sideways by as much count
-    as well, and corners that are closer together than four times the slack are one. Gaps and overlaps of ``way`` [m]
-    more than usual are near as well, for bodies that have moved so far since they touched.
+    Args:
+        boxes: all boxes, shape (n, 13).
+        live: rows of the live boxes, in rising order, shape (m,).
+        listed: n a + b for each pair (a, b) that the engine lists, in rising order.
+        slack: greatest sideways gap [m] of edges that meet, for the plank. Corners closer together than four times the
+            slack count as one corner.
+        way: distance [m] added to the greatest gap and overlap of a near pair, for bodies that have moved by that
+            distance after they touched.
+
+    Returns:
+        Rows a (k,) and b (k,), corners (k, 3) [m], normals from a to b (k, 3), and gaps (k,) [m].
     """
     pairs = _neighbours(boxes, live, listed, way)
     room = _MOST_CORNERS * len(pairs)

@@ -1,9 +1,9 @@
-"""Complete the contacts of engines that list penetrating points only, from the boxes' geometry.
+"""Completion, from the boxes' geometry, of the contacts of engines that list penetrating points only.
 
-Of a brick that rests on three corners, tilted by micrometres, such an engine lists three points: half of the true
-contact area. Of a roof over four edges that differ in height by as little, it lists two edges. Under load the others
-would carry as well. Other engines report them by a small gap; for the rest they are found here, by clipping one face by
-the other as the engines themselves do.
+For a brick that rests on three corners, tilted by micrometres, these engines list three points: half of the true
+contact area. For a roof over four edges with height differences of micrometres they list two edges. Under load the
+missing corners would bear force as well. Other engines list them with a small gap. This module computes the missing
+corners by clipping one face by the other, as the engines themselves do.
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 _GROUND_BOX = (0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0, 1e3, 1e3, 1.0)
-"""The ground as a box: its top is z = 0."""
+"""Row of the ground, a box whose top is z = 0."""
 
 VelocitiesAt = Callable[[IntArray, FloatArray], FloatArray]
-"""From ids (k,) and points (k, 3) [m] to the velocities (k, 3) [m/s] that the bodies have there."""
+"""Function of ids (k,) and points (k, 3) [m] that returns the bodies' velocities (k, 3) [m/s] at these points."""
 
 
 def fixed_id(index: int) -> int:
-    """Return the id by which an adapter's contacts name the fixed box at ``index`` in ``World.fixed``.
+    """Return the id of the fixed box at ``index`` in ``World.fixed``, for the contacts of an adapter.
 
-    The port turns it into ``GROUND`` after the contacts are completed, which needs the boxes one by one.
+    The port completes the contacts of each fixed box separately, and then replaces its id by ``GROUND``.
     """
     return GROUND - 1 - index
 
 
 class BoxTable:
-    """Where the boxes of a world are, and what of their contacts an engine leaves out.
+    """Poses of the boxes of a world, and the completion of an engine's contacts.
 
-    A frozen body is placed once: completing the contacts of a frame costs what the live ones cost, and a glance at each
-    of the others.
+    The caller places a frozen body once. The cost of a frame is therefore that of the live bodies, and a test of the
+    extents of every other body per live body.
     """
 
     def __init__(self, fixed: Sequence[Brick] = ()) -> None:
         self._first = (
             len(fixed) + 1
-        )  # row of body 0; every row is an id + this: before it the fixed boxes and the ground
-        self._boxes = np.full((64 + self._first, len(_GROUND_BOX)), np.nan)  # NaN where there is no body
+        )  # row of body 0, after the fixed boxes and the ground; the row of any body is its id plus this number
+        self._boxes = np.full((64 + self._first, len(_GROUND_BOX)), np.nan)  # NaN in a row without a body
         self._boxes[self._first + GROUND] = _GROUND_BOX
         self._rows = self._first
         if fixed:
@@ -53,7 +53,7 @@ class BoxTable:
             self.place(ids, np.array([box.position for box in fixed]), np.array([box.quaternion for box in fixed]))
 
     def add(self, body: int, size: Vector) -> None:
-        """Add a body of these edges [m], without a pose; ids rise."""
+        """Add a body with edges ``size`` [m] and without a pose. Its id must be higher than all earlier ids."""
         row = self._first + body
         self._rows = row + 1
         if self._rows > len(self._boxes):
@@ -61,20 +61,20 @@ class BoxTable:
         self._boxes[row, HALF] = np.asarray(size) / 2
 
     def place(self, bodies: IntArray, positions: FloatArray, quaternions: FloatArray) -> None:
-        """Take over where ``bodies`` (k,) are: positions (k, 3) [m], quaternions (k, 4)."""
+        """Set the positions (k, 3) [m] and the quaternions (k, 4) of ``bodies`` (k,)."""
         rows = bodies + self._first
         self._boxes[rows, CENTER] = positions
         self._boxes[rows, TURN] = quaternions
         note_reach(self._boxes, rows)
 
     def remove(self, body: int) -> None:
-        """Forget a body."""
+        """Delete the row of a body."""
         self._boxes[self._first + body] = np.nan
 
     def with_missing_corners(self, contacts: Contacts) -> Contacts:
-        """Return the contacts, followed by the missing corners of their faces that nearly touch.
+        """Return the contacts, followed by the missing corners of their contact areas that touch or nearly touch.
 
-        A corner has the normal and the relative velocity of its pair's first point.
+        Each corner has the normal and the relative velocity of the first point of its pair.
         """
         if not len(contacts):
             return contacts
@@ -100,14 +100,15 @@ class BoxTable:
     def with_near_pairs(
         self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt, way: float = 0.0
     ) -> Contacts:
-        """Return the contacts, followed by the corners of near pairs without any listed point.
+        """Return the contacts, followed by the corners of near pairs for which no point is listed.
 
         Args:
-            contacts: as the engine lists them.
-            live: ids of the live bodies, rising, shape (m,).
-            friction: of every pair.
-            velocities: of bodies at points. What has not touched has not been stopped: they are those before impact.
-            way: how far [m] a pair that touched may have moved since.
+            contacts: contacts that the engine lists.
+            live: ids of the live bodies, in rising order, shape (m,).
+            friction: coefficient of every pair.
+            velocities: returns the velocities of bodies at points. They are the velocities before an impact, because
+                no contact has stopped these bodies yet.
+            way: distance [m] that a body may have moved after it touched another.
         """
         listed = np.sort(self._pairs(contacts))
         a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed, 0.0, way)
@@ -118,15 +119,16 @@ class BoxTable:
         return joined(contacts, Contacts(a, b, corner, normal, gap, relative, np.full(len(a), friction)))
 
     def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
-        """Return the corners of all pairs that nearly touch, and behind them the contacts of all other pairs.
+        """Return the corners of all pairs that touch or nearly touch, followed by the contacts of all other pairs.
 
-        An engine may miss a gap of exactly zero, and its normal between corners that coincide may be rounding: there
-        the boxes' geometry is more exact. Deeper overlaps and edges that cross are the engine's.
+        At a gap of exactly zero an engine may list no contact, or a normal between coinciding corners that is a
+        rounding error: there the boxes' geometry is more exact. Deeper overlaps and crossing edges keep the engine's
+        contacts.
 
         Args:
-            contacts: as the engine lists them.
-            live: ids of the live bodies, rising, shape (m,).
-            friction: of every pair.
+            contacts: contacts that the engine lists.
+            live: ids of the live bodies, in rising order, shape (m,).
+            friction: coefficient of every pair.
         """
         none_listed = np.empty(0, np.int64)
         a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, none_listed, SLACK, 0.0)
@@ -145,17 +147,17 @@ class BoxTable:
         seconds: float,
         friction: float,
     ) -> Contacts:
-        """Return the contacts, and behind them a point of each pair of bodies that will meet within ``seconds``.
+        """Return the contacts, followed by one point for each pair of bodies that will meet within ``seconds``.
 
         See ``shared.swept_contacts``. Separations are positive, and relative velocities are those of the centres.
 
         Args:
-            contacts: of the frame.
-            live: ids of the live bodies, rising, shape (m,).
-            movers: ids of the bodies that may move, rising, shape (k,); all are placed where they are now.
-            velocity: theirs [m/s], shape (k, 3).
-            seconds: how far ahead to look.
-            friction: of every pair.
+            contacts: contacts of the frame.
+            live: ids of the live bodies, in rising order, shape (m,).
+            movers: ids of the bodies that may move, in rising order, shape (k,), placed at their present poses.
+            velocity: velocities [m/s] of ``movers``, shape (k, 3).
+            seconds: time within which the pairs meet.
+            friction: coefficient of every pair.
         """
         rows = movers + self._first
         velocities, is_live = np.zeros((self._rows, 3)), np.zeros(self._rows, np.bool_)
@@ -172,18 +174,18 @@ class BoxTable:
         return joined(contacts, Contacts(a, b, point, normal, gap, relative, np.full(len(a), friction)))
 
     def are_fast(self, bodies: IntArray, velocity: FloatArray) -> bool:
-        """Return whether any of ``bodies`` (k,) is so fast that it must be swept; velocities (k, 3) [m/s]."""
+        """Return whether any of ``bodies`` (k,), with velocities (k, 3) [m/s], is fast enough to be swept."""
         return len(fast_rows(self._boxes[bodies + self._first, HALF], velocity)) > 0
 
     def _pairs(self, contacts: Contacts) -> IntArray:
-        """Return a number (n,) for the pair of each contact, the same whichever body comes first."""
+        """Return a number (n,) for the pair of each contact, independent of the order of its bodies."""
         a, b = contacts.body_a + self._first, contacts.body_b + self._first
         pairs: IntArray = np.minimum(a, b) * self._rows + np.maximum(a, b)
         return pairs
 
 
 def joined(first: Contacts, second: Contacts) -> Contacts:
-    """Return both lists of contacts in one; where only one has forces, those of the other are zero."""
+    """Concatenate two lists of contacts. If only one list has forces, the forces of the other list are zero."""
     if not len(second):
         return first
     columns = ("body_a", "body_b", "point", "normal", "separation", "relative_velocity", "friction")
@@ -195,7 +197,7 @@ def joined(first: Contacts, second: Contacts) -> Contacts:
 
 
 def prepare() -> None:
-    """Compile the kernels, or read them from the cache, before any frame is timed."""
+    """Compile the kernels, or load them from the cache, before any frame is timed."""
     table = BoxTable()
     for body in range(3):
         table.add(body, (1.0, 1.0, 1.0))

@@ -1,8 +1,8 @@
 """Mean contact forces of a frame, for engines that report the forces of one substep at a time.
 
-The force of a pair of bodies is its exact mean over the frame's substeps. Where in the contact area it acts is that of
-the last substep: what earlier substeps add is shared among the points of the pair as their normal forces are then. The
-forces of pairs that are no longer listed after the last substep are left out, such as those of a brick that has
+The force of a pair of bodies is its exact mean over the frame's substeps. Its distribution over the contact area is
+that of the last substep: the points of the pair share the forces of earlier substeps in proportion to their normal
+forces in the last substep. Pairs without contacts after the last substep are omitted, for example a brick that has
 bounced off.
 """
 
@@ -19,7 +19,7 @@ from stability_core.port import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class SubstepForces:
-    """Forces of one substep, in n rows; a pair may have several rows."""
+    """Forces of one substep in n rows, of which a pair may have several."""
 
     body_a: IntArray
     """First bodies, shape (n,)."""
@@ -33,9 +33,9 @@ def mean_force(last: SubstepForces, normal: FloatArray, earlier: Sequence[Subste
     """Return the mean forces (n, 3) [N] of a frame at the contacts of its last substep.
 
     Args:
-        last: of the last substep, one row a contact.
-        normal: unit normals of these contacts from a to b, shape (n, 3).
-        earlier: of the frame's other substeps.
+        last: forces of the last substep, one row per contact.
+        normal: unit normals of the contacts from a to b, shape (n, 3).
+        earlier: forces of each of the frame's other substeps.
     """
     if not len(last.body_a) or not earlier:
         return last.force
@@ -62,7 +62,7 @@ def mean_force(last: SubstepForces, normal: FloatArray, earlier: Sequence[Subste
 
 
 def _keys(body_a: IntArray, body_b: IntArray, lowest: int, span: int) -> IntArray:
-    """Return a number (n,) for each pair, the same whichever body comes first; -1 for bodies outside the span."""
+    """Return a number (n,) for each pair, independent of the order of its bodies; -1 for ids outside the span."""
     low, high = np.minimum(body_a, body_b) - lowest, np.maximum(body_a, body_b) - lowest
     keys: IntArray = np.where((low >= 0) & (high < span), low * span + high, -1)
     return keys
@@ -84,7 +84,7 @@ def _share(
 ) -> None:
     """Add the earlier forces of each pair to the ``force`` of its rows, and divide by the number of substeps."""
     n = len(sorted_keys)
-    total = np.zeros((n, 3))  # of a pair, at the place of its first row; on its body b
+    total = np.zeros((n, 3))  # earlier force on body b of each pair, at the index of the pair's first row
     for row in range(len(keys)):
         first = np.searchsorted(sorted_keys, keys[row])
         if first < n and sorted_keys[first] == keys[row]:

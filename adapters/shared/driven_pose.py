@@ -1,4 +1,4 @@
-"""The pose of a body that the host moves at a prescribed velocity."""
+"""Pose of a body that the host moves at a prescribed velocity."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def advanced(
 ) -> tuple[FloatArray, FloatArray]:
     """Return position (3,) [m] and quaternion (4,) after ``seconds`` at constant velocities (3,) [m/s], [rad/s].
 
-    The quaternion is turned in the world's frame, exactly: q' = exp(w t / 2) q.
+    The angular velocity w is in the world's frame, and the turn is exact: q' = exp(w t / 2) q.
     """
     speed = float(np.linalg.norm(angular))
     if speed == 0.0:

@@ -1,4 +1,4 @@
-"""How far reported contact forces are from what contacts allow: Coulomb's cone, and no force across a gap."""
+"""Residuals of reported contact forces against the laws of contact: Coulomb's cone, and no force across a gap."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from stability_core.port import GROUND, Contacts, FloatArray
 
 
 def ground_force(contacts: Contacts) -> FloatArray:
-    """Return the force (3,) [N] with which all that never moves acts on the bodies.
+    """Return the total force (3,) [N] of the ground and the fixed boxes on the bodies.
 
     Raises:
         ValueError: if the contacts have no forces.
@@ -20,9 +20,9 @@ def ground_force(contacts: Contacts) -> FloatArray:
 
 
 def cone_excess(contacts: Contacts) -> FloatArray:
-    """Return by how much the friction at each contact exceeds mu times its normal force, shape (n,) [N]; 0 inside.
+    """Return the excess of friction over mu times the normal force at each contact, shape (n,) [N]; 0 inside the cone.
 
-    A contact that pulls allows no friction, so that all of its friction counts, and mu times the pull.
+    At a contact with a pulling normal force the excess is the sum of its friction and mu times the pull.
 
     Raises:
         ValueError: if the contacts have no forces.
@@ -37,13 +37,15 @@ def cone_excess(contacts: Contacts) -> FloatArray:
 def complementarity(contacts: Contacts, weight: float, length: float) -> FloatArray:
     """Return the natural residual |min(f / weight, s / length)| of each contact, shape (n,), without unit.
 
-    With f the normal force and s the separation, 0 <= f, 0 <= s and f s = 0 hold where it is 0. It is the overlap of
-    what overlaps, the pull of what pulls, and the lesser of force and gap of what is apart. NaN where an engine does
-    not report the separation.
+    With the normal force f and the separation s, a residual of 0 means 0 <= f, 0 <= s and f s = 0. The residual is
+
+    - the overlap, or the pull of a pulling force, whichever is larger;
+    - the smaller of force and gap, if the force presses and the bodies are apart;
+    - NaN if the engine does not report the separation.
 
     Args:
-        contacts: with forces.
-        weight: unit of force [N]: that of a brick.
+        contacts: contacts with forces.
+        weight: unit of force [N]: the weight of a brick.
         length: unit of length [m]: the thickness of a brick.
 
     Raises:
@@ -56,5 +58,5 @@ def complementarity(contacts: Contacts, weight: float, length: float) -> FloatAr
 
 def _forces(contacts: Contacts) -> FloatArray:
     if contacts.force is None:
-        raise ValueError("these contacts have no forces: ask only engines whose capabilities report them")
+        raise ValueError("these contacts have no forces; use an engine whose capabilities report forces")
     return contacts.force

@@ -1,14 +1,15 @@
 """Friction forces for engines that report normal forces only, from the bodies' change of momentum.
 
-Over a frame of length T, the contacts of body i bear in sum f_i = m_i (v_i - v_i') / T - m_i g - (steady forces). Less
-the normal forces N_c n_c that the engine reports, what is left is the friction of its contacts, t_c, across n_c:
+Body i has mass m_i, and velocity v_i' before and v_i after a frame of length T. The sum f_i of its contact forces, the
+friction t_c of its contacts c across their normals n_c, and the engine's normal forces N_c satisfy
 
+    f_i = m_i (v_i - v_i') / T - m_i g - (steady forces)
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
     minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
 
-In a column each joint has just one answer. Where a body has several supports the balance does not determine how
-friction is shared, and this takes shares in proportion to the loads. Torques about the normal are left out. The least
-squares are solved by conjugate gradients (CGLS), whose start from zero gives the smallest answer.
+In a column the balance determines the friction of each joint. For a body on several supports it does not; the minimum
+then shares friction in proportion to the loads. Torques about the normal are neglected. Conjugate gradients (CGLS),
+started from zero, solve the least squares with the smallest solution.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MOST_ROUNDS = 100
-"""Rounds of the conjugate gradients at most: twice as many as a column of 25 bricks takes."""
+"""Greatest number of iterations of the conjugate gradients: twice the number for a column of 25 bricks."""
 PRECISION = 1e-4
-"""Part of the first gradient at which they end: a hundredth of a percent of the forces."""
+"""Norm of the gradient over that of the first gradient at which the iteration ends: 0.01 % of the forces."""
 
 
 def with_friction(
@@ -34,15 +35,15 @@ def with_friction(
     bodies: IntArray,
     borne: FloatArray,
 ) -> FloatArray:
-    """Return forces (n, 3) [N] on bodies b with friction added.
+    """Return the forces (n, 3) [N] on bodies b, with friction added.
 
     Args:
         pairs: bodies a and b of each contact, each of shape (n,).
         normal: unit normals from a to b, shape (n, 3).
         force: normal forces [N] on b, shape (n, 3).
-        friction: coefficients, shape (n,).
-        bodies: ids of the live bodies, rising, shape (m,).
-        borne: sum of the contact forces [N] on each of them, shape (m, 3).
+        friction: coefficients of friction, shape (n,).
+        bodies: ids of the live bodies, in rising order, shape (m,).
+        borne: sum of the contact forces [N] on each live body, shape (m, 3).
     """
     whole = force.copy()
     if len(bodies) and len(force):
@@ -52,7 +53,7 @@ def with_friction(
 
 
 def _rows_of(ids: IntArray, bodies: IntArray) -> IntArray:
-    """Return the row of each id in ``bodies``, -1 for those that are not in it."""
+    """Return the row of each id in ``bodies``; -1 for an id that is not in ``bodies``."""
     place = np.minimum(np.searchsorted(bodies, ids), len(bodies) - 1)
     rows: IntArray = np.where(bodies[place] == ids, place, -1)
     return rows
@@ -60,7 +61,7 @@ def _rows_of(ids: IntArray, bodies: IntArray) -> IntArray:
 
 @numba.njit(cache=True)
 def _gather(row_a: int, row_b: int, vectors: FloatArray, normal: FloatArray, weight: float, out: FloatArray) -> None:
-    """Write into ``out`` (3,) the difference of two bodies' vectors across the normal, times a weight."""
+    """Write the weighted tangential part of the difference of two bodies' vectors (b - a) into ``out`` (3,)."""
     for k in range(3):
         out[k] = 0.0
         if row_b >= 0:
@@ -74,7 +75,7 @@ def _gather(row_a: int, row_b: int, vectors: FloatArray, normal: FloatArray, wei
 
 @numba.njit(cache=True)
 def _scatter(row_a: int, row_b: int, vector: FloatArray, weight: float, sums: FloatArray) -> None:
-    """Add a contact's weighted ``vector`` (3,) to the sum of body b, and take it from that of body a."""
+    """Add a contact's weighted ``vector`` (3,) to the sum of body b, and subtract it from the sum of body a."""
     for k in range(3):
         if row_b >= 0:
             sums[row_b, k] += weight * vector[k]
@@ -91,7 +92,10 @@ def _add_friction(
     left: FloatArray,
     force: FloatArray,
 ) -> None:
-    """Add friction to ``force``, from what is ``left`` of the sums of contact forces (m, 3), which is overwritten."""
+    """Add friction to the normal forces in ``force`` (n, 3) [N].
+
+    ``left`` (m, 3) [N] is the sum of contact forces on each live body; the function overwrites it by the residual.
+    """
     n = len(force)
     weight, bound = np.empty(n), np.empty(n)
     for c in range(n):

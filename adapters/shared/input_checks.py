@@ -1,4 +1,4 @@
-"""Checks of the host's input, once for all engines: no engine sees a NaN."""
+"""Checks of the host's input, shared by all engines, so that no engine receives a NaN."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from scenarios.model import Brick, Quaternion, Vector
 
 MAX_OFF_PLANE = 1e-9
-"""Distance [m] from the plane of a planar engine, and component of a quaternion, that are rounding, no more."""
+"""Tolerance for rounding of a pose in a planar engine: distance from the plane [m], and quaternion component."""
 
 
 def check_finite(quantity: str, value: Vector, unit: str) -> None:
     """Raise ``ValueError`` unless all components are finite."""
     if not np.isfinite(value).all():
-        raise ValueError(f"{quantity} must be finite, got {value} {unit}")
+        raise ValueError(f"{quantity} must be finite, got {value} {unit}; check for NaN or a division by zero")
 
 
 def check_mass(brick: Brick) -> None:
@@ -35,13 +35,13 @@ def check_pose(position: Vector, quaternion: Quaternion) -> None:
     """Raise ``ValueError`` unless the position is finite and the quaternion of unit length."""
     check_finite("position", position, "m")
     if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
-        raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}")
+        raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}; divide it by its length")
 
 
 def check_vector_in_plane(engine: str, quantity: str, value: Vector, unit: str) -> None:
     """Raise ``ValueError`` unless a vector lies in the plane of a planar engine."""
     if value[1] != 0.0:
-        raise ValueError(f"{engine} is planar: {quantity} must lie in the x-z plane, got {value} {unit}")
+        raise ValueError(f"{engine} is planar: {quantity} must lie in the x-z plane (y = 0), got {value} {unit}")
 
 
 def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -> None:

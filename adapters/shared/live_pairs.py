@@ -1,4 +1,4 @@
-"""Select the contacts that touch a live body, so that the cost of reading depends on the live bodies only."""
+"""Selection of the contacts that touch a live body, so that the cost of reading depends on the live bodies only."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from adapters.shared.bodies import Bodies
 from stability_core.port import GROUND, Contacts
 
 Item = TypeVar("Item")
-"""One pair of the engine's own."""
+"""Type of the engine's record of a pair."""
 
 IdsOf = Callable[[Item], tuple[int | None, int | None]]
-"""From a pair of the engine's own to its bodies a and b; None for one that was removed since the step."""
+"""Function that returns the ids a and b of an engine's pair; None for a body removed after the latest step."""
 
 
 def of_live(contacts: Contacts, bodies: Bodies) -> Contacts:
-    """Return the contacts that touch a live body and no removed one."""
+    """Return the contacts that touch a live body and no removed body."""
     live, there = bodies.live, bodies.bricks
     kept = [
         (a in live or b in live) and (a in there or a <= GROUND) and (b in there or b <= GROUND)
@@ -28,7 +28,7 @@ def of_live(contacts: Contacts, bodies: Bodies) -> Contacts:
 
 
 def pairs_with_live(items: Iterable[Item], ids_of: IdsOf[Item], bodies: Bodies) -> Iterator[tuple[int, int, Item]]:
-    """Return those of the engine's pairs that touch a live body, with their bodies a and b."""
+    """Yield bodies a and b, and the pair, for each of the engine's pairs that touches a live body."""
     live = bodies.live
     for item in items:
         a, b = ids_of(item)
@@ -39,15 +39,16 @@ def pairs_with_live(items: Iterable[Item], ids_of: IdsOf[Item], bodies: Bodies) 
 def live_pairs(
     bodies: Bodies, every: Callable[[], Iterable[Item]], of_body: Callable[[int], Iterable[Item]], ids_of: IdsOf[Item]
 ) -> Iterator[tuple[int, int, Item]]:
-    """Return every pair that touches a live body, each once, with its bodies a and b.
+    """Yield bodies a and b, and the pair, for every pair that touches a live body, without duplicates.
 
-    While most bodies are live all pairs are read in one call of the engine, else those of each live body.
+    If most bodies are live, the function reads all pairs in one call of the engine, otherwise the pairs of each live
+    body.
 
     Args:
-        bodies: of the world.
-        every: reads all pairs of the engine.
-        of_body: reads the pairs of one body.
-        ids_of: bodies a and b of a pair.
+        bodies: the bodies of the world.
+        every: returns all pairs of the engine.
+        of_body: returns the pairs of one body.
+        ids_of: returns bodies a and b of a pair.
     """
     live = bodies.live
     if 2 * len(live) > len(bodies.bricks):
@@ -59,5 +60,5 @@ def live_pairs(
             if a is None or b is None:
                 continue
             other = b if a == body else a
-            if other < body or other not in live:  # a pair of live bodies occurs twice
+            if other < body or other not in live:  # skip the second occurrence of a pair of live bodies
                 yield a, b, item

@@ -1,4 +1,4 @@
-"""Silence engines that print when they are imported."""
+"""Suppression of the output that some engines print on import."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _STDERR = 2
 
 @contextmanager
 def silenced_stderr() -> Iterator[None]:
-    """Send the process's stderr to the null device, because C code bypasses Python's ``sys.stderr``."""
+    """Redirect the process's stderr to the null device, because C code bypasses Python's ``sys.stderr``."""
     kept, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, _STDERR)

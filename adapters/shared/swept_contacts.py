@@ -1,13 +1,14 @@
-"""Find bodies that will be struck within the next frames, by geometry, in the same way for every engine.
+"""Detection of bodies that will collide within the next frames, by geometry and in the same way for every engine.
 
-Engines list pairs up to a margin of 0 to 20 mm, and a body at 10 m/s moves 167 mm a frame: it strikes between two
-readings of the contacts. So the boxes of fast bodies are swept along their velocities. Two boxes that translate meet
-when the last of the 15 separating axes (3 face normals each, 9 cross products of edges) closes:
+Engines list pairs up to a gap of 0 to 20 mm, but a body at 10 m/s moves 167 mm per frame, so that it may collide
+between two readings of the contacts. This module therefore sweeps the boxes of fast bodies along their velocities. With
+d the vector between the centres and r_a, r_b the half widths along n, two translating boxes meet when the gap along the
+last of the 15 separating axes n (3 face normals each, 9 cross products of edges) closes:
 
     gap(n) = |d . n| - r_a(n) - r_b(n),    t(n) = gap(n) / closing speed along n,    t = max over n of t(n)
 
-if no axis opens again before. The axis that closes last is the normal. Spin and gravity within these frames are left
-out.
+if no gap opens again before t. The axis that closes last is the normal. Rotation and gravity within these frames are
+neglected.
 """
 
 from __future__ import annotations
@@ -21,22 +22,24 @@ from adapters.shared.box_contacts import CENTER, HALF, PLANK, REACH, TURN, axes_
 from stability_core.port import FloatArray, IntArray
 
 HORIZON = 2.0
-"""Frames ahead that are looked at: one to wake what will be struck, one for a blow that comes within the next step."""
+"""Number of frames within which collisions are predicted: one frame to unfreeze the body that will be struck, and one
+for a collision within the next step."""
 FAST = 0.2
-"""Speed [m/s] of a plank from which it is swept: twice that of one let go 0.5 mm above its support; a frame's way is
-then 3 mm, beyond what engines list. For other sizes times the root of the size over the plank's."""
+"""Least speed [m/s] at which a plank is swept: twice the speed after a fall of 0.5 mm. The plank then moves 3 mm per
+frame, beyond the gaps that engines list. For other bricks the speed is multiplied by the square root of their size
+over the plank's."""
 LEVEL = 0.05
-"""Corners that lie this part of the smaller box's half diagonal behind the foremost one do not count for the point of
-contact; of a face that strikes flat all corners do."""
+"""Depth of a corner behind the foremost corner, over the smaller box's half diagonal, beyond which it does not count
+for the contact point. All corners of a face that strikes flat count."""
 PARALLEL = 1e-6
-"""Squared length of a cross product of two edges below which they are parallel and give no axis."""
+"""Squared length of the cross product of two unit edges below which the edges are parallel and define no axis."""
 
 Approaches = tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]
 
 
 @numba.njit(cache=True)
 def _extent(axes: FloatArray, half: FloatArray, normal: FloatArray) -> float:
-    """Return half the width [m] of a box along ``normal``."""
+    """Return half the width [m] of a box along the unit vector ``normal`` (3,)."""
     width = 0.0
     for axis in range(3):
         width += abs(axes[0, axis] * normal[0] + axes[1, axis] * normal[1] + axes[2, axis] * normal[2]) * half[axis]
@@ -45,7 +48,7 @@ def _extent(axes: FloatArray, half: FloatArray, normal: FloatArray) -> float:
 
 @numba.njit(cache=True)
 def _separating_axis(axes_a: FloatArray, axes_b: FloatArray, k: int, axis: FloatArray) -> bool:
-    """Write unit axis number k of 15 into ``axis`` (3,); False if two edges are parallel and give none."""
+    """Write the unit separating axis with index k of 15 into ``axis`` (3,); return False if its edges are parallel."""
     if k < 3:
         axis[:] = axes_a[:, k]
         return True
@@ -67,10 +70,20 @@ def _separating_axis(axes_a: FloatArray, axes_b: FloatArray, k: int, axis: Float
 def _impact(
     box_a: FloatArray, box_b: FloatArray, velocity: FloatArray, most: float, normal: FloatArray
 ) -> tuple[float, float, bool]:
-    """Return time [s] until box b, which moves at ``velocity`` against a, meets it; inf if it does not within ``most``.
+    """Return the time [s] until two boxes meet, the gap along the last axis, and whether that axis is a face normal.
 
-    Also the present gap [m] along the axis that closes last, which is written into ``normal`` (3,), from a to b; and
-    whether it is the normal of a face. Boxes that overlap already never meet.
+    Write the axis that closes last, from a to b, into ``normal`` (3,).
+
+    Args:
+        box_a: row of box a, shape (13,).
+        box_b: row of box b, shape (13,).
+        velocity: velocity [m/s] of b relative to a, shape (3,).
+        most: time limit [s].
+        normal: output, shape (3,).
+
+    Returns:
+        The time, inf if the boxes do not meet within ``most`` or already overlap; the present gap [m]; and True if the
+        axis is the normal of a face.
     """
     axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     between = box_b[CENTER] - box_a[CENTER]
@@ -101,9 +114,9 @@ def _impact(
 
 @numba.njit(cache=True)
 def _edge_towards(box: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return middle (3,) [m] and unit axis (3,) of the edge of a box that lies farthest along ``direction``.
+    """Return the middle (3,) [m] and the unit axis (3,) of the edge of a box that lies farthest along ``direction``.
 
-    It is the edge whose axis is most across the direction.
+    The axis is the box's axis that is most nearly perpendicular to the direction.
     """
     axes = axes_of(box[TURN])
     across, least = 0, np.inf
@@ -121,7 +134,7 @@ def _edge_towards(box: FloatArray, direction: FloatArray) -> tuple[FloatArray, F
 
 @numba.njit(cache=True)
 def _crossing(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> FloatArray:
-    """Return the point (3,) [m] on the edge of a box that is nearest to an edge of the other, for crossing edges."""
+    """Return the point (3,) [m] on the foremost edge of box a that is nearest to the foremost edge of box b."""
     p, u = _edge_towards(box_a, normal)
     q, v = _edge_towards(box_b, -normal)
     w = q - p
@@ -135,7 +148,7 @@ def _crossing(box_a: FloatArray, box_b: FloatArray, normal: FloatArray) -> Float
 
 @numba.njit(cache=True)
 def _meeting_point(box_a: FloatArray, box_b: FloatArray, normal: FloatArray, is_face: bool, slack: float) -> FloatArray:
-    """Return middle (3,) [m] of where two boxes meet that just touch along ``normal``."""
+    """Return the middle (3,) [m] of the contact area of two boxes that just touch along ``normal``."""
     if not is_face:
         return _crossing(box_a, box_b, normal)
     points, separations = face_corners(box_a, box_b, normal, slack)
@@ -160,18 +173,22 @@ def approaches(
     first: int,
     seconds: float,
 ) -> Approaches:
-    """Return rows a, b (k,), point, normal (k, 3) and gap (k,) of each pair that will meet within ``seconds``.
+    """Return the pairs of bodies that will meet within ``seconds``, each with one contact point.
 
-    The point lies on the present surface of a, the body that the fast one, b, comes to. O(boxes) a fast one.
+    The cost is O(boxes) per fast body.
 
     Args:
-        boxes: all of them, shape (n, 13).
-        velocity: of each [m/s], shape (n, 3).
-        fast: rows of the bodies to sweep, rising, shape (m,).
-        is_live: which rows are of live bodies, shape (n,); one of each pair must be.
-        listed: n a + b for each pair (a, b), a < b, that is known to be near, rising.
-        first: row of the first body; before it come the ground and the fixed boxes, which are not looked at.
-        seconds: how far ahead to look.
+        boxes: all boxes, shape (n, 13).
+        velocity: velocities of the boxes [m/s], shape (n, 3).
+        fast: rows of the bodies to sweep, in rising order, shape (m,).
+        is_live: whether a row is that of a live body, shape (n,); a pair needs at least one.
+        listed: n a + b for each pair (a, b), a < b, that has contacts already, in rising order.
+        first: row of the first body. The rows before it, of the ground and the fixed boxes, are skipped.
+        seconds: time within which the pairs meet.
+
+    Returns:
+        Rows a (k,) and b (k,), where b is the fast body; points (k, 3) [m] on the present surface of a; normals from a
+        to b (k, 3); and present gaps (k,) [m].
     """
     n = len(boxes)
     found = [(0, 0) for _ in range(0)]
@@ -190,7 +207,7 @@ def approaches(
                 continue
             at = np.searchsorted(fast, other)
             if other < one and at < len(fast) and fast[at] == other:
-                continue  # a pair of fast bodies is met twice
+                continue  # skip the second occurrence of a pair of fast bodies
             key = min(one, other) * n + max(one, other)
             at = np.searchsorted(listed, key)
             if at < len(listed) and listed[at] == key:
@@ -215,7 +232,12 @@ def approaches(
 
 
 def fast_rows(half: FloatArray, velocity: FloatArray) -> IntArray:
-    """Return which of m bodies are so fast that they are swept; half edges (m, 3) [m], velocities (m, 3) [m/s]."""
+    """Return the indices of the bodies that are fast enough to be swept.
+
+    Args:
+        half: half edges [m], shape (m, 3).
+        velocity: velocities [m/s], shape (m, 3).
+    """
     speed2 = np.einsum("ij,ij->i", velocity, velocity)
     if not (speed2 > 0.0).any():
         return np.empty(0, np.int64)
