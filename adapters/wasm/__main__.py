@@ -1,4 +1,4 @@
-"""Install the engines of ``package-lock.json`` beside this file, by the npm that comes with Node's wheel."""
+"""Command that installs the engines of ``package-lock.json`` beside this file, with the npm of Node's wheel."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from adapters.wasm import FOLDER, INSTALL, node
 
 
 def main() -> int:
-    """Run ``npm ci``; returns its exit status."""
+    """Run ``npm ci`` and return its exit status; return 2 if Node is missing."""
     try:
         program = node()
     except ImportError as error:
-        sys.stderr.write(f"error: {error}: {INSTALL}\n")
+        sys.stderr.write(f"error: {error}; install it with: {INSTALL}\n")
         return 2
     npm = program.parents[1] / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
     command = [str(program), str(npm), "ci", "--ignore-scripts", "--no-audit", "--no-fund"]

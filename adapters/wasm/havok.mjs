@@ -1,4 +1,4 @@
-// Havok behind the bridge. adapters/_havok.py says how freezing, contacts and friction work in it.
+// Havok behind the bridge. adapters/_havok.py describes freezing, contacts and friction.
 
 import { readFileSync } from "node:fs";
 import initHavok from "@babylonjs/havok";
@@ -7,11 +7,11 @@ import { Rows } from "./rows.mjs";
 export const packageFile = "node_modules/@babylonjs/havok/package.json";
 
 const WASM = new URL("node_modules/@babylonjs/havok/lib/esm/HavokPhysics.wasm", import.meta.url);
-const SPEED_LIMITS = [500, 1000]; // [m/s] and [rad/s]; 200 units/s as shipped, which brakes a slide in a world of scale 100
+const SPEED_LIMITS = [500, 1000]; // [m/s], [rad/s]; 200 units/s as shipped, which slows a slide in a world of scale 100
 const STILL = [0, 0, 0];
 const KNOBS = ["shape", "idealStepTime", "angularDamping"];
 
-// Where a collision event has its fields, in 32-bit words; `checkLayout` compares them with HP_Event_AsCollision.
+// Offsets of the fields of a collision event, in 32-bit words; `checkLayout` compares them with HP_Event_AsCollision.
 const EVENT = { bodyA: 2, pointA: 10, normal: 13, bodyB: 18, pointB: 26 };
 
 let hk;
@@ -22,7 +22,7 @@ export async function load() {
   return (opening) => new World(opening);
 }
 
-/** The value of a function's [result, value], or of its result alone. */
+/** Return the value of an API function's [result, value]; throw an error if the result is not OK. */
 function done(answer) {
   const [result, value] = Array.isArray(answer) ? answer : [answer];
   if (result !== hk.Result.RESULT_OK) throw new Error(`Havok answers with result ${result.value ?? result}`);
@@ -32,13 +32,15 @@ function done(answer) {
 class World {
   contacts = new Rows();
   #bodies = new Map(); // by id: { handle, shape, mass }
-  #idAt = new Map(); // by the number of the handle
+  #idAt = new Map(); // id of a body, by the number of its handle
   #movers = null;
   #forces = new Map();
   #isWatched = false;
 
   constructor(opening) {
-    for (const name in opening.knobs) if (!KNOBS.includes(name)) throw new Error(`Havok has no setting '${name}'`);
+    for (const name in opening.knobs) {
+      if (!KNOBS.includes(name)) throw new Error(`Havok has no setting '${name}'; use one of: ${KNOBS.join(", ")}`);
+    }
     this.opening = opening;
     this.knobs = opening.knobs;
     this.world = done(hk.HP_World_Create());
@@ -135,9 +137,9 @@ class World {
     numbers.set([...position, w, x, y, z, ...linear, ...angular], place);
   }
 
-  /** Write down the events of the latest step. They share one place in memory, and can be asked for once. */
+  /** Record the events of the latest step. All events share one place in memory, and each can be read once. */
   #readEvents() {
-    let [, event] = hk.HP_World_GetCollisionEvents(this.world); // its result is a failure if there are none
+    let [, event] = hk.HP_World_GetCollisionEvents(this.world); // the result is a failure if there are no events
     while (event) {
       this.#list(event / 4);
       this.onEvent?.(event);
@@ -145,13 +147,13 @@ class World {
     }
   }
 
-  /** The numbers of a contact point by Havok's function, which takes much longer than memory. */
+  /** Return the numbers of a contact point from Havok's function, which takes much longer than memory. */
   said(event) {
     const [, a, b] = done(hk.HP_Event_AsCollision(event));
     return [this.#idAt.get(Number(a[0][0])), this.#idAt.get(Number(b[0][0])), ...a[3], ...b[3], ...a[4]];
   }
 
-  /** Write down a point, whose event's address is in 32-bit words. */
+  /** Record a contact point, given the address of its event in 32-bit words. */
   #list(event) {
     const words = hk.HEAPU32, floats = hk.HEAPF32;
     const a = this.#idAt.get(words[event + EVENT.bodyA]), b = this.#idAt.get(words[event + EVENT.bodyB]);
@@ -164,7 +166,7 @@ class World {
     );
   }
 
-  /** Let all bodies report their contacts from now on. */
+  /** Make all bodies report their contacts from now on. */
   #watch() {
     if (this.#isWatched) return;
     this.#isWatched = true;
@@ -182,7 +184,7 @@ class World {
     done(hk.HP_Shape_SetMaterial(shape, [friction, friction, 0, GEOMETRIC_MEAN, MINIMUM]));
     done(hk.HP_Body_SetShape(handle, shape));
     const squares = brick.size.map((edge) => (edge * edge) / 12), sum = squares[0] + squares[1] + squares[2];
-    const mass = [STILL, brick.mass, squares.map((square) => sum - square), [0, 0, 0, 1]]; // inertia of a mass of 1
+    const mass = [STILL, brick.mass, squares.map((square) => sum - square), [0, 0, 0, 1]]; // inertia for a mass of 1
     const body = { handle, shape, mass, number: Number(handle[0]), kind };
     this.#bodies.set(id, body);
     this.#idAt.set(body.number, id);
@@ -225,7 +227,7 @@ class World {
     }
   }
 
-  /** Wake all bodies that sleep. */
+  /** Wake all sleeping bodies. */
   #wakeAll() {
     if (this.opening.sleeping === "off") return;
     for (const { handle, kind } of this.#bodies.values()) {
@@ -243,7 +245,7 @@ function transform(position, [w, x, y, z]) {
   return [position, [x, y, z, w]];
 }
 
-/** Let two boxes touch, and compare the events in memory with what the API says of them. */
+/** Compare the events in memory with the API's functions, for two boxes that touch. */
 function checkLayout() {
   const opening = { gravity: [0, 0, -1], friction: 1, scale: 1, ground_half_edges: [1, 1, 1], fixed: [], knobs: {}, sleeping: "off" };
   const world = new World(opening);
@@ -253,6 +255,8 @@ function checkLayout() {
   world.substep(0.01, true);
   const seen = Array.from(world.contacts.numbers()).filter((_, k) => k % 14 < 11);
   const agree = said.length === seen.length && said.every((x, k) => Math.abs(x - seen[k]) < 1e-6);
-  if (!said.length || !agree) throw new Error("Havok's events have another layout in memory than adapters/wasm/havok.mjs expects");
+  if (!said.length || !agree) {
+    throw new Error("Havok's events have another layout in memory than adapters/wasm/havok.mjs expects; install its locked version");
+  }
   world.close();
 }

@@ -1,4 +1,4 @@
-// Jolt behind the bridge. adapters/_jolt.py says how freezing, contacts and friction work in it.
+// Jolt behind the bridge. adapters/_jolt.py describes freezing, contacts and friction.
 
 import initJolt from "jolt-physics";
 import { Rows } from "./rows.mjs";
@@ -6,10 +6,10 @@ import { Rows } from "./rows.mjs";
 export const packageFile = "node_modules/jolt-physics/package.json";
 
 const STATIC_LAYER = 0, MOVING_LAYER = 1;
-const MAX_ANGULAR_VELOCITY = 1000; // [rad/s]; 47 as shipped, which brakes what topples fast
+const MAX_ANGULAR_VELOCITY = 1000; // [rad/s]; 47 as shipped, which slows down bricks that topple fast
 const MAX_LINEAR_VELOCITY = 500; // [m/s], as shipped, in a world of scale 1
 
-// Where Jolt's objects have their fields, in 32-bit words; `checkLayout` compares them with the functions of its API.
+// Offsets of the fields of Jolt's objects, in 32-bit words; `checkLayout` compares them with the functions of the API.
 const BODY = { position: 0, rotation: 4, motion: 17 };
 const MOTION = { linear: 0, angular: 4 };
 const MANIFOLD = { base: 0, normal: 4, count1: 12, points1: 16, count2: 272, points2: 276 };
@@ -25,7 +25,7 @@ export async function load() {
 class World {
   contacts = new Rows();
   #bodies = new Map(); // by id: { body, id, address, mass }
-  #idAt = new Map(); // by the address of the body
+  #idAt = new Map(); // id of a body, by its address
   #movers = null;
   #forces = new Map();
   #scratch = [new Jolt.Vec3(), new Jolt.Vec3()];
@@ -137,7 +137,7 @@ class World {
     numbers[place + 3] = floats[turn + 3];
   }
 
-  /** The same as writeState, by Jolt's functions, which take ten times as long. */
+  /** Return the numbers of writeState from Jolt's functions, which take ten times as long as memory. */
   saidState(id) {
     const { body } = this.#bodies.get(id);
     const p = vectorOf(body.GetPosition()), q = body.GetRotation();
@@ -149,7 +149,7 @@ class World {
     const settings = this.system.GetPhysicsSettings();
     for (const [name, value] of this.knobs) {
       if (name.startsWith("body.")) continue;
-      if (!(name in settings)) throw new Error(`Jolt has no setting '${name}'`);
+      if (!(name in settings)) throw new Error(`Jolt has no setting '${name}'; use a field of its PhysicsSettings`);
       settings[name] = value;
     }
     this.system.SetPhysicsSettings(settings);
@@ -174,7 +174,9 @@ class World {
     }
     for (const [name, value] of this.knobs) {
       if (!name.startsWith("body.")) continue;
-      if (!(name.slice(5) in settings)) throw new Error(`bodies of Jolt have no setting '${name.slice(5)}'`);
+      if (!(name.slice(5) in settings)) {
+        throw new Error(`bodies of Jolt have no setting '${name.slice(5)}'; use a field of its BodyCreationSettings`);
+      }
       settings[name.slice(5)] = value;
     }
     const body = this.interface.CreateBody(settings);
@@ -195,7 +197,7 @@ class World {
     return listener;
   }
 
-  /** Write down the points of a manifold, whose address is in 32-bit words. */
+  /** Record the points of a manifold, given its address in 32-bit words. */
   #list(a, b, manifold) {
     const floats = Jolt.HEAPF32, count = Jolt.HEAPU32[manifold + MANIFOLD.count1];
     const [x, y, z] = floats.subarray(manifold + MANIFOLD.base, manifold + MANIFOLD.base + 3);
@@ -211,7 +213,7 @@ class World {
     }
   }
 
-  /** Wake all bodies that sleep: Jolt leaves it to the host when supports or gravity change. */
+  /** Wake all sleeping bodies, because Jolt does not wake them when supports or gravity change. */
   #wakeAll() {
     if (this.opening.sleeping === "off") return;
     for (const { body, handle } of this.#bodies.values()) if (!body.IsStatic()) this.interface.ActivateBody(handle);
@@ -257,7 +259,7 @@ function openJolt() {
   return jolt;
 }
 
-/** Let two boxes touch, and compare the fields in memory with what the API says of them. */
+/** Compare the fields in memory with the API's functions, for two boxes that touch. */
 function checkLayout() {
   const opening = { gravity: [0, 0, -1], friction: 1, scale: 1, ground_half_edges: [1, 1, 1], fixed: [], knobs: {}, sleeping: "off" };
   const world = new World(opening);
@@ -279,7 +281,9 @@ function checkLayout() {
   const said = world.saidState(0);
   const close = (a, b) => a.length === b.length && a.every((x, k) => Math.abs(x - b[k]) < 1e-5);
   if (!reported.length || !close(reported, seen) || !close(said, Array.from(state))) {
-    throw new Error("Jolt's objects have another layout in memory than adapters/wasm/jolt.mjs expects");
+    throw new Error(
+      "Jolt's objects have another layout in memory than adapters/wasm/jolt.mjs expects; install its locked version",
+    );
   }
   world.close();
 }

@@ -1,10 +1,12 @@
 // The engine's end of the bridge (docs/bridge.md): `node peer.mjs ENGINE` serves adapters/wasm/ENGINE.mjs.
 //
 // An engine's module exports `load()`, which returns a function that opens a world. A world has
-//   the commands spawn(id, brick, isMoved), remove, move, push, press, drive, turnGravity, freeze and unfreeze,
-//   substep(seconds, isRead), which returns the time [s] of the engine's own step,
-//   close(),
-//   movers(), the ids of live and moved bodies, writeState(id, numbers, place), and contacts, a Rows of 14 columns.
+//   - the commands spawn(id, brick, isMoved), remove, move, push, press, drive, turnGravity, freeze and unfreeze;
+//   - substep(seconds, isRead), which returns the duration [s] of the engine's own step;
+//   - movers(), which returns the ids of live and moved bodies, in rising order;
+//   - writeState(id, numbers, place), which writes the 13 numbers of a body's state into `numbers` from index `place`;
+//   - contacts, a Rows of 14 columns;
+//   - close().
 
 import { readFileSync, readSync, writeSync } from "node:fs";
 
@@ -29,7 +31,7 @@ function brickOf(words) {
   return { size: words.slice(0, 3), mass: words[3], position: words.slice(4, 7), quaternion: words.slice(7, 11) };
 }
 
-/** Read exactly so many bytes; null at the end of stdin. */
+/** Read exactly `length` bytes; return null at the end of stdin. */
 function read(bytes, length) {
   for (let have = 0; have < length; ) {
     const count = readSync(0, bytes, have, length - have, null);
@@ -51,7 +53,7 @@ function answer(kind, body) {
   write(message);
 }
 
-/** The answer to a step, in memory that is kept. */
+/** Buffer of the answer to a step, reused for every step. */
 let reply = new Float64Array(1 << 12);
 
 function withRoom(length) {
@@ -91,10 +93,10 @@ function step(world, words) {
   return reply.subarray(0, end + points.length);
 }
 
-console.log = console.info = console.debug = console.error; // engines print to stdout, which speaks the protocol
+console.log = console.info = console.debug = console.error; // because engines print to stdout, which carries the protocol
 
 process.on("uncaughtException", (error) => {
-  console.error(`${error?.stack}\n${error}`); // the last line stands in the message of the trial
+  console.error(`${error?.stack}\n${error}`); // the suite reports the last line in the trial's message
   process.exit(1);
 });
 
@@ -118,7 +120,7 @@ while (read(header, 8)) {
       world = open(JSON.parse(Buffer.from(body).toString()));
       answer(kind, Buffer.from("{}"));
     } else if (kind === STEP) answer(kind, step(world, new Float64Array(body.buffer)));
-    else throw new Error(`unknown message of kind ${kind}`);
+    else throw new Error(`unknown message of kind ${kind}; send kind ${HELLO}, ${OPEN} or ${STEP}`);
   } catch (error) {
     answer(ERROR, Buffer.from(JSON.stringify({ message: String(error?.message ?? error) })));
   }

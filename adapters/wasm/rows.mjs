@@ -1,4 +1,4 @@
-// Contact points of a substep, in memory that is kept.
+// Contact points of a substep, in a buffer that is reused.
 
 const WIDTH = 14;
 
@@ -10,7 +10,7 @@ export class Rows {
     this.#length = 0;
   }
 
-  /** Add a point: bodies a and b, the points on both, the normal from a to b; there is no force. */
+  /** Add a row: bodies a and b, the points on both [m], the unit normal from a to b, and a force of zero. */
   add(a, b, ax, ay, az, bx, by, bz, nx, ny, nz) {
     if (this.#length === this.#numbers.length) {
       const larger = new Float64Array(2 * this.#length);

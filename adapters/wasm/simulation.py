@@ -1,4 +1,4 @@
-"""A world of an engine in Node: what it says without Node, its package and its process."""
+"""The base class of engines in Node: the check of the npm package, and the command of the process."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from adapters.bridge.simulation import BridgeSimulation
 
 
 class WasmSimulation(BridgeSimulation):
-    """One world of an engine that runs in Node; subclasses say which."""
+    """One world of an engine that runs in Node. A subclass names the engine and its package."""
 
     package: ClassVar[str]
-    """The npm package that brings the engine."""
+    """The npm package that contains the engine."""
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if Node or the package is missing."""
+        """Raise ``ImportError`` unless Node and the package, in its locked version, are installed."""
         wasm.check_package(cls.engine, cls.package)
 
     @classmethod
     def command(cls) -> list[str]:
-        """Return the command that starts it."""
+        """Return the command that starts the engine's process."""
         return [str(wasm.node()), str(wasm.FOLDER / "peer.mjs"), cls.engine]
