@@ -1,4 +1,4 @@
-"""A count of the processor's instructions, on Linux where the system allows it (perf_event_open(2)).
+"""A counter of the processor's instructions, for Linux systems that permit it (perf_event_open(2)).
 
 Virtual machines and containers often hide the counter.
 """
@@ -25,14 +25,17 @@ class Event(NamedTuple):
 INSTRUCTIONS = Event(0, 1)
 """Retired instructions: PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS."""
 COUNTED = "counted"
+"""Result of ``availability`` if instructions can be counted."""
 _SYSCALLS = {"x86_64": 298, "aarch64": 241}
-"""Number of ``perf_event_open`` by the name of the architecture."""
+"""Number of the system call ``perf_event_open``, by the name of the architecture."""
 _SIZE = 64
 """Size [bytes] of the first version of ``perf_event_attr``, which every kernel accepts."""
 _USER_CODE_ONLY = 1 << 5 | 1 << 6
 """Flags of ``perf_event_attr``: exclude_kernel, exclude_hv."""
 _THIS_THREAD, _ANY_CPU, _NO_GROUP, _NO_FLAGS = 0, -1, -1, 0
+"""Arguments of ``perf_event_open``."""
 _COUNT_BYTES = 8
+"""Size of a count [bytes]."""
 _REASONS = {
     errno.ENOENT: "the processor shows no counter, as in many virtual machines",
     errno.EOPNOTSUPP: "the processor shows no counter, as in many virtual machines",
@@ -40,20 +43,21 @@ _REASONS = {
     errno.EPERM: "not allowed here: set kernel.perf_event_paranoid to 2 or less, or permit perf_event_open",
     errno.ENOSYS: "the kernel has no perf events",
 }
+"""Reasons for which instructions cannot be counted, by the error number of ``perf_event_open``."""
 
 
 class InstructionCounter:
-    """Counts an event in user code of the thread that opened it, until the process ends."""
+    """Counter of an event in user code of the thread that creates it."""
 
     def __init__(self, event: Event = INSTRUCTIONS) -> None:
-        """Start to count.
+        """Start the counter.
 
         Raises:
-            OSError: if the system does not allow it, or has no such counter.
+            OSError: if the system does not permit the counter, or does not have it.
         """
         number = _SYSCALLS.get(platform.machine())
         if sys.platform != "linux" or number is None:
-            raise OSError(errno.ENOSYS, "perf events are read on Linux, on x86-64 and on 64-bit ARM")
+            raise OSError(errno.ENOSYS, "perf events need Linux on x86-64 or 64-bit ARM; do without the counter here")
         fields = struct.pack("=IIQQQQQ", event.type, _SIZE, event.config, 0, 0, 0, _USER_CODE_ONLY)
         attributes = ctypes.create_string_buffer(fields, _SIZE)
         libc = ctypes.CDLL(None, use_errno=True)
@@ -62,17 +66,17 @@ class InstructionCounter:
             raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
     def __call__(self) -> int:
-        """Return the count since the start."""
+        """Return the number of events since the start."""
         return int.from_bytes(os.read(self._file, _COUNT_BYTES), sys.byteorder)
 
     def close(self) -> None:
-        """End the count."""
+        """Close the counter."""
         os.close(self._file)
 
 
 @cache
 def process_counter() -> InstructionCounter | None:
-    """Return the instruction counter of this process, opened at the first call; None where there is none."""
+    """Return the instruction counter of this process, which the first call opens; None if it is not available."""
     try:
         return InstructionCounter()
     except OSError:
@@ -80,7 +84,7 @@ def process_counter() -> InstructionCounter | None:
 
 
 def availability() -> str:
-    """Return ``COUNTED``, or the reason why instructions cannot be counted here."""
+    """Return ``COUNTED``, or the reason for which instructions cannot be counted on this machine."""
     try:
         InstructionCounter().close()
     except OSError as error:

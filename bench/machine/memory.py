@@ -1,4 +1,4 @@
-"""The peak of the resident memory of this process over a stretch of time, on Linux."""
+"""The peak of the resident memory of this process during an interval, on Linux."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from pathlib import Path
 _STATUS = Path("/proc/self/status")
 _RESET = Path("/proc/self/clear_refs")
 _RESET_PEAK = "5"
-"""Written to ``clear_refs``, it sets the peak to the present size (proc_pid_clear_refs(5))."""
+"""Text that resets the peak to the present size when it is written to ``clear_refs`` (proc_pid_clear_refs(5))."""
 _KIB_PER_MIB = 1024
 
 
 class PeakMemory:
-    """Measures how far the resident memory of this process rises above its size at the start.
+    """Measurement of the growth of this process's resident memory above its size at the start.
 
-    The peak is reset at the start, so that an earlier peak of the same process does not count.
+    The constructor resets the peak, so that an earlier peak of the same process does not count.
     """
 
     def __init__(self) -> None:
         self._begin_kib = _reset_peak()
 
     def growth_mib(self) -> float | None:
-        """Return the growth [MiB] up to the highest peak since the start; None where the system does not show it."""
+        """Return the greatest growth since the start [MiB]; None if the system does not report the peak."""
         peak_kib = _read("VmHWM")
         if self._begin_kib is None or peak_kib is None:
             return None
@@ -29,7 +29,7 @@ class PeakMemory:
 
 
 def _reset_peak() -> int | None:
-    """Reset the peak; return it [KiB], or None where it cannot be reset."""
+    """Reset the peak to the present size and return it [KiB]; return None if it cannot be reset."""
     try:
         _RESET.write_text(_RESET_PEAK, encoding="ascii")
     except OSError:
@@ -38,7 +38,7 @@ def _reset_peak() -> int | None:
 
 
 def _read(field: str) -> int | None:
-    """Return a field of the status of this process [KiB]; None where there is none."""
+    """Return a field of the status file of this process [KiB]; None if the file or the field is missing."""
     try:
         lines = _STATUS.read_text(encoding="ascii").splitlines()
     except OSError:
