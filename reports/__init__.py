@@ -1,4 +1,4 @@
-"""Reports: from raw records to tables, a page and replays; ``reports.load(DIR)`` returns the results as data frames."""
+"""Reports: tables, a page and replays from raw records; ``reports.load(DIR)`` returns the results as data frames."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ def load(folder: str | Path) -> Results:
     Args:
         folder: a folder with ``trials.jsonl``, ``trials.parquet``, or the ``trials.csv`` of earlier versions.
     """
-    from reports.records.results import Results  # pandas takes half a second, which a run does not need
+    from reports.records.results import Results  # it imports pandas, which takes 0.5 s and a run does not need
 
     return Results(Path(folder))

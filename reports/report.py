@@ -1,6 +1,6 @@
 """The report of a results folder: its tables, page, replays and stills.
 
-A new table is a file in ``reports/tables`` and a line in ``SECTIONS``.
+A new table needs a file in ``reports/tables`` and a line in ``SECTIONS``.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ from reports.tables.tilt import tilt_tables
 
 
 def _of_fixed_scenes(folder: ResultsFolder) -> list[TrialRecord]:
-    """Return the records of scenes that are not bisected: the steps of a bisection are no result by themselves."""
+    """Return the records of scenes that are not bisected, because a single step of a bisection is not a result."""
     bisected = bisected_scenarios(folder.study)
     return [record for record in folder.records if record.scenario not in bisected]
 
 
 class Section(NamedTuple):
-    """Tables of a report."""
+    """Section of a report, which consists of tables."""
 
     id: str
     tables: Callable[[ResultsFolder], Sequence[Table]]
-    """Function that returns the tables; empty where a study has none."""
+    """Function that returns the tables of a results folder; empty if the section does not apply to its study."""
     is_printed: bool = True
-    """False for tables that the terminal does not show."""
+    """True if the terminal also shows the tables."""
 
 
 SECTIONS = (
@@ -72,30 +72,31 @@ SECTIONS = (
     Section("height_cost", lambda folder: height_cost_tables(folder.path, folder.records)),
     Section("capabilities", lambda folder: capability_tables(folder.engines), is_printed=False),
 )
-"""Sections in their order in ``tables.md``."""
+"""All sections, in their order in ``tables.md``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The files and tables made from a results folder."""
+    """Tables, page and notices of a report."""
 
     tables: tuple[Table, ...]
     """Tables that the terminal shows."""
     page: Path
+    """Path of the page."""
     notices: tuple[str, ...]
-    """Parts that were left out, with the reason."""
+    """Messages about parts that were left out, with the reason."""
 
 
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
     """Write tables, figures, replays, stills and the page of a results folder, from its raw records only.
 
     Args:
-        folder: a folder with at least one trial.
+        folder: a results folder with at least one trial.
         missing: ids of planned trials without a record.
-        all_stills: True to draw the final state of all trials, however many.
+        all_stills: True to draw the final states of all trials, even if there are more than ``MOST_STILLS``.
 
     Raises:
-        RecordError: if its records cannot be read, or there are none.
+        RecordError: if the records cannot be read, or the folder has none.
     """
     if not folder.records:
         raise RecordError(f"{folder.trials_file}: holds no trial yet; run the study first")
@@ -125,6 +126,6 @@ def write_tables(folder: ResultsFolder, tables: Sequence[Table]) -> None:
 def _draw_height_cost(folder: ResultsFolder) -> None:
     points = cost_points(folder.path, folder.records)
     if points:
-        from reports.figures.height_cost import write_cost_figure  # half a second that other reports do not need
+        from reports.figures.height_cost import write_cost_figure  # its import takes 0.5 s; few reports need it
 
         write_cost_figure(folder.report / "cost.svg", points)

@@ -1,1 +1,1 @@
-"""The data model: the results of a trial, and the folder that holds them."""
+"""The data model: the record, frames and recording of a trial, and the results folder that contains them."""

@@ -1,4 +1,4 @@
-"""Atomic writes: a file is either complete or absent, whenever the writing is interrupted."""
+"""Atomic writes: after an interruption a file has either its old content or its complete new content."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from pathlib import Path
 
 @contextmanager
 def atomic_file(path: Path) -> Iterator[Path]:
-    """Yield a draft path that replaces ``path`` atomically at the end, or leaves nothing if the writing fails."""
+    """Yield the path of a draft that replaces ``path`` at the end of the block; an error leaves ``path`` unchanged."""
     draft = path.with_name(path.name + ".part")
     try:
         yield draft
         with draft.open("rb") as file:
-            os.fsync(file.fileno())  # otherwise a power cut may leave the new name on an empty file
+            os.fsync(file.fileno())  # without it, a power cut could leave an empty file under the new name
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
 
 
 def write_atomic(path: Path, content: bytes) -> None:
-    """Write a file atomically."""
+    """Write ``content`` into a file atomically."""
     with atomic_file(path) as draft:
         draft.write_bytes(content)

@@ -1,4 +1,4 @@
-"""The dictionary of columns: name, unit, type and meaning of all columns of ``reports.load``.
+"""The data dictionary: name, unit, type and meaning of all columns of ``reports.load``.
 
 ``uv run python -m reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields.
 """
@@ -19,9 +19,11 @@ from reports.records.trial import TrialRecord
 from scenarios.model import Expectation
 
 PAGE = Path(__file__).parents[2] / "docs" / "columns.md"
+"""Path of the generated page."""
 _UNITS = {"_mib": "MiB", "_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
-"""Units by the suffix of a name, longer suffixes first; ``frame_ms_p50`` has its unit inside."""
+"""Units by the suffix of a column's name, longer suffixes first."""
 _TYPES = {"str": "text", "int64": "whole number", "Int64": "whole number", "float64": "number"}
+"""Plain names of the types of pandas."""
 _HEAD = """# Columns of the results
 
 `reports.load(DIR)` returns `.trials`, `.frames(trial)` and `.poses(trial)` as pandas data frames, of a results folder
@@ -75,14 +77,14 @@ def pose_columns() -> list[Column]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that a column's name ends with; empty if it has none."""
+    """Return the unit in a column's name, at its end or before a percentile; empty if the name has none."""
     if "_ms_" in name:
         return "ms"
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
 
 
 def field_meanings(model: type) -> dict[str, str]:
-    """Return the docstring of each field of a class, on one line."""
+    """Return the docstring of each field of a class, joined into one line."""
     body = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
     assert isinstance(body, ast.ClassDef)
     meanings = {}

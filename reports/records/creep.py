@@ -1,4 +1,4 @@
-"""The creep limit, and the creep that the recording of a trial from before format 3 still proves."""
+"""The creep limit, and the creep of trials from before format 3 as far as their recordings prove it."""
 
 from __future__ import annotations
 
@@ -13,28 +13,43 @@ from scenarios.lookup import UnknownNameError
 from scenarios.registry import build
 
 CREEP_LIMIT_PER_MIN = 0.01
-"""Greatest creep of a standing stack, in thicknesses of a brick per minute: a plank of 7.8 mm may creep by 1.3
-micrometres a second, so that it takes more than 100 minutes to move by its thickness."""
+"""Greatest creep of a standing stack, in thicknesses of a brick per minute. A plank of 7.8 mm may creep by 1.3
+micrometres per second, so that it needs 100 minutes to move by its thickness."""
 _MINUTE_S = 60.0
 _RECORDED_M = math.sqrt(3) * (LENGTH_BAND + LENGTH_STEP / 2)
-"""Greatest distance [m] of a recorded centre from the actual one: dead band and rounding, in three directions."""
+"""Greatest distance of a recorded centre from the true centre [m]: dead band and rounding, in three directions."""
 
 
 def creep_limit_m_s(thickness_m: float, per_min: float = CREEP_LIMIT_PER_MIN) -> float:
-    """Return the creep [m/s] from which a brick of this thickness [m] counts as creeping."""
+    """Return the creep limit of a brick [m/s].
+
+    Args:
+        thickness_m: thickness of the brick [m].
+        per_min: creep limit in thicknesses per minute.
+    """
     return per_min * thickness_m / _MINUTE_S
 
 
 def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
-    """Return whether the whole 95 % interval of a creep lies above the limit, because trembling is no creep."""
+    """Return whether the whole 95 % interval of a creep lies above the limit, because vibration is not creep.
+
+    Args:
+        creep_m_s: the creep [m/s].
+        error_m_s: half width of its interval [m/s].
+        limit_m_s: the creep limit [m/s].
+    """
     return creep_m_s - error_m_s > limit_m_s
 
 
 def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
-    """Return a record of an earlier format with the creep that its recording proves, and the verdict that follows.
+    """Add to a record of an earlier format the creep that its recording proves, and the resulting verdict.
 
-    A recording keeps poses to 0.05 mm, so that it proves two things only: that frozen bricks did not move at all, and
-    that a brick crept by far more than the limit. Creep without a proof stays missing, and the verdict as it was.
+    A recording is accurate to about 0.05 mm. Therefore it proves only two cases:
+
+    - no creep, if all bricks were frozen;
+    - creep, if the creep of a brick exceeds the limit by more than the error of its poses.
+
+    In any other case the creep stays missing, and the verdict does not change.
     """
     begin = _watch_half_s(record)
     if record.creep_m_s is not None or record.mean_motion_m_s is None or begin is None or recording.every != 1:
@@ -59,7 +74,7 @@ def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
 
 
 def _watch_half_s(record: TrialRecord) -> float | None:
-    """Return the start [s] of the last half of the watch; None if the scene cannot be built any more."""
+    """Return the start of the last half of the watch [s]; None if this version cannot build the scene."""
     try:
         return record.simulated_s - build(record.scenario, **record.parameters).watch_s / 2
     except (ValueError, TypeError, UnknownNameError):
@@ -67,7 +82,12 @@ def _watch_half_s(record: TrialRecord) -> float | None:
 
 
 def _proven(recording: Recording, first: int) -> tuple[float, float, float] | None:
-    """Return proven creep, greatest error [m/s] and thickness [m] of the fastest brick from frame ``first`` on."""
+    """Return the creep that the recording proves from frame ``first`` on; None if it proves nothing.
+
+    Returns:
+        Creep [m/s], greatest error of the creep [m/s] and thickness [m] of the brick that is fastest for its thickness;
+        zero creep, zero error and the least thickness if all bricks are frozen.
+    """
     fastest: tuple[float, float, float] | None = None
     all_frozen = True
     thinnest = math.inf
@@ -95,10 +115,16 @@ def _proven(recording: Recording, first: int) -> tuple[float, float, float] | No
 def _slope(
     frame: npt.NDArray[np.int32], position: npt.NDArray[np.float64], first: int, recording: Recording
 ) -> tuple[float, float]:
-    """Return the speed [m/s] of a brick by regression over its recorded poses, and its greatest error.
+    """Return the speed of a brick by regression over its recorded positions, and the greatest error of the speed [m/s].
 
-    A slope is a weighted sum of positions, so that it errs by no more than the sum of the weights' sizes times the
-    greatest error of a position.
+        slope     = sum_k w_k x_k,   w_k = (t_k - t_mean) / sum_j (t_j - t_mean)^2
+        |error|  <= sum_k |w_k| * greatest error of a position
+
+    Args:
+        frame: frames of the rows of the brick, shape (n,).
+        position: its positions [m], shape (n, 3), world frame; each holds until the next row.
+        first: first frame of the regression.
+        recording: the recording of the trial.
     """
     frames = np.arange(first, recording.frames)
     time = frames * recording.frame_s

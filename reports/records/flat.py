@@ -11,7 +11,9 @@ from pydantic import ValidationError
 from reports.records.trial import FORMAT, TrialRecord
 
 EXPECTATION_PREFIX = "expectation_"
+"""Prefix of the columns of the expectation."""
 EXPECTATION_FIELDS = ("outcome", "level", "not_before_s", "within_s", "theory")
+"""Fields of the expectation, in the order of their columns."""
 _WHOLE = ("format",)
 _SINCE_FORMAT_3 = (
     "watch_s",
@@ -26,7 +28,11 @@ _MISSING = (None, "")
 
 
 def flat_columns(of_format: int = FORMAT) -> list[str]:
-    """Return the columns of a flat row: the fields of a record, with the fields of the expectation in its place."""
+    """Return the columns of a flat row: the fields of a record, with the expectation replaced by its own fields.
+
+    Args:
+        of_format: format of the records; columns that format 3 introduced are left out for earlier formats.
+    """
     columns: list[str] = []
     for name in TrialRecord.model_fields:
         if name in _SINCE_FORMAT_3 and of_format < 3:
@@ -36,7 +42,7 @@ def flat_columns(of_format: int = FORMAT) -> list[str]:
 
 
 def to_flat(record: TrialRecord) -> dict[str, Any]:
-    """Return a record as a flat row; its parameters are JSON."""
+    """Return a record as a flat row, with the parameters as a JSON text."""
     row = record.model_dump(mode="json")
     row["parameters"] = json.dumps(row["parameters"])
     expectation = row.pop("expectation")
@@ -45,15 +51,15 @@ def to_flat(record: TrialRecord) -> dict[str, Any]:
 
 
 def from_flat(row: Mapping[str, Any]) -> TrialRecord:
-    """Return the record of a flat row, or of a row of the CSV of earlier versions.
+    """Return the record of a flat row, or of a row of a CSV file of earlier versions.
 
-    Missing values may be null, empty or nan.
+    Missing values may be null, empty or NaN.
 
     Raises:
         ValueError: if the row is not a record.
     """
     fields = {name: value for name, value in row.items() if value not in _MISSING and value == value}
-    if "expectation" in fields:  # earlier CSV files hold it as JSON
+    if "expectation" in fields:  # CSV files of earlier versions have the expectation as JSON
         fields["expectation"] = json.loads(fields["expectation"])
     else:
         columns = {field: EXPECTATION_PREFIX + field for field in EXPECTATION_FIELDS}

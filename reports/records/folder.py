@@ -1,4 +1,4 @@
-"""The results folder: the single place that knows its file names and parsers."""
+"""The results folder: its file names, and access to its content."""
 
 from __future__ import annotations
 
@@ -19,21 +19,28 @@ from reports.records.recording import Recording, RecordingError, read_recording
 from reports.records.trial import RecordError, TrialRecord, read_records
 
 TRIALS = "trials.jsonl"
+"""File of the records of a run."""
 PARQUET = "trials.parquet"
+"""File of the trials of a published folder."""
 PUBLISHED_TRIALS = (PARQUET, "trials.csv")
-"""Files of trials in a published folder: the present form, and the form of earlier versions."""
+"""Files of the trials of a published folder: of this version, and of earlier versions."""
 STUDY = "study.toml"
+"""File of the resolved study."""
 ENVIRONMENT = "environment.json"
+"""File of the environment of the run."""
 FRAMES = "frames"
+"""Folder of the tables of frames."""
 RECORDINGS = "recordings"
+"""Folder of the recordings."""
 REPORT = "report"
+"""Folder of the report."""
 
 
 class ResultsFolder:
-    """The results of a run in a folder, or their published part."""
+    """A folder with the results of a run, or with their published part."""
 
     def __init__(self, path: Path) -> None:
-        """Name the folder; its files are read on first use."""
+        """Keep the path of the folder; each file is read on first use."""
         self.path = path
 
     @property
@@ -43,13 +50,13 @@ class ResultsFolder:
 
     @property
     def trials_file(self) -> Path:
-        """The existing file of trials: of a run, or published; the former if there is none."""
+        """Path of the file of trials: the first existing of ``TRIALS`` and ``PUBLISHED_TRIALS``, else ``TRIALS``."""
         names = (TRIALS, *PUBLISHED_TRIALS)
         return next((self.path / name for name in names if (self.path / name).exists()), self.path / TRIALS)
 
     @property
     def study_file(self) -> Path:
-        """The resolved study."""
+        """Path of the resolved study."""
         return self.path / STUDY
 
     def frames_file(self, trial: str) -> Path:
@@ -62,13 +69,13 @@ class ResultsFolder:
 
     @cached_property
     def records(self) -> list[TrialRecord]:
-        """All trials, in the order in which they were run.
+        """Records of all trials, in the order in which they were run.
 
         Raises:
-            RecordError: if there is no file of trials, or one of its lines is not a record.
+            RecordError: if the file of trials is missing, or one of its lines is not a record.
 
         Warns:
-            RecordWarning: if the last line was torn by an interruption; it is left out.
+            RecordWarning: if an interruption left the last line incomplete; it is left out.
         """
         file = self.trials_file
         if file.name == TRIALS:
@@ -77,29 +84,29 @@ class ResultsFolder:
             return [from_flat(row) for row in published_rows(file)]
         except (ValueError, pa.ArrowException) as error:
             raise RecordError(
-                f"{file}: not a table of trials ({error}); restore the file, or make the page again"
+                f"{file}: not a table of trials ({error}); restore the file, or publish the study again"
             ) from error
 
     def _with_creep(self, record: TrialRecord) -> TrialRecord:
-        """Add to a record from before format 3 the creep that its recorded poses prove, if there are any."""
+        """Add to a record from before format 3 the creep that its recording proves, if the recording exists."""
         if record.mean_motion_m_s is None or not self.recording_file(record.trial).exists():
             return record
         try:
             return with_creep(record, self.recording(record.trial))
-        except RecordingError:  # a torn recording proves nothing
+        except RecordingError:  # an incomplete recording proves nothing
             return record
 
     def recording(self, trial: str) -> Recording:
-        """Read the recorded poses of a trial.
+        """Return the recorded poses of a trial.
 
         Raises:
-        RecordingError: if the recording is missing, torn, or not a recording.
+            RecordingError: if the file is missing, incomplete, or not a recording.
         """
         return read_recording(self.recording_file(trial))
 
     @cached_property
     def environment(self) -> Mapping[str, Any]:
-        """Machine, versions, settings and sessions of the run; empty if the folder keeps none."""
+        """Machine, versions, settings and sessions of the run; empty if the folder has no readable environment."""
         try:
             kept = json.loads((self.path / ENVIRONMENT).read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -108,13 +115,13 @@ class ResultsFolder:
 
     @property
     def engines(self) -> Mapping[str, Any]:
-        """Descriptors of the engines, by name; empty if the environment has none."""
+        """Descriptions of the engines, by name; empty if the environment has none."""
         engines: Mapping[str, Any] = self.environment.get("engines", {})
         return engines
 
     @cached_property
     def study(self) -> Mapping[str, Any]:
-        """The resolved study; empty if the folder has none that can be read."""
+        """Content of the resolved study; empty if the folder has no readable study."""
         try:
             return tomllib.loads(self.study_file.read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -122,7 +129,7 @@ class ResultsFolder:
 
 
 def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the rows of a published table of trials unconverted, from Parquet or CSV."""
+    """Yield the rows of a published table of trials, from Parquet or CSV, without conversion to records."""
     if file.suffix == ".parquet":
         with pq.ParquetFile(file) as table:
             yield from table.read().to_pylist()
@@ -132,10 +139,10 @@ def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
 
 
 def replay_name(trial: TrialRecord) -> str:
-    """Return the file name, without suffix, of the replay of a trial with the other policies."""
+    """Return the file name, without suffix, of the replay that shows a trial beside the other policies."""
     return f"{trial.scene}.{trial.engine}.{trial.profile}.s{trial.seed}"
 
 
 def still_of(folder: Path, trial: TrialRecord) -> Path:
-    """Return the path of a trial's still in a folder of stills, whether it exists or not."""
+    """Return the path of a trial's still in a folder of stills; the file need not exist."""
     return folder / f"{trial.trial}.png"

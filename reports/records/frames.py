@@ -1,4 +1,4 @@
-"""The table of a trial's frames: its columns, their units, and its Parquet file."""
+"""The table of the frames of a trial: its columns with their units, and its Parquet file."""
 
 from __future__ import annotations
 
@@ -14,49 +14,49 @@ import pyarrow.parquet as pq
 from reports.records.atomic import atomic_file
 
 UNTIMED_FRAMES = 5
-"""Frames left out of every timing: in them the engine builds its caches, the first brick lands, and kernels for the
-first contacts are compiled."""
+"""Number of frames at the start of a trial that no timing includes, because the engine builds its caches, the first
+brick lands, and kernels for the first contacts are compiled in them."""
 
 
 class FrameRow(NamedTuple):
-    """One frame. Columns are null in trials without an extension."""
+    """Counts and times of one frame. A column with default None is null in trials without an extension."""
 
     frame: int
     """Number of the frame, from 0. The first five are left out of a record's timings."""
     time_s: float
     """Simulated time at the end of the frame [s]."""
     level: int
-    """The highest level of which a brick has been released."""
+    """Highest level of which a brick has been released."""
     bricks: int
-    """Bodies in the world."""
+    """Number of bodies in the world."""
     live: int
-    """Bodies that are not frozen, after the frame."""
+    """Number of bodies that are not frozen at the end of the frame."""
     engine_ms: float
     """Time of the engine's step [ms]."""
     frame_ms: float
     """Time of the whole frame [ms]: the engine's step, contacts, core and port calls, without the bridge."""
     contacts: int | None = None
-    """Contact points read by the core."""
+    """Number of contact points that the core read."""
     readback_ms: float | None = None
-    """Time of reading contacts and masses [ms]."""
+    """Time in which the port reads contacts and masses [ms]."""
     core_ms: float | None = None
-    """Time of the core itself [ms]."""
+    """Time of the core without port calls [ms]."""
     port_ms: float | None = None
-    """Time of freezing and unfreezing bodies in the engine [ms]."""
+    """Time in which the port freezes and unfreezes bodies [ms]."""
     frozen: int | None = None
-    """Bodies that the core froze in this frame."""
+    """Number of bodies that the core froze in this frame."""
     woken: int | None = None
-    """Bodies that the core unfroze in this frame."""
+    """Number of bodies that the core unfroze in this frame."""
     woken_because: str | None = None
-    """The core's reasons for unfreezing them, each with its count: "1 struck; 3 rested on what was struck"."""
+    """Reasons for which the core unfroze bodies, each with its count: "1 struck; 3 rested on what was struck"."""
     bridge_ms: float | None = None
-    """Time [ms] of the transfer to an engine in a separate process, and back; null for engines in the trial's
+    """Time of the transfer to an engine in a separate process and back [ms]; null for an engine in the trial's own
     process."""
     solver_iterations: int | None = None
-    """Iterations of the engine's solver in the frame's last step, of the island that took most; null where the engine
-    does not report them."""
+    """Iterations of the engine's solver in the last step of the frame, for the island with the most iterations; null if
+    the engine does not report them."""
     core_instructions: int | None = None
-    """Instructions of the core in user code, without port calls; null where they cannot be counted."""
+    """Instructions of the core in user code, without port calls; null if they cannot be counted."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()
@@ -84,7 +84,7 @@ SCHEMA = pa.schema(
 
 
 def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
-    """Write a trial's frames atomically; the folder must exist."""
+    """Write the frames of a trial atomically; the folder must exist."""
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(FrameRow._fields)
     arrays = [pa.array(values, field.type) for values, field in zip(columns, SCHEMA, strict=True)]
     with atomic_file(path) as draft:
@@ -92,18 +92,18 @@ def write_frames(path: Path, rows: Sequence[FrameRow]) -> None:
 
 
 def read_columns(path: Path, names: Sequence[str]) -> dict[str, npt.NDArray[np.float64]]:
-    """Return some numeric columns of a trial's frames, each of shape (frames,); null is nan.
+    """Return numeric columns of a trial's frames, by name, each of shape (frames,); null becomes NaN.
 
     Raises:
         OSError: if the file is missing.
-        pyarrow.ArrowException: if it is not such a table, or is torn.
+        pyarrow.ArrowException: if the file is incomplete, or not a table of frames.
     """
-    with pq.ParquetFile(path) as file:  # 30 times faster than pyarrow's readers of whole data sets
+    with pq.ParquetFile(path) as file:  # 30 times faster than pq.read_table
         table = file.read(list(names))
     return {name: table[name].to_numpy().astype(np.float64) for name in names}
 
 
 def read_frames(path: Path) -> list[FrameRow]:
-    """Return a trial's frames, in order."""
+    """Return the frames of a trial, in order."""
     columns = pq.read_table(path, schema=SCHEMA).to_pydict()
     return [FrameRow(*values) for values in zip(*(columns[name] for name in FrameRow._fields), strict=True)]

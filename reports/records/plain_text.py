@@ -1,4 +1,4 @@
-"""Remove terminal control sequences from engines' text: colours, cursor moves, titles, control characters."""
+"""Remove terminal control sequences from the text of engines: colours, cursor moves, titles, control characters."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _ESCAPE = re.compile(
     """,
     re.VERBOSE | re.MULTILINE,
 )
-"""ECMA-48 control sequences, also if cut off by a line's end or the end of the text."""
+"""Pattern of ECMA-48 control sequences, complete or cut off by the end of a line or of the text."""
 
 
 def plain_text(text: str) -> str:
-    """Remove terminal escapes; replace every other character that cannot be printed.
+    """Remove terminal control sequences, and replace every other unprintable character by U+FFFD.
 
-    Tabs stay, and line breaks become line feeds.
+    Tabs stay, and every line break becomes a line feed.
     """
     lines = _ESCAPE.sub("", text).replace("\r\n", "\n").replace("\r", "\n")
     return "".join(

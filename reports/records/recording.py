@@ -1,8 +1,9 @@
-"""Recorded poses of every brick in every frame, compact: a row only where something changed.
+"""The recording of a trial: the pose of every brick in every frame, with a row only for each change.
 
-A row gives a brick's pose from its frame until the brick's next row. Poses are kept to 0.01 mm and 1e-4 of a
-quaternion; a motion within the dead band (0.05 mm, some 0.05 degrees) counts as rest. Rows are sorted by brick, then by
-frame, and columns are stored as differences: a standing stack of 100 planks takes about 0.1 MB.
+A row gives the pose of a brick from the row's frame until the brick's next row. Positions are rounded to 0.01 mm, and
+components of quaternions to 1e-4. A motion within the dead band (0.05 mm, about 0.05 degrees) counts as rest. Rows are
+sorted by brick, then by frame, and columns are stored as differences, so that a standing stack of 100 planks takes
+about 0.1 MB.
 """
 
 from __future__ import annotations
@@ -25,54 +26,58 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 LENGTH_STEP = 1e-5
-"""Resolution of positions [m]: a thousandth of a plank's thickness cannot be seen."""
+"""Resolution of positions [m], about a thousandth of a plank's thickness, because less cannot be seen."""
 QUATERNION_STEP = 1e-4
-"""Resolution of the components of quaternions: it turns a plank's end by 0.01 mm."""
+"""Resolution of the components of quaternions; one step moves a plank's end by 0.01 mm."""
 MOST_BYTES = 1_000_000
-"""Size above which a recording keeps only every third frame, and every change of state [bytes]."""
+"""Size above which a recording is thinned [bytes]."""
 THINNED = 3
+"""Interval of the frames that a thinned recording keeps."""
 LENGTH_BAND = 5e-5
+"""Dead band of each coordinate of a position [m], which suppresses the vibration of a solver."""
 _QUATERNION_BAND = 4e-4
-"""Dead bands [m] and [1], which drop the trembling of a solver. The second moves a plank's end by 0.05 mm."""
+"""Dead band of each component of a quaternion, which moves a plank's end by 0.05 mm."""
 FIXED_FIELDS = ("size", "position", "quaternion")
-"""Fields of a fixed box that a recording keeps."""
+"""Fields of a fixed box that a recording contains."""
 _COLUMNS = ("body", "frame", "x", "y", "z", "qw", "qx", "qy", "qz", "state")
 STATES: tuple[Literal["live", "frozen", "removed"], ...] = ("live", "frozen", "removed")
+"""Names of the states of a body."""
 LIVE, FROZEN, REMOVED = range(3)
+"""Indices into ``STATES``."""
 
 
 class RecordingError(ValueError):
-    """A recording that cannot be read; the message names the file."""
+    """An unreadable recording; the message names the file and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A trial's poses. Row i is the same in every column; rows are sorted by body, then by frame."""
+    """The poses of a trial as columns of n rows, sorted by body, then by frame."""
 
     frame_s: float
-    """Simulated time [s] of a frame."""
+    """Simulated time of a frame [s]."""
     frames: int
     """Number of frames of the trial."""
     sizes: Mapping[int, Vector]
-    """Edge lengths [m] of each body."""
+    """Edge lengths of each body [m], by its id."""
     body: IntArray
-    """Bodies, shape (n,)."""
+    """Id of the body, shape (n,)."""
     frame: IntArray
-    """First frame of each row, shape (n,)."""
+    """First frame in which the row holds, shape (n,)."""
     position: IntArray
-    """Centres in steps of ``LENGTH_STEP``, shape (n, 3)."""
+    """Centre of the body in steps of ``LENGTH_STEP``, shape (n, 3), world frame."""
     quaternion: IntArray
-    """Orientations (w, x, y, z) in steps of ``QUATERNION_STEP``, shape (n, 4); of the two signs, the one nearer to the
-    previous row."""
+    """Orientation (w, x, y, z) in steps of ``QUATERNION_STEP``, shape (n, 4), world frame; with the sign that is nearer
+    to the previous row."""
     state: IntArray
-    """Indices into ``STATES``, shape (n,)."""
+    """Index into ``STATES``, shape (n,)."""
     every: int = 1
-    """1, or ``THINNED`` if the recording was too large and only every third frame is kept."""
+    """Interval of the kept frames: 1, or ``THINNED`` for a thinned recording."""
     fixed: tuple[Brick, ...] = ()
     """Boxes that never move."""
 
     def thinned(self) -> Recording:
-        """Return the recording with every third frame only, and every change of state and every body's first row."""
+        """Return a smaller recording: every third frame, every change of state, and the first row of every body."""
         new_state = np.ones(len(self.body), bool)
         new_state[1:] = (np.diff(self.body) != 0) | (np.diff(self.state) != 0)
         keep = new_state | (self.frame % THINNED == 0)
@@ -81,10 +86,15 @@ class Recording:
 
 
 class Recorder:
-    """Takes the poses of every frame and keeps the changes."""
+    """Recorder of the poses of every frame, which stores only changes."""
 
     def __init__(self, frame_s: float, fixed: tuple[Brick, ...] = ()) -> None:
-        """Record frames of ``frame_s`` [s] in a world with ``fixed`` boxes."""
+        """Start a recording without frames.
+
+        Args:
+            frame_s: simulated time of a frame [s].
+            fixed: boxes that never move.
+        """
         self._frame_s = frame_s
         self._fixed = fixed
         self._frames = 0
@@ -104,19 +114,19 @@ class Recorder:
         frozen: Collection[int],
         bricks: Mapping[int, Brick],
     ) -> None:
-        """Take one frame. The cost grows with the number of bodies, and is least while all of them are still.
+        """Record one frame. The cost grows with the number of bodies, and is least if no body moves.
 
         Args:
-            bodies: ids of the bodies in the world, shape (n,); never reused.
-            position: their centres [m], shape (n, 3).
-            quaternion: their orientations (w, x, y, z), shape (n, 4).
-            frozen: bodies that the core or the engine holds still.
-            bricks: the brick of each body.
+            bodies: ids of the n bodies in the world, shape (n,); an id is never reused.
+            position: centres of the bodies [m], shape (n, 3), world frame.
+            quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
+            frozen: ids of the bodies that the core or the engine has frozen.
+            bricks: brick of each body, by id.
         """
         self._frames += 1
         latest = bodies, position, quaternion
         if self._latest and all(map(np.array_equal, latest, self._latest)) and self._frozen == set(frozen):
-            return  # a stack at rest costs almost nothing, so that the engine finds its memory in the caches
+            return  # little work for a stack at rest, so that the engine's memory stays in the caches
         self._latest, self._frozen = tuple(array.copy() for array in latest), set(frozen)
         self._make_room(int(bodies.max(initial=-1)) + 1)
         self._sizes |= {body: bricks[body].size for body in bricks if body not in self._sizes}
@@ -136,7 +146,7 @@ class Recorder:
         self._state = state
 
     def finish(self) -> Recording:
-        """Return the recording."""
+        """Return the recording of all frames so far."""
         body = np.concatenate([rows[0] for rows in self._rows] or [np.empty(0, np.int64)])
         frame = np.concatenate([np.full(len(rows[0]), rows[1]) for rows in self._rows] or [np.empty(0, np.int64)])
         position = np.concatenate([rows[2] for rows in self._rows] or [np.empty((0, 3))])
@@ -158,13 +168,15 @@ class Recorder:
     def _make_room(self, count: int) -> None:
         new = count - len(self._state)
         if new > 0:
-            self._position = np.vstack([self._position, np.full((new, 3), np.inf)])  # the first pose is a change
+            self._position = np.vstack(
+                [self._position, np.full((new, 3), np.inf)]
+            )  # so that the first pose counts as a change
             self._quaternion = np.vstack([self._quaternion, np.zeros((new, 4))])
             self._state = np.concatenate([self._state, np.full(new, REMOVED, np.int32)])
 
 
 def write_recording(path: Path, recording: Recording) -> None:
-    """Write a recording atomically; thin it if it is too large. The folder must exist."""
+    """Write a recording atomically, thinned if it is larger than ``MOST_BYTES``; the folder must exist."""
     content = _packed(recording)
     if len(content) > MOST_BYTES and recording.every == 1:
         content = _packed(recording.thinned())
@@ -172,10 +184,10 @@ def write_recording(path: Path, recording: Recording) -> None:
 
 
 def read_recording(path: Path) -> Recording:
-    """Return the recording of a file.
+    """Return the recording in a file.
 
     Raises:
-        RecordingError: if it is missing, torn, or not a recording.
+        RecordingError: if the file is missing, incomplete, or not a recording.
     """
     try:
         with pq.ParquetFile(path) as file:
@@ -185,7 +197,7 @@ def read_recording(path: Path) -> Recording:
     except FileNotFoundError as error:
         raise RecordingError(f"{path}: no such recording; run the trial again to record it") from error
     except (OSError, KeyError, ValueError, pa.ArrowException) as error:
-        raise RecordingError(f"{path}: not a recording, or a torn one ({error}); run the trial again") from error
+        raise RecordingError(f"{path}: not a complete recording ({error}); run the trial again") from error
     return Recording(
         header["frame_s"],
         header["frames"],

@@ -1,4 +1,4 @@
-"""Results as data frames: trials, frames and poses of a results folder, in SI units."""
+"""Results as data frames: trials, frames and poses of a results folder."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ _EXPECTATION_TYPES = {
 
 
 class Results:
-    """The results of a study. Files are read on first use."""
+    """The results of a study as data frames; each file is read on first use."""
 
     def __init__(self, folder: Path) -> None:
-        """Name a results folder, or a folder that is published in ``docs/results``."""
+        """Keep the path of a results folder, or of a published folder in ``docs/results``."""
         self._folder = ResultsFolder(folder)
 
     @cached_property
     def trials(self) -> pd.DataFrame:
-        """One row per trial; ``docs/columns.md`` lists the columns. ``parameters`` holds a mapping.
+        """Table with one row per trial; ``docs/columns.md`` lists the columns, and ``parameters`` contains mappings.
 
         Raises:
-            RecordError: if the folder holds no trials that can be read.
+            RecordError: if the folder contains no readable file of trials.
         """
         trials = trials_frame(self._folder.records)
         trials["parameters"] = trials["parameters"].map(json.loads).astype(object)
@@ -61,8 +61,10 @@ class Results:
     def frames(self, trial: str) -> pd.DataFrame:
         """Return the frames of a trial: counts and times [ms], one row per frame.
 
+        ``docs/columns.md`` lists the columns.
+
         Raises:
-            OSError: if the folder keeps no frames of it.
+            OSError: if the folder contains no frames of the trial.
         """
         return pd.read_parquet(self._folder.frames_file(trial))
 
@@ -72,7 +74,7 @@ class Results:
         ``docs/columns.md`` lists the columns.
 
         Raises:
-            RecordingError: if it was not recorded, or its recording is torn.
+            RecordingError: if the trial was not recorded, or its recording is incomplete.
         """
         recording = self._folder.recording(trial)
         position, quaternion = recording.position * LENGTH_STEP, recording.quaternion * QUATERNION_STEP
@@ -83,24 +85,24 @@ class Results:
 
     @property
     def environment(self) -> Mapping[str, Any]:
-        """Machine, versions, settings and sessions of the run; empty if the folder keeps none."""
+        """Machine, versions, settings and sessions of the run; empty if the folder has no readable environment."""
         return self._folder.environment
 
     @property
     def study(self) -> Mapping[str, Any]:
-        """The resolved study; empty if the folder keeps none."""
+        """Content of the resolved study; empty if the folder has no readable study."""
         return self._folder.study
 
 
 def trials_frame(records: Sequence[TrialRecord]) -> pd.DataFrame:
-    """Return one row per trial, in their order; missing numbers are nan or NA, ``parameters`` is JSON."""
+    """Return a table with one row per record, in their order; a missing number is NaN or NA, ``parameters`` is JSON."""
     types = column_types()
     rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
     return rows.astype(types)
 
 
 def column_types() -> dict[str, str]:
-    """Return the type of each column: whole numbers that may be missing are ``Int64``."""
+    """Return the type of each column, by name; ``Int64`` stands for whole numbers that may be missing."""
     types = {name: _type(field.annotation) for name, field in TrialRecord.model_fields.items()}
     types |= _EXPECTATION_TYPES
     return {column: types[column] for column in flat_columns()}
@@ -116,13 +118,13 @@ def _type(annotation: Any) -> str:
 
 
 def write_trials_csv(path: Path, records: Sequence[TrialRecord]) -> None:
-    """Write one line per trial, with all columns of the flat records; missing values are empty."""
+    """Write the flat records as CSV, one line per trial; missing values are empty."""
     rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
     rows.to_csv(path, index=False, lineterminator="\n")
 
 
 def write_trials_parquet(path: Path, records: Sequence[TrialRecord]) -> None:
-    """Write the flat records atomically as compressed Parquet; ``reports.load`` restores the types of columns."""
+    """Write the flat records atomically as compressed Parquet; ``reports.load`` restores the types of the columns."""
     with atomic_file(path) as draft:
         trials_frame(records).to_parquet(
             draft, index=False, compression="zstd", compression_level=19, write_statistics=False, store_schema=False

@@ -1,7 +1,8 @@
 """The record of a trial: its schema, its writer and its reader.
 
-A file has one line of JSON per trial, appended and flushed, so that an interrupted run keeps every finished trial. A
-value that does not exist is null; NaN and infinity are refused. Derive from these records, never edit them.
+A file has one line of JSON per trial, which is appended and flushed, so that an interrupted run keeps every finished
+trial. A value that does not exist is null; NaN and infinity are rejected. Records are raw data: derive other data from
+them, but never edit them.
 """
 
 from __future__ import annotations
@@ -21,26 +22,29 @@ from scenarios.model import Expectation
 Status: TypeAlias = Literal[
     "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
 ]
+"""End of a trial."""
 Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "creeps", "failed", "undecided", "none"]
+"""Comparison of a trial's outcome with theory."""
 CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
+"""Kind of a collapse."""
 
 CENSORED: frozenset[Status] = frozenset({"timeout"})
-"""Statuses of censored trials: their levels are lower bounds, never heights."""
+"""Statuses of censored trials, whose levels are only lower bounds."""
 
 NOT_JUDGED: frozenset[Verdict] = frozenset({"none", "undecided"})
 """Verdicts that count as neither right nor wrong."""
 
 FORMAT: Literal[3] = 3
-"""Version of the schema; raised when a field changes its meaning. Older records are converted when they are read:
+"""Version of the schema, which increases when a field changes its meaning. Older records are converted when read:
 
 - format 1: the verdict of a trial that its time limit stopped was ``failed``, and becomes ``undecided``;
-- formats 1 and 2: ``creep_m_s`` was the mean motion over the whole watch, and becomes ``mean_motion_m_s``. Creep did
-  not count, and such a record does not contain it: it is missing, and the verdict stays as it was.
+- formats 1 and 2: ``creep_m_s`` was the mean motion over the whole watch, and becomes ``mean_motion_m_s``. The verdict
+  did not depend on creep and does not change; ``creep_m_s`` becomes null.
 """
 
 
 class RecordError(ValueError):
-    """A file of records that cannot be read; the message names the file and the line."""
+    """An unreadable file of records; the message names the file, the line and the fix."""
 
 
 class RecordWarning(UserWarning):
@@ -48,9 +52,9 @@ class RecordWarning(UserWarning):
 
 
 class TrialRecord(BaseModel):
-    """The results of one trial. Null means that there is no such value, never zero.
+    """Results of one trial. A value that does not exist is null, never zero.
 
-    The docstrings of the fields are the meanings in ``docs/columns.md``.
+    ``docs/columns.md`` is generated from the docstrings of the fields.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -64,9 +68,9 @@ class TrialRecord(BaseModel):
     engine_version: str
     """Version of the engine's package."""
     profile: str
-    """Set-up of the engine; ``NAME@knob=value`` varies a knob of a profile."""
+    """Profile of the engine; ``NAME@knob=value`` is a profile with a varied knob."""
     unit_scale: float | None = None
-    """The engine's length units per metre; null if the engine was never opened."""
+    """Length units of the engine per metre; null if the engine was never opened."""
     scenario: str
     """Name of the scenario."""
     scene: str
@@ -74,34 +78,35 @@ class TrialRecord(BaseModel):
     parameters: Mapping[str, int | float | str]
     """Parameters of the scenario; JSON in files."""
     policy: str
-    """Sleeping method: which bodies freeze; ``none`` is the engine alone."""
+    """Sleeping method, which decides which bodies freeze; ``none`` is the engine alone."""
     seed: int
-    """Seed of the placement noise; 0 is the exact build."""
+    """Seed of the placement noise; seed 0 has no noise."""
     repeat: int
     """Number of the repeat with the same seed, from 0."""
     status: Status
-    """How the trial ended."""
+    """End of the trial."""
     message: str = ""
-    """Why the trial ended so, unless it completed."""
+    """Reason for the end of the trial; empty if it completed."""
     levels_placed: int = 0
     """Number of levels of which every brick had been released."""
     height_levels: int = 0
-    """Highest level that ever stood intact, with all below it, after its bricks had had time to land."""
+    """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land."""
     height_m: float | None = None
-    """Top [m] of the highest intact level when last seen intact before the next level started."""
+    """Height [m] of the top of the highest intact level, when last seen intact before the next level started."""
     collapse_level: int | None = None
-    """Levels placed when the collapse was first seen; null without a collapse (censored)."""
+    """Number of levels placed when the collapse was first seen; null without a collapse (censored)."""
     sink_m: float | None = None
-    """Mean depth [m] of the bricks of the highest intact level below their ideal height at that time."""
+    """Mean depth [m] of the bricks of the highest intact level below their ideal height, at the time of
+    ``height_m``."""
     drift_m: float | None = None
     """Greatest horizontal distance [m] of a brick from its release position when the highest level was last seen
     intact."""
     creep_m_s: float | None = None
-    """Creep [m/s]: slope of the centre's position over the last half of the watch, of the brick that is fastest for its
-    thickness; null if the stack did not stand through it, and for trials from before format 3."""
+    """Creep [m/s]: slope of the centre's position over the last half of the watch, for the brick that is fastest
+    relative to its thickness; null if the stack did not stand throughout, and for trials from before format 3."""
     frame_ms_p50: float | None = None
-    """Median time [ms] of a frame: engine, read-back, core and port calls, without the bridge to an engine in a process
-    of its own. The first five frames are left out."""
+    """Median time [ms] of a frame: engine, read-back, core and port calls, without the bridge to an engine in a
+    separate process. The first five frames are left out."""
     frame_ms_p95: float | None = None
     """95th percentile of the time [ms] of a frame."""
     frame_ms_p99: float | None = None
@@ -109,75 +114,76 @@ class TrialRecord(BaseModel):
     frame_ms_max: float | None = None
     """Longest time [ms] of a frame."""
     engine_ms: float | None = None
-    """Mean time [ms] per frame of the engine's step; for an engine in a separate process by that process's clock."""
+    """Mean time [ms] per frame of the engine's step; measured in the engine's own process if that is separate."""
     readback_ms: float | None = None
     """Mean time [ms] per frame in which the port reads contacts and masses; null without an extension."""
     core_ms: float | None = None
-    """Mean time [ms] per frame of the stability core itself; null without an extension."""
+    """Mean time [ms] per frame of the stability core without port calls; null without an extension."""
     port_ms: float | None = None
     """Mean time [ms] per frame in which the port freezes and unfreezes bodies; null without an extension."""
     frame_ratio: float | None = None
-    """Frame time with the extension over the frame time without it, on the same standing stack."""
+    """Frame time with the extension over frame time without it, on the same standing stack."""
     wakes: int | None = None
     """Number of times that the core unfroze a body; null without an extension."""
     refreezes: int | None = None
     """Number of times that the core froze a body that it had frozen before; null without an extension."""
     longest_live_s: float | None = None
-    """Longest simulated time [s] that one body stayed live; null without an extension."""
+    """Longest simulated time [s] for which one body stayed live; null without an extension."""
     realtime_factor: float | None = None
-    """Simulated over measured time of all timed frames; below 1 is slower than real time."""
+    """Simulated time over measured time of all timed frames; below 1 is slower than real time."""
     pose_hash: str | None = None
-    """BLAKE2b over every frame's float64 poses, in hexadecimal."""
+    """BLAKE2b digest of the float64 poses of all frames, in hexadecimal."""
     expectation: Expectation
     """The outcome that theory demands."""
     verdict: Verdict
-    """Comparison of the outcome with theory: ``creeps`` if it had to stand and did, but a brick certainly crept
-    faster than the limit, ``undecided`` if the time limit stopped the trial, ``none`` where theory is silent or the
-    engine cannot play the scene, ``failed`` if it sank, diverged or crashed."""
+    """Comparison of the outcome with theory: ``right``, ``false_stand`` or ``false_collapse``; ``creeps`` if the stack
+    stood as it must, but the whole interval of a brick's creep exceeds the limit; ``failed`` if it sank, diverged or
+    crashed; ``undecided`` if the time limit stopped the trial; ``none`` if theory demands no outcome or the engine does
+    not support the scene."""
     environment: str
-    """Digest of the environment.json of the run."""
+    """Digest of the environment of the run (``environment.json``)."""
     collapse_kind: CollapseKind | None = None
-    """Kind of the collapse: sink only if nothing toppled, slid or dropped within a second of it."""
+    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped within a second."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
     """Level of the stack at which ``frame_ratio`` was measured."""
     frame_ratio_message: str = ""
-    """Why there is no ``frame_ratio``, where it was requested."""
+    """Reason for a missing ``frame_ratio``, if it was requested."""
     levels_planned: int
-    """Levels of the whole scene."""
+    """Number of levels of the whole scene."""
     simulated_s: float = 0.0
     """Simulated time [s] when the trial ended."""
     wall_s: float | None = None
-    """Wall time [s] of the trial, including untimed work."""
+    """Wall time [s] of the trial, including work outside timed frames."""
     timed_frames: int | None = None
-    """Number of timed frames: those after the first five, up to a collapse."""
+    """Number of timed frames: all frames after the first five, up to a collapse."""
     calibration_ms: float | None = None
     """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
-    run shows how steady the machine was."""
+    run shows variations of the machine's speed."""
     core: int | None = None
-    """The processor core that the trial was pinned to; null if it was not pinned."""
+    """Index of the processor core to which the trial was pinned; null if it was not pinned."""
     pair: str = ""
-    """Id shared by a scene that must stand and its partner that must fall; empty without a partner."""
+    """Id shared by the two scenes of a pair; empty for a scene without a partner."""
     rest_s: float | None = None
-    """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if one still moved at
-    the end, and for scenes without a pile."""
+    """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if a brick still
+    moved at the end, and for scenes without a pile."""
     repose_deg: float | None = None
-    """Angle of repose [deg] of a poured pile: of the cone with the same median height and radius."""
+    """Angle of repose [deg] of a poured pile, taken as the cone with the same median height and radius."""
     live_mean: float | None = None
-    """Mean number of live bricks per frame; null without an extension, where it is unknown."""
+    """Mean number of live bricks per frame; null (unknown) without an extension."""
     live_last: int | None = None
     """Number of live bricks in the last frame; null without an extension."""
     adopted: int | None = None
-    """Number of bodies of prebuilt stacks that the core froze before the first step after they were set down; null
-    without an extension, and for a scene without a prebuilt stack."""
+    """Number of bodies of prebuilt stacks that the core froze before the first step after their placement; null without
+    an extension, and for a scene without a prebuilt stack."""
     watch_s: float | None = None
-    """Time [s] for which the trial watches after its last action."""
+    """Simulated time [s] for which the trial watches the scene after its last action."""
     creep_error_m_s: float | None = None
-    """Half width [m/s] of the 95 % interval of ``creep_m_s``; frames are not assumed to be independent. A stack creeps
+    """Half width [m/s] of the 95 % interval of ``creep_m_s``, which does not assume independent frames. A stack creeps
     if the whole interval lies above ``creep_limit_m_s``."""
     creep_limit_m_s: float | None = None
-    """Creep limit [m/s] of the brick of ``creep_m_s``: by default 1 % of its thickness per minute."""
+    """Creep limit [m/s] of the brick of ``creep_m_s``, by default 1 % of its thickness per minute."""
     creep_thickness_m: float | None = None
     """Thickness [m] of the brick of ``creep_m_s``."""
     sliding_m_s: float | None = None
@@ -185,48 +191,51 @@ class TrialRecord(BaseModel):
     sinking_m_s: float | None = None
     """Fastest vertical creep [m/s] of any centre, downward or upward."""
     mean_motion_m_s: float | None = None
-    """Of trials from before format 3, which called it creep: fastest mean motion [m/s] of a brick over the whole watch,
-    in which a stack still settles; null since."""
+    """Fastest mean motion [m/s] of a brick over the whole watch, including the settling of the stack; only in trials
+    from before format 3, which called it creep."""
     host: str | None = None
     """Name of the machine; timings of different machines are not comparable."""
     bridge_ms: float | None = None
-    """Mean time [ms] per frame of the transfer to an engine in a separate process, and back; it is in no other time.
-    Null for engines in the trial's process."""
+    """Mean time [ms] per frame of the transfer to an engine in a separate process and back, which no other time
+    includes. Null for an engine in the trial's own process."""
     onset_deg: float | None = None
     """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
-    if none did, and where no ground tilts."""
+    if no brick did, and if no ground tilts."""
     own_limit_deg: float | None = None
-    """Slope [deg] at which exact statics gives way with the points and normals of the engine's own contacts; null with
-    an extension, and where no ground tilts."""
+    """Slope [deg] at which exact statics finds no equilibrium with the points and normals of the engine's own contacts;
+    null with an extension, and if no ground tilts."""
     ridge_deg: float | None = None
-    """Greatest angle [deg] between the engine's normal where two leaning planks meet and the bisector; null where none
-    was seen."""
+    """Greatest angle [deg] between the bisector and the engine's contact normal where two leaning planks meet; null if
+    no such contact was seen."""
     asleep_s: float | None = None
-    """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null where no brick
-    must."""
+    """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null if no brick must
+    move."""
     moved_after_s: float | None = None
-    """Simulated time [s] in which the bricks that must move went as far as they must; null if one did not."""
+    """Simulated time [s] after which all bricks that must move had covered the distance that theory demands; null if a
+    brick had not."""
     carried_share: float | None = None
-    """Weight that the ground carries by the engine's contact forces, over that of all bricks: the mean of the frames in
-    which the finished stack is watched; null where forces were not audited or are not reported."""
+    """Weight that the ground carries by the engine's contact forces, over the weight of all bricks: mean over the
+    frames in which the finished stack is watched. Null if forces were not audited or the engine does not report
+    them."""
     cone_excess: float | None = None
-    """By how much the friction at the worst contact exceeds mu times its normal force, in mean weights of a brick: the
-    mean of those frames; null as before."""
+    """Friction force of the worst contact in excess of mu times its normal force, in mean weights of a brick: mean over
+    the frames of ``carried_share``. Null as ``carried_share``."""
     complementarity: float | None = None
-    """Natural residual of the worst contact, the lesser of its force in mean weights of a brick and its gap in
-    thicknesses, or its overlap: the mean of those frames; null as before, or without separations."""
+    """Greatest natural residual abs(min(f / w, s / h)) of a contact, with its normal force f, the mean weight w of a
+    brick, its separation s (negative for an overlap) and the least thickness h of a brick: mean over the frames of
+    ``carried_share``. Null as ``carried_share``, and if the engine reports no separations."""
 
     memory_mib: float | None = None
-    """Memory [MiB] by which the peak of the process's resident memory while the scene was played exceeded its size just
-    before the engine was opened: of the engine, of the extension and of what the harness records, and the pages of
-    programs used for the first time; of a trial that compiles a kernel also the compiler. Each trial has a process of
-    its own. Null where the system does not show it, and for engines in a separate process."""
+    """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus its size just before
+    the engine was opened. This includes the engine, the extension, the data recorded by the harness, the code pages
+    used for the first time and, if the trial compiles a kernel, the compiler. Null if the system does not report it,
+    and for an engine in a separate process."""
     solver_iterations: float | None = None
-    """Mean number of iterations of the engine's solver in the last step of a frame, of the island that took most; null
-    where the engine does not report them. Frames as in ``frame_ms_p50``."""
+    """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
+    iterations; null if the engine does not report them. The frames are those of ``frame_ms_p50``."""
     core_instructions: float | None = None
     """Mean number of instructions per frame of the core in user code, without port calls; null without an extension,
-    and where the system does not count them. Frames as in ``frame_ms_p50``."""
+    and if the system does not count them. The frames are those of ``frame_ms_p50``."""
 
     @model_validator(mode="before")
     @classmethod
@@ -241,23 +250,23 @@ class TrialRecord(BaseModel):
 
     @property
     def is_judged(self) -> bool:
-        """True if the outcome counts as right or wrong."""
+        """True if the verdict counts as right or wrong."""
         return self.verdict not in NOT_JUDGED
 
     @field_validator("message", "frame_ratio_message", mode="before")
     @classmethod
     def _without_escapes(cls, text: object) -> object:
-        """Remove the terminal escapes in the text that engines print and raise."""
+        """Remove terminal control sequences from text that an engine printed or raised."""
         return plain_text(text) if isinstance(text, str) else text
 
 
 class RecordWriter:
-    """Appends records to a file, each flushed to disk before the next trial starts."""
+    """Writer that appends records to a file, and flushes each to disk before the next trial starts."""
 
     def __init__(self, path: Path) -> None:
-        """Open ``path`` for appending, after removing a last line that was torn by an interruption."""
+        """Open ``path`` for appending, and remove a last line that an interruption left incomplete."""
         self.torn = _mend(path)
-        """True if there was a torn line."""
+        """True if the last line was incomplete."""
         self._file = path.open("a", encoding="utf-8")
 
     def append(self, record: TrialRecord) -> None:
@@ -272,13 +281,13 @@ class RecordWriter:
 
 
 def read_records(path: Path) -> list[TrialRecord]:
-    """Return all records of a file, in its order.
+    """Return all records of a file, in their order.
 
     Raises:
-        RecordError: if the file is missing or holds a line that is not a record of this format.
+        RecordError: if the file is missing, or contains a line that is not a record.
 
     Warns:
-        RecordWarning: if the last line was torn by an interruption; it is left out.
+        RecordWarning: if an interruption left the last line incomplete; it is left out.
     """
     try:
         return list(_records(path))
@@ -287,7 +296,7 @@ def read_records(path: Path) -> list[TrialRecord]:
             f"{path}: cannot be read (no such file): name a results folder, as written by 'bench run'"
         ) from error
     except OSError as error:
-        raise RecordError(f"{path}: cannot be read ({error.strerror})") from error
+        raise RecordError(f"{path}: cannot be read ({error.strerror}); name a readable results folder") from error
 
 
 def _records(path: Path) -> Iterator[TrialRecord]:
@@ -296,7 +305,7 @@ def _records(path: Path) -> Iterator[TrialRecord]:
             if not raw.strip():
                 continue
             if _is_torn(raw):
-                warnings.warn(f"{path}:{number}: the last line is torn and was left out", RecordWarning, stacklevel=4)
+                warnings.warn(f"{path}:{number}: the last line is incomplete: left out", RecordWarning, stacklevel=4)
                 return
             try:
                 yield TrialRecord.model_validate_json(raw)
@@ -305,7 +314,7 @@ def _records(path: Path) -> Iterator[TrialRecord]:
 
 
 def _is_torn(raw: bytes) -> bool:
-    """Return whether a line without a line break is incomplete; a line that lost only its line break is complete."""
+    """Return whether a line is incomplete; a line that lacks only its line break is complete."""
     if raw.endswith(b"\n"):
         return False
     try:
@@ -319,16 +328,16 @@ def _reason(error: ValidationError) -> str:
     first = error.errors(include_url=False)[0]
     field = ".".join(map(str, first["loc"]))
     if first["type"] == "json_invalid":
-        return f"not a line of JSON ({first['msg']})"
+        return f"not a line of JSON ({first['msg']}); restore the file, or remove the line and run its trial again"
     if field == "format":
         if isinstance(first["input"], int) and first["input"] > FORMAT:
             return f"a record of format {first['input']}, newer than this suite's {FORMAT}: update the suite"
-        return f"not a record of format {FORMAT} ({first['msg']}, got {first['input']!r})"
-    return f"not a trial record: field '{field}': {first['msg']}"
+        return f"not a record of format {FORMAT} ({first['msg']}, got {first['input']!r}); restore the file"
+    return f"not a trial record: field '{field}': {first['msg']}; restore the file, or run the trial again"
 
 
 def _mend(path: Path) -> bool:
-    """Remove a torn last line, so that appended records start on a new line; return True if there was one."""
+    """Make the file end with a complete line; return True if an incomplete last line was removed."""
     if not path.exists():
         return False
     content = path.read_bytes()

@@ -70,7 +70,7 @@ def test_a_report_of_no_trial_is_refused_and_a_torn_line_reported(tmp_path) -> N
     path.write_text(f"{record}\n{record[:50]}")
     printed = call("report", str(tmp_path), status=0)
     assert "warning:" in printed
-    assert "trials.jsonl:2: the last line is torn and was left out" in printed
+    assert "trials.jsonl:2: the last line is incomplete: left out" in printed
 
 
 def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_path) -> None:
