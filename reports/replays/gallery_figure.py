@@ -1,4 +1,4 @@
-"""A figure of stills: the final states of some stacks, side by side."""
+"""A figure that shows stills, the pictures of the final states of stacks, side by side."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ from reports.statistics.groups import Group, GroupKey, ordered_policies
 from reports.tables.outcomes import outcome
 
 _INCHES, _TITLE_INCHES = 2.1, 0.3
+"""Width of a still and height of a title [inch]."""
 
 
 def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: str, scenes: Sequence[str]) -> Figure:
-    """Return stills of one engine: a row per scene, a column per policy.
+    """Draw the stills of one engine and profile: a row per scene, a column per policy.
 
     Args:
-        stills: folder with the stills.
-        groups: groups of the study.
+        stills: folder of the stills.
+        groups: groups of trials of the study.
         engine: the engine to show.
         profile: the profile to show.
-        scenes: the scenes to show, in this order.
+        scenes: ids of the scenes to show, in this order.
 
     Raises:
-        FileNotFoundError: if one of the stills is missing.
+        FileNotFoundError: if a still is missing.
     """
     by_key = {group.key: group for group in groups}
     policies = ordered_policies(key.policy for key in by_key if key[1:3] == (engine, profile))
@@ -49,6 +50,10 @@ def gallery_figure(stills: Path, groups: Sequence[Group], engine: str, profile: 
 
 
 def _without_margins(pictures: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return pictures of one height without the rows that are empty in all of them, shape (height, width, 4) each."""
+    """Return pictures without the rows from top and bottom that are empty in all of them.
+
+    Args:
+        pictures: pictures of the same height, each of shape (height, width, 4).
+    """
     drawn = np.flatnonzero(np.any([picture[..., 3].any(axis=1) for picture in pictures], axis=0))
     return [picture[drawn[0] : drawn[-1] + 1] if len(drawn) else picture for picture in pictures]

@@ -1,8 +1,8 @@
-"""A recording as an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
+"""Conversion of a recording to an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
-Each brick is a node with an animated pose. Below it is a box for each state of the brick, of which the animation shows
-one at a time (scale 1 or 0, in steps). Fixed boxes are static nodes. glTF's y axis points up, so the root node turns
-the z axis to it.
+Each brick is a node with an animated pose. The node has a child box for each state of the brick. The animation shows
+one of these boxes at a time: its scale is the size of the brick, and the scale of the others is 0. Fixed boxes are
+static nodes. The root node turns the z axis into the y axis, because the y axis of glTF points up.
 """
 
 from __future__ import annotations
@@ -19,18 +19,22 @@ from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Reco
 from scenarios.model import Brick
 
 COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
-"""Linear red, green and blue by state; removed bricks are not shown."""
+"""Colours by state: linear red, green and blue from 0 to 1. Removed bricks are not shown."""
 _FIXED = "fixed"
 _MATERIALS = {**COLOURS, _FIXED: (0.30, 0.32, 0.34)}
-"""The colours by state, and the grey of boxes that never move."""
+"""Colours by state, and the colour of fixed boxes."""
 _FLOAT, _SHORT = 5126, 5123
+"""Component types of glTF."""
 _VERTICES, _INDICES = 34962, 34963
+"""Targets of buffer views of glTF."""
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
+"""Types of chunks of GLB."""
 _ALIGNMENT = 4
+"""Alignment of arrays and chunks [bytes]."""
 
 
 class _Buffer:
-    """The file's one buffer, with a view and an accessor for each array."""
+    """The binary buffer of the file, with a view and an accessor for each array."""
 
     def __init__(self) -> None:
         self.content = bytearray()
@@ -38,7 +42,13 @@ class _Buffer:
         self.accessors: list[dict[str, Any]] = []
 
     def add(self, values: npt.NDArray[Any], kind: str, target: int | None = None) -> int:
-        """Append an array, shape (n,) or (n, k), as accessors of ``kind`` (SCALAR, VEC3, VEC4); return its index."""
+        """Append an array and return the index of its accessor.
+
+        Args:
+            values: the array, shape (n,) or (n, k).
+            kind: type of the accessor: SCALAR, VEC3 or VEC4.
+            target: target of the buffer view; None for animation data.
+        """
         self.content += bytes(-len(self.content) % _ALIGNMENT)
         view = {"buffer": 0, "byteOffset": len(self.content), "byteLength": values.nbytes}
         self.content += values.tobytes()
@@ -56,10 +66,10 @@ class _Buffer:
 
 
 def to_glb(recording: Recording) -> bytes:
-    """Return the whole recording as one file."""
+    """Return the content of the GLB file of a recording."""
     buffer = _Buffer()
     meshes = _boxes(buffer)
-    turn = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # about x, so that z points up
+    turn = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # by -90 degrees about x, so that z points up
     nodes: list[dict[str, Any]] = [{"name": "stack", "rotation": turn, "children": []}]
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
@@ -87,7 +97,7 @@ def to_glb(recording: Recording) -> bytes:
         animate(index, "translation", times, buffer.add(position, "VEC3"), "LINEAR")
         animate(index, "rotation", times, buffer.add(quaternion, "VEC4"), "LINEAR")
         changes = rows[np.flatnonzero(np.diff(recording.state[rows], prepend=-1))]
-        begun = np.concatenate([[0], recording.frame[changes] + 1]) * recording.frame_s  # at first there is no brick
+        begun = np.concatenate([[0], recording.frame[changes] + 1]) * recording.frame_s  # no brick before the first row
         steps = buffer.add(begun.astype(np.float32), "SCALAR")
         for child, state in zip(children, states, strict=True):
             nodes.append({"name": state, "mesh": list(COLOURS).index(state), "scale": [0.0, 0.0, 0.0]})
@@ -120,7 +130,14 @@ def _fixed_node(box: Brick) -> dict[str, Any]:
 def _keyframes(
     recording: Recording, rows: npt.NDArray[np.int64]
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return frames and rows of a brick's keys; a row that holds for long is repeated just before the next one."""
+    """Return the frames and the rows of a brick's keyframes.
+
+    A row that holds for more than one kept frame is repeated just before the next row, because glTF interpolates.
+
+    Args:
+        recording: the recording.
+        rows: rows of the brick in the recording, shape (n,).
+    """
     frames = recording.frame[rows].astype(np.int64)
     held = np.flatnonzero(np.diff(frames) > recording.every)
     every_frame = np.concatenate([frames, frames[held + 1] - recording.every])
@@ -129,7 +146,7 @@ def _keyframes(
 
 
 def _boxes(buffer: _Buffer) -> list[dict[str, Any]]:
-    """Return a unit cube for each colour, with the same 24 corners: four per face, so that edges are sharp."""
+    """Return a mesh for each material: a unit cube with 24 vertices, four per face, so that edges are sharp."""
     corners: list[npt.NDArray[np.float64]] = []
     normals: list[npt.NDArray[np.float64]] = []
     triangles: list[int] = []
@@ -163,7 +180,7 @@ def _materials() -> list[dict[str, Any]]:
 
 
 def _packed(content: dict[str, Any], binary: bytes) -> bytes:
-    """Return the GLB container: a header, a chunk of JSON and a chunk of bytes, each padded to four bytes."""
+    """Return the GLB container: a header, a JSON chunk and a binary chunk, each padded to four bytes."""
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % _ALIGNMENT)
     binary += bytes(-len(binary) % _ALIGNMENT)

@@ -1,6 +1,7 @@
-"""Draw bricks by PyVista off screen: ``python -m reports.replays.rendering JOBS`` draws a file of jobs.
+"""Draw bricks off screen with PyVista: ``python -m reports.replays.rendering JOBS`` draws the jobs in the file JOBS.
 
-It runs as a separate program, started by ``reports.replays.stills``, because VTK without a renderer ends the process.
+``reports.replays.stills`` starts this module as a separate process, because VTK ends its process if the machine has no
+renderer.
 """
 
 from __future__ import annotations
@@ -20,30 +21,32 @@ FloatArray = npt.NDArray[np.float64]
 
 _CORNERS = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
 _FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
-"""Corners of a box, and its faces, each counterclockwise from outside."""
+"""Corners of the unit cube, shape (8, 3), and its faces as indices of corners, counterclockwise seen from outside."""
 _TURN, _LIFT, _VIEW_ANGLE = -1.2, 0.3, 30.0
-"""Direction of view, as in a replay [rad, rad], and view angle [deg]."""
+"""Azimuth and elevation of the camera [rad], as in a replay, and its view angle [deg]."""
 _OVERSAMPLING = 2
-"""Factor by which pictures are drawn larger and then reduced, which smooths edges with any software renderer."""
+"""Factor by which a picture is drawn larger before it is reduced, so that edges are smooth with any renderer."""
 _TO_SUN = np.array([-0.5, -0.9, 1.6])
+"""Direction toward the sun, shape (3,), world frame, not normalised."""
 _SUNS, _SUN_RADIUS = 8, 0.12
-"""Points on the sun's disc whose shadows are averaged for soft edges; PyVista's own shadows are hard and grey."""
+"""Number of points on the disc of the sun, and radius of the disc for a distance of 1. Their shadows are averaged for
+soft edges, because PyVista's own shadows are hard and grey."""
 _DARKEST, _SHADOW_PIXELS, _BLUR_PIXELS = 110, 320, 1.5
-"""Darkest value (of 255), size and blur [pixels] of the shadow on the ground."""
+"""Opacity of the full shadow (0 to 255), edge of its picture [pixels] and radius of its blur [pixels]."""
 _EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "line_width": 1.5}
 
 
 def render(jobs: Sequence[Mapping[str, Any]], pixels: int) -> None:
-    """Draw each job's ``bricks`` into its ``path``, on a transparent ground.
+    """Draw a picture for each job, with a transparent background.
 
     Args:
-        jobs: each with ``bricks`` (size, position [m], quaternion, colour) and with the corners ``low`` and ``high``
-            [m] of the visible space.
+        jobs: jobs with the path of the picture ``path``, the ``bricks`` (size [m], position [m], quaternion (w, x, y,
+            z), colour) and the corners ``low`` and ``high`` of the visible space [m].
         pixels: edge length of the square pictures.
     """
     for job in jobs:
         plotter = pv.Plotter(off_screen=True, window_size=[_OVERSAMPLING * pixels] * 2, lighting="none")
-        plotter.set_background("black")  # visible where a picture is half transparent: in the shadow
+        plotter.set_background("black")  # visible through the half-transparent shadow
         low, high = np.array(job["low"]), np.array(job["high"])
         corners = np.array([_corners(brick) for brick in job["bricks"]]).reshape(-1, 8, 3)
         if len(corners):
@@ -57,7 +60,7 @@ def render(jobs: Sequence[Mapping[str, Any]], pixels: int) -> None:
 
 
 def _corners(brick: Mapping[str, Any]) -> FloatArray:
-    """Return a brick's corners [m], shape (8, 3)."""
+    """Return the corners of a brick [m], shape (8, 3), world frame."""
     w, x, y, z = np.array(brick["quaternion"]) / np.linalg.norm(brick["quaternion"])
     turn = np.array(
         [
@@ -85,7 +88,13 @@ def _mesh(corners: FloatArray, bricks: Sequence[Mapping[str, Any]]) -> pv.PolyDa
 
 
 def _ground(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[pv.PolyData, pv.Texture]:
-    """Return a plane that shows only the bricks' shadow."""
+    """Return the ground plane and its texture, which is transparent except for the shadow of the bricks.
+
+    Args:
+        corners: corners of the bricks [m], shape (n, 8, 3), world frame.
+        low: lower corner of the visible space [m], shape (3,).
+        high: upper corner of the visible space [m], shape (3,).
+    """
     centre, half = (low + high)[:2] / 2, 2.0 * float(np.linalg.norm(high - low))
     plane = pv.Plane(center=(*centre, 0.0), i_size=2 * half, j_size=2 * half)
     alpha = _shadow((corners - [*(centre - half), 0]) / (2 * half) * _SHADOW_PIXELS)
@@ -95,10 +104,10 @@ def _ground(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[pv.
 
 
 def _shadow(corners: FloatArray) -> npt.NDArray[np.uint8]:
-    """Return the darkness of the ground, seen from above.
+    """Return the opacity of the shadow on the ground, seen from above, shape (``_SHADOW_PIXELS``, ``_SHADOW_PIXELS``).
 
     Args:
-        corners: corners of the bricks, in pixels, shape (n, 8, 3).
+        corners: corners of the bricks [pixels], shape (n, 8, 3).
     """
     sun, rng = _TO_SUN / np.linalg.norm(_TO_SUN), np.random.default_rng(0)
     right = np.cross(sun, [0.0, 0.0, 1.0])
@@ -106,7 +115,7 @@ def _shadow(corners: FloatArray) -> npt.NDArray[np.uint8]:
     for angle, radius in zip(np.arange(_SUNS) * 2 * np.pi / _SUNS, np.sqrt(rng.uniform(size=_SUNS)), strict=True):
         ray = sun + _SUN_RADIUS * radius * (np.cos(angle) * right + np.sin(angle) * np.cross(sun, right))
         flat = corners[..., :2] - corners[..., 2:] * ray[:2] / ray[2]
-        flat[..., 1] = _SHADOW_PIXELS - flat[..., 1]  # a picture's rows run down
+        flat[..., 1] = _SHADOW_PIXELS - flat[..., 1]  # the rows of a picture run downward
         image = Image.new("L", total.shape)
         draw = ImageDraw.Draw(image)
         for face in flat[:, _FACES].reshape(-1, 8).tolist():

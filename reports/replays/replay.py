@@ -1,7 +1,8 @@
-"""A replay that opens in any browser, offline: play, scrub, turn, several trials side by side.
+"""A replay: a page for any browser, offline, that plays recorded trials side by side.
 
-The page draws with three.js, which the wheel `jupyter-threejs-sage` ships. The script is written once beside the
-replays, because a page opened from a disk may load a classic script from its own folder, but neither modules nor data.
+The page draws with three.js, which the wheel `jupyter-threejs-sage` contains. The script of three.js is written once
+beside the replays, because a page opened from disk may load a classic script from its own folder, but neither modules
+nor data.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Replayed:
 
     @property
     def end(self) -> str:
-        """The outcome, in a word or two."""
+        """Outcome of the trial in a few words."""
         record = self.record
         if record.collapse_level is not None:
             return f"{'sank' if record.collapse_kind == 'sink' else 'fell'} at level {record.collapse_level}"
@@ -44,12 +45,12 @@ class Replayed:
 
 
 def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
-    """Write ``NAME.html``, and the script that it needs, into a folder.
+    """Write the replay ``NAME.html``, and the script that it needs, into a folder; return the path of the page.
 
     Args:
-        folder: created if necessary.
+        folder: folder of the replays, created if necessary.
         name: file name of the page, without its suffix.
-        trials: shown side by side, at least one; at the same simulated time.
+        trials: trials to show side by side at the same simulated time, at least one.
     """
     folder.mkdir(parents=True, exist_ok=True)
     script = resources.files(_THREE[0]).joinpath(_THREE[1])
@@ -90,7 +91,10 @@ def _described(trial: Replayed) -> dict[str, Any]:
 
 
 def _packed(columns: np.ndarray) -> str:
-    """Return differences along each column, shape (columns, n), as bytes by significance, deflated, in base64."""
+    """Compress integer columns, shape (columns, n), into a base64 text.
+
+    The differences along each column are split into bytes, grouped by significance, and deflated.
+    """
     differences = np.diff(columns, axis=1, prepend=0).astype("<i4")
     by_byte = np.ascontiguousarray(differences).view(np.uint8).reshape(-1, 4).T
     return base64.b64encode(zlib.compress(by_byte.tobytes(), 9)).decode()

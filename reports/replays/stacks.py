@@ -1,6 +1,6 @@
-"""Stacks of a results folder with their recordings: the replays and stills of a report.
+"""Replays and stills of the stacks of a results folder.
 
-A stack here is the trials of one scene, engine, profile, seed and repeat under all policies.
+In this module, a stack is the list of the trials of one scene, engine, profile, seed and repeat under all policies.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import ordered_policies
 
 MOST_STILLS = 120
-"""Most stills drawn without being requested: a run of the paper's stacks has fewer, which take some 30 s."""
+"""Greatest number of stills that are drawn without a request; the paper's stacks have fewer, which take about 30 s."""
 
 
 def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:
-    """Return the first recorded seed of each scene, engine and profile, under all policies."""
+    """Return the stack with the first recorded seed and repeat, for each scene, engine and profile."""
     stacks: dict[tuple[object, ...], list[TrialRecord]] = {}
     for record in sorted(records, key=lambda record: (record.seed, record.repeat)):
         if ResultsFolder(folder).recording_file(record.trial).exists():
@@ -29,7 +29,7 @@ def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[Tria
 
 
 def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
-    """Return the trials whose recording exists and is complete."""
+    """Return the trials with a complete recording, each with its recording."""
     found = []
     for record in records:
         try:
@@ -40,7 +40,7 @@ def read_stack(folder: Path, records: Sequence[TrialRecord]) -> list[Replayed]:
 
 
 def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None:
-    """Write the replay of each stack beside the report."""
+    """Write the replays of stacks into the report of a results folder."""
     for those in stacks:
         trials = read_stack(folder, those)
         if trials:
@@ -48,27 +48,30 @@ def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None
 
 
 def write_stack_replay(folder: Path, trials: Sequence[Replayed]) -> Path:
-    """Write the replay of one stack beside the report, policies in their usual order; return the page."""
+    """Write the replay of one stack into the report, with policies in their usual order; return its path."""
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
     return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials)
 
 
 def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:
-    """Draw how each trial ended, beside the report; return why some were not drawn, or an empty text.
+    """Draw the stills of stacks into the report of a results folder.
 
     Stills that are newer than the records are kept.
 
     Args:
         folder: a results folder.
         stacks: the stacks whose trials are drawn.
-        however_many: False to draw none if there are more than ``MOST_STILLS``.
+        however_many: False to draw no stills if there are more than ``MOST_STILLS``.
+
+    Returns:
+        A message with the reason for which stills were not drawn; empty if all were drawn.
     """
     stills, changed = folder / "report" / "stills", ResultsFolder(folder).trials_file.stat().st_mtime
     waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]
     count = sum(map(len, waiting))
     if count > MOST_STILLS and not however_many:
-        return f"{count} stills would take minutes and were not drawn: uv run -m bench report {folder} --stills"
+        return f"{count} stills were not drawn, because they take minutes: uv run -m bench report {folder} --stills"
     try:
         write_stills(stills, (read_stack(folder, those) for those in waiting))
     except StillsError as error:
@@ -81,5 +84,5 @@ def _is_older(path: Path, time: float) -> bool:
 
 
 def stack_of(record: TrialRecord) -> tuple[object, ...]:
-    """Return the properties shared by trials that differ in their policy only."""
+    """Return the properties that all trials of a stack share."""
     return record.scene, record.engine, record.profile, record.seed, record.repeat

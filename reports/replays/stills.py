@@ -1,4 +1,4 @@
-"""Stills: the final state of each trial as a picture, with frozen, live and fallen bricks coloured as in a replay."""
+"""Stills: pictures of the final states of trials, with live, frozen and fallen bricks in different colours."""
 
 from __future__ import annotations
 
@@ -17,33 +17,34 @@ from reports.records.recording import FIXED_FIELDS, LENGTH_STEP, REMOVED, STATES
 from reports.replays.replay import Replayed
 
 _ROOT = Path(__file__).parents[2]
-"""The checkout."""
+"""Folder of the checkout."""
 PIXELS = 240
-"""Edge length of a still: sharp at the 120 to 160 pixels of a page, and drawn in about a third of a second."""
+"""Edge length of a still [pixels]: sharp at the 120 to 160 pixels of a page, and drawn in about 0.3 s."""
 COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
-"""Colours as in a replay: amber, blue and dark red also differ in lightness, for colour-blind readers."""
+"""Colours by state, as in a replay: red, green and blue from 0 to 255. They also differ in lightness, so that
+colour-blind readers can distinguish them."""
 FIXED_COLOUR = (150, 154, 158)
-"""Grey of boxes that never move."""
+"""Colour of boxes that never move."""
 _TINT = 0.08
-"""Variation of lightness between bricks, so that neighbours can be distinguished."""
+"""Greatest relative change of a brick's lightness, so that neighbours can be distinguished."""
 _LONGEST_S = 900
-"""Time [s] after which the renderer is stopped."""
+"""Time after which the renderer is stopped [s]."""
 
 
 class StillsError(RuntimeError):
-    """A picture that could not be drawn; the message names the fix."""
+    """A failure to draw stills; the message names the reason and, if known, the fix."""
 
 
 def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int = PIXELS) -> None:
     """Draw the still of every trial.
 
     Args:
-        folder: created if necessary.
-        stacks: trials of one stack each, which are shown from the same direction.
+        folder: folder of the stills, created if necessary.
+        stacks: lists of trials; the trials of a list are drawn with the same camera.
         pixels: edge length of the square pictures.
 
     Raises:
-        StillsError: if there is no renderer.
+        StillsError: if the machine has no renderer, or the renderer fails or takes too long.
     """
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [job for stack in stacks for job in _jobs(folder, stack)]
@@ -56,25 +57,25 @@ def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int
 
 
 def _render(order: Path) -> None:
-    """Draw in a separate process, because VTK without a renderer ends the process by a fault that cannot be caught."""
+    """Draw in a separate process, because VTK ends its process if the machine has no renderer."""
     command = [sys.executable, "-m", "reports.replays.rendering", str(order)]
     try:
         subprocess.run(command, cwd=_ROOT, capture_output=True, text=True, check=True, timeout=_LONGEST_S)
     except subprocess.TimeoutExpired as error:
-        raise StillsError(f"the stills took more than {_LONGEST_S} s and were stopped") from error
+        raise StillsError(f"the stills took more than {_LONGEST_S} s and were stopped: run the report again") from error
     except subprocess.CalledProcessError as error:
         raise StillsError(_reason(error)) from error
 
 
 def _reason(error: subprocess.CalledProcessError) -> str:
     if error.returncode < 0:
-        return "no stills: this machine has no renderer: apt-get install libegl1, or libosmesa6"
+        return "no stills, because this machine has no renderer: apt-get install libegl1, or libosmesa6"
     last = error.stderr.strip().splitlines()[-1]
     return f"no stills: {last}" + (": uv sync" if "No module named" in last else "")
 
 
 def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
-    """Return the renderer's jobs for the trials of one stack."""
+    """Return the jobs of the renderer for the trials of one stack."""
     drawn = [_drawn(trial) for trial in stack]
     corners = [corner for bricks, spans in drawn for corner in spans]
     if not corners:
@@ -87,7 +88,10 @@ def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
 
 
 def _drawn(trial: Replayed) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
-    """Return the bricks present at the end, the fixed boxes, and the corners [m] of the space around them."""
+    """Return the final bricks with the fixed boxes, and corners [m] that span the visible space.
+
+    The corners, each of shape (3,), are those of the fixed boxes and of all bricks at their first positions.
+    """
     recording, rng = trial.recording, np.random.default_rng(0)
     bricks, corners = [], []
     first = np.flatnonzero(np.diff(recording.body, prepend=-1))

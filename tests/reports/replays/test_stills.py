@@ -80,7 +80,7 @@ def test_policies_are_seen_from_the_same_place(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("last_words", "output"),
     [
-        ("kill -SEGV $$", "no stills: this machine has no renderer: apt-get install libegl1, or libosmesa6"),
+        ("kill -SEGV $$", "no stills, because this machine has no renderer: apt-get install libegl1, or libosmesa6"),
         ("echo \"No module named 'pyvista'\" >&2; exit 1", "no stills: No module named 'pyvista': uv sync"),
         ("echo 'OSError: no space' >&2; exit 1", "no stills: OSError: no space"),
     ],
@@ -102,7 +102,7 @@ def study(folder: Path, count: int) -> tuple[Path, list[TrialRecord]]:
 def test_too_many_stills_are_drawn_only_when_asked_for(tmp_path) -> None:
     folder, records = study(tmp_path / "many", MOST_STILLS + 1)
     output = draw_stills(folder, [[one] for one in records], however_many=False)
-    assert output.startswith(f"{MOST_STILLS + 1} stills would take minutes")
+    assert output.startswith(f"{MOST_STILLS + 1} stills were not drawn, because they take minutes")
     assert output.endswith(f"bench report {folder} --stills")
     assert not (folder / "report").exists()
 
