@@ -1,1 +1,1 @@
-"""Statistics of trials: groups, success rates, intervals, survival."""
+"""Statistics of trials: groups, success rates, intervals and survival curves."""

@@ -16,9 +16,9 @@ from scenarios.model import Expectation
 
 Item = TypeVar("Item")
 ALONE = "none"
-"""The policy without an extension, with which all others are compared."""
+"""Name of the policy without an extension, with which all other policies are compared."""
 LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
-"""Policies in the order in which they are listed; others follow in order of appearance."""
+"""Policies that lists begin with, in this order; other policies follow in order of appearance."""
 
 
 class GroupKey(NamedTuple):
@@ -32,7 +32,7 @@ class GroupKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Group:
-    """Trials that differ in seed and repeat only."""
+    """Group of trials, which differ only in seed and repeat."""
 
     key: GroupKey
     trials: tuple[TrialRecord, ...]
@@ -49,28 +49,28 @@ class Group:
 
     @property
     def expectation(self) -> Expectation:
-        """Expectation of the exact build, or of the first build."""
+        """Expectation of the first trial, which has no placement noise if the group includes seed 0."""
         return self.trials[0].expectation
 
     @property
     def levels_planned(self) -> int:
-        """Levels of the whole scene."""
+        """Number of levels of the whole scene."""
         return self.trials[0].levels_planned
 
     @cached_property
     def by_seed(self) -> dict[int, list[TrialRecord]]:
-        """Repeats of each seed, in order."""
+        """Trials of each seed, in the order of their repeats."""
         in_order = sorted(self.trials, key=lambda trial: (trial.seed, trial.repeat))
         return {repeats[0].seed: repeats for repeats in grouped(in_order, "seed").values()}
 
     @cached_property
     def draws(self) -> list[TrialRecord]:
-        """The first repeat of each seed, because repeats are no further evidence of outcomes."""
+        """First repeat of each seed; further repeats are left out, because they add no evidence of outcomes."""
         return [repeats[0] for repeats in self.by_seed.values()]
 
     @cached_property
     def judged(self) -> list[TrialRecord]:
-        """Draws with a known answer that were decided; a trial stopped by the time limit is slow, not wrong."""
+        """Judged trials among ``draws``: see ``judged_trials``."""
         return judged_trials(self.draws)
 
     def count(self, verdict: Verdict) -> int:
@@ -79,26 +79,29 @@ class Group:
 
     @cached_property
     def lifetimes(self) -> dict[int, Lifetime]:
-        """Lifetime of the stack of each seed, without stacks whose process failed."""
+        """Lifetime of the stack of each seed, without trials whose process failed."""
         return {trial.seed: life for trial in self.draws if (life := lifetime(trial)) is not None}
 
     @cached_property
     def survival(self) -> Survival | None:
-        """The survival curve by level; None if no stack was seen."""
+        """Survival curve over levels; None if there are no lifetimes."""
         return kaplan_meier(list(self.lifetimes.values())) if self.lifetimes else None
 
     def values(self, field: str) -> list[float]:
-        """Return a measured field, one value per seed: the median of its repeats. Seeds without it are left out."""
+        """Return one value of a field per seed, the median of its repeats; seeds without a value are left out."""
         seeds = ([getattr(trial, field) for trial in repeats] for repeats in self.by_seed.values())
         measured = ([value for value in repeats if value is not None] for repeats in seeds)
         return [statistics.median(repeats) for repeats in measured if repeats]
 
     def measured(self, field: str) -> list[float]:
-        """Return a measured field, one value per trial, repeats included. Trials without it are left out."""
+        """Return one value of a field per trial, including repeats; trials without a value are left out."""
         return [value for trial in self.trials if (value := getattr(trial, field)) is not None]
 
     def estimate(self, field: str) -> Estimate | None:
-        """Return the median of a field over seeds. Times of several machines have no common median."""
+        """Return the median of a field over seeds; None without values, and for times of several machines.
+
+        Times of several machines have no common median, because they are not comparable.
+        """
         several = len({trial.host for trial in self.trials if trial.timed_frames is not None}) > 1
         if several and "_ms" in field:
             return None
@@ -106,7 +109,7 @@ class Group:
 
 
 def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
-    """Return the groups of a study: scenes and set-ups in order of appearance, policies in their usual order."""
+    """Return the groups of trials, with scenes and engines in order of appearance and policies in their usual order."""
     groups = {GroupKey(*key): trials for key, trials in grouped(records, *GroupKey._fields).items()}
     first = [_ranks(keys) for keys in zip(*groups, strict=True)][:3]
     policies = _ranks(ordered_policies(key.policy for key in groups))
@@ -116,11 +119,11 @@ def groups_of(records: Iterable[TrialRecord]) -> list[Group]:
 
 
 def grouped(items: Iterable[Item], *fields: str) -> dict[tuple[Any, ...], list[Item]]:
-    """Return items by the values of some fields, in order of appearance.
+    """Group items by the values of fields; return the items by these values, in order of appearance.
 
     Args:
-        items: trials, groups of them, or rows of a table.
-        fields: their attributes; ``key.scene`` is the attribute of an attribute.
+        items: trials, groups of trials, or rows of a table.
+        fields: names of attributes of an item; ``key.scene`` is an attribute of an attribute.
     """
     values = [attrgetter(field) for field in fields]
     groups: dict[tuple[Any, ...], list[Item]] = {}
@@ -130,13 +133,13 @@ def grouped(items: Iterable[Item], *fields: str) -> dict[tuple[Any, ...], list[I
 
 
 def ordered_policies(names: Iterable[str]) -> list[str]:
-    """Return policies in their usual order, each once."""
+    """Return the distinct policies in their usual order (``LEADING_POLICIES`` first)."""
     present = dict.fromkeys(names)
     return [name for name in LEADING_POLICIES if name in present] + [n for n in present if n not in LEADING_POLICIES]
 
 
 def compare_groups(group: Group, other: Group) -> PairedTest | None:
-    """Return the test of two policies on the same stacks, paired by seed; None if they share none."""
+    """Return the test of two groups on the same stacks, paired by seed; None if they share no seed."""
     shared = [seed for seed in group.lifetimes if seed in other.lifetimes]
     return compare_pairs([(group.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
 
@@ -146,5 +149,8 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 
 
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Return trials with a known answer that were decided: a trial stopped by its time limit is slow, not wrong."""
+    """Return the trials that were decided and whose scene has a known answer.
+
+    A trial stopped by its time limit is left out, because it was slow, not wrong.
+    """
     return [trial for trial in trials if trial.is_judged]

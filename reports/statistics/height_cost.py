@@ -1,7 +1,7 @@
-"""The cost of height: levels reached against milliseconds per frame, for engines with several set-ups.
+"""The cost of height: levels that stood against milliseconds per frame, for engines with several profiles.
 
-A frame's time is the median over the frames in which the highest level that stood was the top level: the cost of a
-stack at its tallest. A stack that fell early therefore has the time of the standing stack, not of its rubble.
+The frame time of a trial is the median over the frames in which the highest level that stood was the top level.
+Therefore the time of a stack that fell early is that of the standing stack, not that of the fallen bricks.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from reports.records.trial import CENSORED, TrialRecord
 from reports.statistics.groups import GroupKey, grouped
 
 LEAST_SET_UPS = 3
-"""Fewest profiles of an engine on a scene that make a comparison of costs; other tables compare two."""
+"""Fewest profiles of an engine on a scene for which costs are compared, because other tables compare two profiles."""
 
 
 @dataclass(frozen=True, slots=True)
 class CostPoint:
-    """One engine, with one set-up, on one scene under one policy; medians over its trials."""
+    """Levels and frame time of a group of trials, each as the median over its trials."""
 
     scene: str
     engine: str
@@ -31,13 +31,15 @@ class CostPoint:
     levels: float
     """Number of levels that stood."""
     planned: int
+    """Number of levels of the whole scene."""
     is_bound: bool
-    """True if a trial was stopped by its time limit, so that ``levels`` is a lower bound."""
+    """True if the time limit stopped a trial, so that ``levels`` is a lower bound."""
     frame_ms: float
+    """Frame time [ms]."""
 
 
 def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]:
-    """Return the points of a results folder; none for engines with one or two set-ups."""
+    """Return the cost points of a results folder, for engines with at least ``LEAST_SET_UPS`` profiles on a scene."""
     set_ups = {key: {one.profile for one in trials} for key, trials in grouped(records, "scene", "engine").items()}
     points = []
     for values, trials in grouped(records, *GroupKey._fields).items():
@@ -50,7 +52,7 @@ def cost_points(folder: Path, records: Sequence[TrialRecord]) -> list[CostPoint]
 
 
 def _point(key: GroupKey, timed: Sequence[tuple[TrialRecord, float]]) -> CostPoint:
-    """Return the point of a group, from its trials with their frame times [ms]."""
+    """Return the cost point of a group, from its trials with their frame times [ms]."""
     return CostPoint(
         *key,
         levels=statistics.median(trial.height_levels for trial, _ in timed),
@@ -61,7 +63,7 @@ def _point(key: GroupKey, timed: Sequence[tuple[TrialRecord, float]]) -> CostPoi
 
 
 def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
-    """Return the median frame time [ms] while the highest standing level was on top; None without such a frame."""
+    """Return the median frame time [ms] while the highest level that stood was the top level; None without frames."""
     frames = ResultsFolder(folder).frames_file(record.trial)
     if not record.height_levels or record.timed_frames is None or not frames.exists():
         return None
@@ -71,7 +73,7 @@ def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
 
 
 def frontier(points: Sequence[CostPoint]) -> list[CostPoint]:
-    """Return the points that no other point beats: each reaches higher than all that cost as much or less, by cost."""
+    """Return the Pareto front, sorted by frame time: points with more levels than every point of equal or less cost."""
     best: list[CostPoint] = []
     for point in sorted(points, key=lambda point: (point.frame_ms, -point.levels)):
         if not best or point.levels > best[-1].levels:

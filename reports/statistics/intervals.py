@@ -1,4 +1,4 @@
-"""Medians, spreads and rates, with the intervals that the number of seeds allows; none for a single seed."""
+"""Medians, ratios and success rates with their intervals; a single seed gives no interval."""
 
 from __future__ import annotations
 
@@ -6,36 +6,37 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # scipy.stats takes seconds to load, so it is loaded on first use
+import scipy  # scipy loads scipy.stats, which takes seconds, only on first use
 
 from reports.statistics.survival import CONFIDENCE
 
 RESAMPLES = 2000
-"""Bootstrap samples: the end of a 95 % interval is then known to about a fiftieth of the interval's width."""
+"""Number of bootstrap samples, with which the end of a 95 % interval has an error of about 1/50 of its width."""
 LEAST_RATIOS = 5
-"""Fewest pairs of times for which a ratio is given: on a shared machine single ratios differ by a factor of 2, and the
-range of five encloses the median with 93.75 %."""
+"""Fewest pairs of times for which a ratio is given, because on a shared machine single ratios differ by a factor of 2.
+The range of five ratios encloses the true median with a probability of 93.75 %."""
 _SEED = 20150608
 """Seed of the bootstrap, so that a report can be reproduced."""
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number with its interval."""
+    """An estimated value with its interval."""
 
     n: int
-    """Number of values behind it."""
+    """Number of values from which the estimate is computed."""
     value: float
     low: float | None = None
+    """Lower end of the 95 % interval; None if n is too small for an interval."""
     high: float | None = None
-    """Ends of the 95 % interval; None where n does not allow one."""
+    """Upper end of the 95 % interval; None if n is too small for an interval."""
 
 
 def median(values: Sequence[float]) -> Estimate | None:
-    """Return the median, with a percentile interval of the bootstrap over values; None without values.
+    """Return the median with its bootstrap percentile interval; None without values.
 
     Args:
-        values: one per seed, none of them censored.
+        values: uncensored values, one per seed.
     """
     if not values:
         return None
@@ -56,13 +57,17 @@ def median(values: Sequence[float]) -> Estimate | None:
 def paired_ratio(ratios: Sequence[float]) -> Estimate | None:
     """Return the median of paired ratios with its interval from order statistics; None for fewer than ``LEAST_RATIOS``.
 
-    The ratios of n pairs fall on either side of their true median like coins, so the k-th smallest and the k-th largest
-    enclose it with a probability that the binomial distribution gives (David and Nagaraja, Order Statistics, 2003,
-    section 7.1). The interval is the narrowest one that encloses it with at least 95 %. Five pairs allow none: theirs
-    is the smallest to the largest, which encloses it with 93.75 %.
+    Each ratio lies above the true median with probability 1/2. Therefore the binomial distribution gives the
+    probability that the k-th smallest and the k-th largest ratio enclose the true median (David and Nagaraja, Order
+    Statistics, 2003, section 7.1):
+
+        P(enclosed) = 1 - 2 P(B < k),   B ~ Binomial(n, 1/2)
+
+    The interval is the narrowest with P >= 95 %. For five pairs there is none; their interval is the full range, with
+    P = 93.75 %.
 
     Args:
-        ratios: one per pair of times that were measured in one process.
+        ratios: ratios of pairs of times, each pair measured in one process.
     """
     if len(ratios) < LEAST_RATIOS:
         return None
@@ -80,13 +85,13 @@ def deviation(values: Sequence[float]) -> float | None:
 def success_rate(by_scene: Sequence[Sequence[bool]]) -> Estimate | None:
     """Return the success rate with its interval; None without trials.
 
-    The interval is of a two-stage bootstrap: scenes are drawn, then seeds within each (Davison and Hinkley, Bootstrap
-    Methods and their Application, 1997, section 3.8), because trials of a scene are alike. With one seed per scene
-    there is no interval. A rate of 0 or 1 gets an interval of no width, because the bootstrap cannot estimate an event
-    that never happened.
+    The interval comes from a two-stage bootstrap, which draws scenes and then seeds within each scene (Davison and
+    Hinkley, Bootstrap Methods and their Application, 1997, section 3.8), because the trials of a scene are correlated.
+    With one seed per scene there is no interval. A rate of 0 or 1 has an interval of zero width, because the bootstrap
+    cannot estimate the probability of an event that never happened.
 
     Args:
-        by_scene: for each scene, the success of each of its seeds.
+        by_scene: successes of the seeds of each scene.
     """
     scenes = [held for held in by_scene if held]
     if not scenes:

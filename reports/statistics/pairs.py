@@ -1,7 +1,8 @@
-"""Pairs of scenes: one must stand, the other must fall, and little but the deciding quantity differs.
+"""Pairs of scenes: one scene must stand, its partner must fall, and they differ in little but the deciding quantity.
 
-Only a pair with both outcomes correct counts: a rule that freezes everything holds the scene that must fall, a rule
-that freezes nothing may drop the scene that must stand, and each alone gets half of all trials right.
+A pair counts as correct only if both outcomes are correct, because single trials reward trivial rules. A rule that
+freezes everything also holds the scene that must fall. A rule that freezes nothing may let the scene that must stand
+fall. Either rule gets half of all trials right.
 """
 
 from __future__ import annotations
@@ -16,25 +17,25 @@ from reports.statistics.success_rates import SuccessRates, success_rates
 from scenarios.model import Expectation
 
 ALL = "all"
-"""Name of all families together."""
+"""Name of the row for all families together."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """The scenes of a pair on one engine and profile under one policy."""
+    """Verdicts of a pair of scenes on one engine and profile under one policy."""
 
     name: str
     family: str
-    """Name of the scenario of which its scenes are variants."""
+    """Name of the scenario of which the scenes are variants."""
     judged: tuple[frozenset[Verdict], ...]
-    """Verdicts of both sides, for each seed with both sides decided."""
+    """Verdicts of both scenes, for each seed for which both were decided."""
     undecided: int
-    """Number of seeds without that: a side was stopped by the time limit, is impossible on the engine, or was built too
-    near its limit for a known answer."""
+    """Number of the other seeds: the time limit stopped a trial, the engine does not support a scene, or placement
+    noise put a scene too close to its limit for a known answer."""
 
 
 class SetUp(NamedTuple):
-    """The builder of the pairs: engine, profile and policy."""
+    """Engine, profile and policy of pairs."""
 
     engine: str
     profile: str
@@ -42,25 +43,28 @@ class SetUp(NamedTuple):
 
 
 class PairRow(NamedTuple):
-    """The pairs of one family, or of all, on one engine and profile under one policy."""
+    """Success rates of the pairs of one family, or of all families, on one engine and profile under one policy."""
 
     set_up: SetUp
     family: str
+    """Name of the family, or ``ALL``."""
     success_rates: SuccessRates | None
-    """Success rates; None if nothing was judged."""
+    """Success rates; None if no pair was judged."""
     undecided: int
+    """Number of pairs and seeds that were not decided."""
 
 
 def pairs_of(groups: Sequence[Group]) -> list[Pair]:
-    """Return the pairs among the groups of one engine, profile and policy; a scene without its partner is left out."""
+    """Return the pairs in the groups of one engine, profile and policy; scenes without their partner are left out."""
     sides = grouped([group for group in groups if group.pair], "pair")
     return [_pair(name, those) for (name,), those in sides.items() if are_opposed([one.expectation for one in those])]
 
 
 def are_opposed(expectations: Sequence[Expectation]) -> bool:
-    """Return whether scenes demand opposite outcomes: stand and fall, or stand for a time and fall at once.
+    """Return whether scenes demand opposite outcomes: stand and fall, or fall later and fall at once.
 
-    A prebuilt stack must stand until a brick is removed, and then fall; its partner must fall at once.
+    In a pair of the second kind, a prebuilt stack must stand until a brick is removed and then fall, and its partner
+    must fall at once.
     """
     outcomes = {one.outcome for one in expectations}
     stands_first = {one.not_before_s > 0.0 for one in expectations if one.outcome == "fall"}
@@ -68,12 +72,12 @@ def are_opposed(expectations: Sequence[Expectation]) -> bool:
 
 
 def pair_success_rates(pairs: Sequence[Pair]) -> SuccessRates | None:
-    """Return the success rates of the pairs' builds, with a bootstrap over pairs; None if none was judged."""
+    """Return the success rates of pairs, with bootstrap intervals over pairs; None if no pair was judged."""
     return success_rates([pair.judged for pair in pairs])
 
 
 def pair_rows(groups: Sequence[Group]) -> list[PairRow]:
-    """Return all pairs of each set-up, then the pairs of each family; empty if the study has no pairs."""
+    """Return rows for each engine, profile and policy: all pairs, then each family; empty without pairs."""
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
     set_ups = {SetUp(*key): members for key, members in by_set_up.items()}
     rows = []
@@ -94,13 +98,13 @@ def _pair(name: str, sides: Sequence[Group]) -> Pair:
 
 
 def _can_be_judged(build: Sequence[TrialRecord]) -> bool:
-    """Return whether all sides of a build were decided, and demand opposite outcomes."""
+    """Return whether both trials were decided and their scenes demand opposite outcomes."""
     decided = all(trial.is_judged for trial in build)
     return decided and are_opposed([trial.expectation for trial in build])
 
 
 def _in_order(set_ups: Collection[SetUp]) -> list[SetUp]:
-    """Return engines and profiles in order of appearance, policies in their usual order."""
+    """Return the set-ups with engines and profiles in order of appearance and policies in their usual order."""
     engines = list(dict.fromkeys((set_up.profile, set_up.engine) for set_up in set_ups))
     policies = ordered_policies(set_up.policy for set_up in set_ups)
     return sorted(set_ups, key=lambda one: (engines.index((one.profile, one.engine)), policies.index(one.policy)))

@@ -1,4 +1,4 @@
-"""Scores of each engine and profile under each policy: success rates and frame times."""
+"""Scores of each engine, profile and policy: success rates and frame times."""
 
 from __future__ import annotations
 
@@ -13,35 +13,38 @@ from reports.statistics.pairs import pair_success_rates, pairs_of
 from reports.statistics.success_rates import SuccessRates, count, success_rates
 
 FRAME_BUDGETS_MS = {60: 1e3 / 60, 90: 1e3 / 90}
-"""Time budgets [ms] of a frame, by frames per second: a monitor and a headset."""
+"""Time budgets of a frame [ms], by frames per second: 60 for a monitor, 90 for a headset."""
 
 
 @dataclass(frozen=True, slots=True)
 class PolicyScore:
-    """Success rates of one engine and profile under one policy, over all scenes with a known answer."""
+    """Success rates and frame times of one engine and profile under one policy, over all scenes."""
 
     policy: str
     stand: Estimate | None
-    """Success rate of trials that must stand; None if there are none."""
+    """Success rate of trials that must stand; None if no such trial was judged."""
     fall: Estimate | None
-    """Success rate of trials that must fall; None if there are none."""
+    """Success rate of trials that must fall; None if no such trial was judged."""
     trials: SuccessRates | None
-    """Success rates of all trials; None if none was judged."""
+    """Success rates of all trials; None if no trial was judged."""
     pairs: SuccessRates | None
-    """Success rates of pairs of scenes; None if there are none."""
+    """Success rates of pairs of scenes; None if no pair was judged."""
     frame_ms_p99: float | None
-    """Median over scenes of the 99th percentile of frame times [ms]."""
+    """Median over scenes of the 99th percentile of frame times [ms]; None without comparable times."""
     frame_ratios: tuple[Estimate, ...]
-    """Frame time over the frame time of the same stack all awake, of each scene with enough pairs."""
+    """Frame time with the extension over that of the same stack without it, for each scene with enough pairs."""
 
     @property
     def headline(self) -> SuccessRates | None:
-        """The rates that count: of pairs if there are any, because freezing everything gets half the trials right."""
+        """Success rates of pairs, or of trials if there are no pairs.
+
+        Pairs take precedence, because a rule that freezes everything gets half of the trials right.
+        """
         return self.pairs or self.trials
 
     @property
     def summary(self) -> str:
-        """The counts in words: ``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
+        """Counts in words, such as ``38 of 46 pairs; 50 of 55 that must stand, 40 of 46 that must fall``."""
         sides = [(self.stand, "stand"), (self.fall, "fall")]
         sides_text = ", ".join(
             f"{count(side)} of {side.n} that must {word}" for side, word in sides if side is not None
@@ -53,7 +56,7 @@ class PolicyScore:
 
 @dataclass(frozen=True, slots=True)
 class EngineScores:
-    """The scores of one engine with one profile."""
+    """Scores of one engine with one profile."""
 
     engine: str
     profile: str
@@ -61,7 +64,7 @@ class EngineScores:
     scores: tuple[PolicyScore, ...]
     """One score per policy, in the usual order."""
     trials: tuple[TrialRecord, ...]
-    """All its trials."""
+    """All trials of the engine and profile."""
 
 
 def engine_scores(groups: Sequence[Group]) -> list[EngineScores]:

@@ -1,4 +1,4 @@
-"""Creep over a long watch: whether a stack creeps at all, and when a brick will have moved by its thickness."""
+"""Creep over a long watch (soak): creeping trials, and the time until a brick has moved by its thickness."""
 
 from __future__ import annotations
 
@@ -10,31 +10,32 @@ from reports.records.trial import TrialRecord
 from reports.statistics.groups import grouped
 
 LEAST_WATCH_S = 60.0
-"""Shorter watches [s] are no soak: solver noise then hides a creep of a micrometre a second."""
+"""Shortest watch of a soak [s], because in a shorter watch solver noise hides a creep of a micrometre per second."""
 
 
 @dataclass(frozen=True, slots=True)
 class SoakSummary:
-    """The soaked trials of one engine and profile under one policy."""
+    """Summary of the soaked trials of one engine and profile under one policy."""
 
     engine: str
     profile: str
     policy: str
     trials: int
-    """Scenes that must stand, each seed once."""
+    """Number of soaked trials of scenes that must stand, without repeats."""
     fell: int
+    """Number of trials whose stack collapsed."""
     failed: int
-    """Trials that did not come to their end."""
+    """Number of trials that neither completed nor collapsed."""
     creep: int
-    """Trials that creep."""
+    """Number of trials whose creep has an interval that excludes zero."""
     median_m_s: float | None
-    """Median creep [m/s] of those that stood; None if none did."""
+    """Median creep of the trials with a measured creep [m/s]; None if there are none."""
     shortest_s: float | None
-    """Least time [s] until a brick has moved by its thickness, of those that creep; None if none does."""
+    """Shortest time of a creeping trial until a brick has moved by its thickness [s]; None without creeping trials."""
 
 
 def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Return the trials of stacks that must stand and were watched for long, without repeats."""
+    """Return the trials of scenes that must stand, watched for at least ``LEAST_WATCH_S``, without repeats."""
     return [
         record
         for record in records
@@ -51,14 +52,14 @@ def creeps_at_all(record: TrialRecord) -> bool:
 
 
 def time_of_a_thickness(record: TrialRecord) -> float | None:
-    """Return after how long [s] the brick that creeps fastest has moved by its thickness; None if it does not creep."""
+    """Return the time [s] until the brick that creeps fastest has moved by its thickness; None without creep."""
     if not creeps_at_all(record) or not record.creep_m_s or record.creep_thickness_m is None:
         return None
     return record.creep_thickness_m / record.creep_m_s
 
 
 def soak_summaries(records: Sequence[TrialRecord]) -> list[SoakSummary]:
-    """Sum up the soaked trials of each engine, profile and policy, in the order in which they come."""
+    """Return the summary of the soaked trials of each engine, profile and policy, in order of appearance."""
     by_set_up = grouped(soaked(records), "engine", "profile", "policy")
     return [_summary(trials, *set_up) for set_up, trials in by_set_up.items()]
 

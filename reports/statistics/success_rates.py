@@ -1,4 +1,4 @@
-"""Success rates, and the rate of each kind of error, with intervals."""
+"""Success rates and the rates of each kind of error, with their intervals."""
 
 from __future__ import annotations
 
@@ -10,14 +10,23 @@ from reports.records.trial import Verdict
 from reports.statistics.intervals import Estimate, success_rate
 
 Miss: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "failed"]
+"""Kind of error."""
 MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "creeps", "failed")
-"""Kinds of error: stood though it must fall; fell though it must not, or too early; crept though it must stand; sank,
-diverged or crashed."""
+"""All kinds of error:
+
+- ``false_stand``: a stack that must fall stands;
+- ``false_collapse``: a stack falls that must not fall, or falls too early;
+- ``creeps``: a stack that must stand creeps;
+- ``failed``: a stack sinks, or the trial diverges or crashes.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class SuccessRates:
-    """Shares of the decided trials or pairs. A pair may have several kinds of error."""
+    """Shares of correct outcomes and of each kind of error, among decided trials or pairs.
+
+    A pair may have several kinds of error.
+    """
 
     right: Estimate
     false_stand: Estimate
@@ -27,7 +36,7 @@ class SuccessRates:
 
     @property
     def n(self) -> int:
-        """Number judged."""
+        """Number of judged trials or pairs."""
         return self.right.n
 
     @property
@@ -37,11 +46,14 @@ class SuccessRates:
 
 
 def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessRates | None:
-    """Return shares with bootstrap intervals over scenes and, within them, over seeds; None if nothing was judged.
+    """Return success rates with bootstrap intervals over scenes and, within scenes, over seeds.
 
     Args:
-        by_scene: for each scene (or pair of scenes) and each of its seeds, the verdicts that must all be right: of
-            one trial, or of both sides of a pair.
+        by_scene: for each scene (or pair of scenes) and each of its seeds, the verdict of the trial, or the verdicts of
+            both scenes of the pair; all must be right.
+
+    Returns:
+        The success rates; None if nothing was judged.
     """
     right = success_rate([[set(together) == {"right"} for together in seeds] for seeds in by_scene])
     missed = [success_rate([[miss in together for together in seeds] for seeds in by_scene]) for miss in MISSES]
@@ -50,14 +62,14 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
 
 
 def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
-    """Return the kinds of error that a table shows: creep only if there was any.
+    """Return the kinds of error that a table shows; creep is left out if no trial creeps.
 
-    Trials from before creep counted have none, and their tables stay as they were.
+    Therefore tables of trials from before format 3, which did not judge creep, do not change.
     """
     crept = any(one is not None and one.creeps.value > 0 for one in rates)
     return tuple(miss for miss in MISSES if crept or miss != "creeps")
 
 
 def count(estimate: Estimate) -> int:
-    """Return the number of trials or pairs behind a share."""
+    """Return the number of trials or pairs that a share stands for."""
     return round(estimate.value * estimate.n)

@@ -1,7 +1,8 @@
-"""Survival statistics: levels at which stacks fall, of which some are only lower bounds.
+"""Survival statistics of the levels at which stacks fall, some of which are only lower bounds.
 
-A stack that was completed, or stopped by its time limit, might have carried more: its level is censored. Such levels
-have no mean; they have a survival curve, its median, and tests that allow for censoring.
+The level of a stack that was completed, or stopped by its time limit, is censored, because the stack might have carried
+more levels. Censored levels have no mean. They have a survival curve, the median of that curve, and tests that account
+for censoring.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy  # scipy.stats takes seconds to load, so it is loaded on first use
+import scipy  # scipy loads scipy.stats, which takes seconds, only on first use
 
 from reports.records.trial import TrialRecord
 
@@ -22,10 +23,10 @@ FloatArray = npt.NDArray[np.float64]
 CONFIDENCE = 0.95
 """Confidence of every interval, by convention."""
 PERMUTATIONS = 9999
-"""Most sign changes of a paired test: all of them up to 13 pairs, beyond that a sample, which gives a p-value of 0.05
-to within 0.004."""
+"""Greatest number of sign combinations in a paired test: all combinations for up to 13 pairs, else a random sample,
+which gives a p-value of 0.05 with an error of 0.004."""
 _ROUNDING = 1e-9
-"""Rounding error of a share, which is a product of fractions."""
+"""Bound of the rounding error of a share, which is a product of fractions."""
 _SEED = 20150608
 """Seed of the sample, so that a report can be reproduced."""
 
@@ -35,19 +36,19 @@ class Lifetime:
     """The level that one stack reached."""
 
     level: int
-    """Levels placed when it fell; else the highest level that was seen intact."""
+    """Number of levels placed when the stack fell; else the highest level that was seen intact."""
     fell: bool
-    """False: censored, the stack would have carried more."""
+    """True if the stack fell; False if the level is censored."""
 
     def outlives(self, other: Lifetime) -> bool:
-        """Return whether it certainly reached a higher level than ``other``."""
+        """Return whether this stack certainly reached a higher level than ``other``."""
         return other.fell and (self.level > other.level or (not self.fell and self.level == other.level))
 
 
 def lifetime(trial: TrialRecord) -> Lifetime | None:
-    """Return a trial's lifetime; None if the engine's process failed, which says nothing about the stack.
+    """Return the lifetime of a trial's stack; None if the process failed, because that shows nothing about the stack.
 
-    Poses that are not finite end the stack's lifetime.
+    A trial whose poses became non-finite counts as fallen.
     """
     if trial.collapse_level is not None:
         return Lifetime(trial.collapse_level, True)
@@ -60,26 +61,28 @@ def lifetime(trial: TrialRecord) -> Lifetime | None:
 
 @dataclass(frozen=True, slots=True)
 class Survival:
-    """A survival curve: a step at each level. All arrays have shape (n,)."""
+    """A survival curve with a step at each of n levels."""
 
     level: FloatArray
-    """Levels at which a stack fell or was censored, in ascending order."""
+    """Levels at which a stack fell or was censored, ascending, shape (n,)."""
     standing: FloatArray
-    """Share that outlives each level."""
+    """Share of stacks that outlive each level, shape (n,)."""
     low: FloatArray | None
+    """Lower end of the pointwise interval of the share, shape (n,); equal to the share if that is 0 or 1; None for a
+    single stack."""
     high: FloatArray | None
-    """Pointwise interval of the share, without width where all stand or none does; None for a single stack."""
+    """Upper end of the pointwise interval, as ``low``."""
 
     @property
     def median(self) -> float:
-        """The first level that at most half outlive; inf if more than half outlive all built levels."""
+        """Lowest level that at most half of the stacks outlive; inf if more than half outlive every level."""
         return _first_half(self.level, self.standing)
 
     @property
     def median_interval(self) -> tuple[float, float] | None:
-        """The levels that the data do not exclude as the median (Brookmeyer and Crowley, Biometrics 38, 1982).
+        """Interval of the median (Brookmeyer and Crowley, Biometrics 38, 1982); None for a single stack.
 
-        Ends may be inf: no such level was built. None for a single stack.
+        An end is inf if it lies above every built level.
         """
         if self.low is None or self.high is None:
             return None
@@ -95,10 +98,10 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
     """Return the Kaplan-Meier estimate, with log-log intervals by Greenwood's variance (Kalbfleisch and Prentice 1980).
 
     Raises:
-        ValueError: if there are no lifetimes.
+        ValueError: if ``lifetimes`` is empty.
     """
     if not lifetimes:
-        raise ValueError("no lifetimes: a survival curve needs at least one")
+        raise ValueError("no lifetimes: a survival curve needs at least one; check for an empty list first")
     curve = scipy.stats.ecdf(_censored(lifetimes)).sf
     level, standing = curve.quantiles, curve.probabilities
     if len(lifetimes) == 1:
@@ -106,7 +109,7 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "The confidence interval is undefined", RuntimeWarning)
         interval = curve.confidence_interval(CONFIDENCE, method="log-log")
-    certain = (standing == 0) | (standing == 1)  # the logarithms of the formula do not exist there
+    certain = (standing == 0) | (standing == 1)  # the log-log formula is undefined there
     low = np.where(certain, standing, interval.low.probabilities)
     high = np.where(certain, standing, interval.high.probabilities)
     return Survival(level, standing, low, high)
@@ -114,18 +117,20 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
 
 @dataclass(frozen=True, slots=True)
 class PairedTest:
-    """Two methods on the same stacks, compared pair by pair."""
+    """Result of a comparison of two methods on the same stacks, pair by pair."""
 
     pairs: int
+    """Number of pairs."""
     first_farther: int
-    """Pairs in which the first method certainly reached a higher level."""
+    """Number of pairs in which the first method certainly reached a higher level."""
     second_farther: int
+    """Number of pairs in which the second method certainly reached a higher level."""
     p_value: float | None
-    """Two-sided p-value of no difference; None with fewer than two pairs."""
+    """Two-sided p-value for the hypothesis of no difference; None for fewer than two pairs."""
 
     @property
     def undecided(self) -> int:
-        """Pairs with equal levels, or with a lower bound that does not decide."""
+        """Number of pairs with equal levels, or with a censored level that does not decide."""
         return self.pairs - self.first_farther - self.second_farther
 
 
@@ -133,12 +138,16 @@ def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
     """Return the paired Prentice-Wilcoxon test (O'Brien and Fleming, Biometrics 43, 1987), by permutation within pairs.
 
     All lifetimes are pooled and scored by the generalised Wilcoxon scores of Peto and Peto (J. R. Statist. Soc. A 135,
-    1972), which take ties: S(t) + S(t-) - 1 where a stack fell at t, S(t) - 1 where it was censored, with S the pooled
-    Kaplan-Meier estimate. The statistic is the sum of the differences of scores within pairs; if the two methods are
-    alike, each difference could as well have had the other sign.
+    1972), which allow ties. With the pooled Kaplan-Meier estimate S:
+
+        score      S(t) + S(t-) - 1   if the stack fell at level t
+                   S(t) - 1           if the level t is censored
+        statistic  sum over pairs of score(first) - score(second)
+
+    If the two methods are equivalent, each difference has either sign with equal probability.
 
     Args:
-        pairs: stacks that share their seed.
+        pairs: lifetimes of the first and of the second method on stacks with the same seed.
     """
     first_farther = sum(one.outlives(other) for one, other in pairs)
     second_farther = sum(other.outlives(one) for one, other in pairs)
@@ -150,9 +159,10 @@ def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Return p-values of several tests, corrected by Holm's method (1979) for all of them.
+    """Return the p-values of several tests, corrected for multiple testing by Holm's method (1979).
 
-    The smallest of m is multiplied by m, the next by m - 1, and so on; none becomes smaller than the one before.
+    The smallest of m p-values is multiplied by m, the next by m - 1, and so on. A corrected value is never smaller than
+    the corrected value before it, and at most 1.
     """
     order = np.argsort(p_values, kind="stable")
     factors = np.arange(len(p_values), 0, -1)
@@ -163,9 +173,9 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
-    """Return Peto and Peto's scores, shape (n,); a stack that reached a higher level has a lower score.
+    """Return the scores of Peto and Peto, shape (n,); a stack that reached a higher level has a lower score.
 
-    The sum over all lifetimes is zero; without censoring the scores are the centred midranks, scaled.
+    The sum over all lifetimes is zero. Without censoring, the scores are proportional to the centred midranks.
     """
     curve = scipy.stats.ecdf(_censored(lifetimes)).sf
     at = np.searchsorted(curve.quantiles, [one.level for one in lifetimes])
@@ -177,7 +187,7 @@ def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
 
 
 def _sign_flip_p_value(difference: FloatArray) -> float:
-    """Return the two-sided p-value of the sum of ``difference``, shape (n,), when both signs are equally likely."""
+    """Return the two-sided p-value of the sum of ``difference``, shape (n,), if both signs are equally likely."""
     if not difference.any():
         return 1.0
     test = scipy.stats.permutation_test(

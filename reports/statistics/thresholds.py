@@ -1,4 +1,4 @@
-"""Thresholds by bisection: the engine's own limit of a stack, against the limit by exact statics."""
+"""Thresholds by bisection: the limit of a stack on an engine, and the limit by exact statics."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from scenarios.statics.contact_patch import Ridge
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
-"""Width of the bracket by exact statics over that of the engine's: small beside it."""
+"""Width of the bracket by exact statics over the width of the engine's bracket, so that its error is negligible."""
 
 
 def stood(status: Status) -> bool | None:
-    """Return whether the stack of a trial with this status stood; None if the status does not decide."""
+    """Return whether the stack of a trial with this status stood; None if the status does not decide that."""
     return {"completed": True, "collapsed": False}.get(status)
 
 
@@ -29,7 +29,7 @@ class Threshold:
     """The limit of one stack in one engine, profile and policy, over all seeds."""
 
     scene: str
-    """The scenario and the parameters that the study sets."""
+    """Name of the scenario, and the parameters that the study sets."""
     parameter: str
     """Name of the bisected parameter."""
     engine: str
@@ -38,11 +38,11 @@ class Threshold:
     brackets: tuple[Bracket, ...]
     """Brackets, one per seed and repeat."""
     exact: tuple[float | None, float | None]
-    """The limit by exact statics, with the bisector and with a face as the normal of a ridge; None without one."""
+    """Limits by exact statics, with the bisector and with a face normal as the normal of a ridge; None if unknown."""
 
     @property
     def whole(self) -> Bracket | None:
-        """The bracket that holds those of all seeds; None unless each found a threshold."""
+        """Bracket that encloses the brackets of all seeds; None unless a threshold was found for each."""
         if not all(bracket.is_found for bracket in self.brackets):
             return None
         low, high = min(one.low for one in self.brackets), max(one.high for one in self.brackets)
@@ -50,23 +50,23 @@ class Threshold:
 
     @property
     def why(self) -> str:
-        """Why there is no threshold, in words; empty if there is one."""
+        """Reason for a missing threshold, in words; empty if there is a threshold."""
         reasons = ["not finished" if one.next else one.why for one in self.brackets if not one.is_found]
         count = f" ({len(reasons)} of {len(self.brackets)} seeds)" if len(self.brackets) > 1 else ""
         return f"{reasons[0]}{count}" if reasons else ""
 
 
 def bisected_scenarios(study: Mapping[str, Any]) -> set[str]:
-    """Return the names of the scenarios of which a study bisects a parameter."""
+    """Return the names of the scenarios with a bisected parameter in a study."""
     return {chosen["name"] for chosen in study.get("scenario", ()) if "bisect" in chosen}
 
 
 def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Threshold]:
-    """Return the thresholds of a study, in its order; none if it bisects nothing.
+    """Return the thresholds of a study, in its order; empty without a bisected parameter.
 
     Args:
-        records: its trials.
-        study: the study as its results folder keeps it.
+        records: records of the study's trials.
+        study: content of the study file in the results folder.
     """
     found = []
     for chosen in study.get("scenario", ()):
@@ -89,7 +89,7 @@ def _of_scenario(chosen: Mapping[str, Any], records: Sequence[TrialRecord]) -> l
 def _of_variant(
     scene: str, variant: Mapping[str, Value], parameter: str, search: Bisection, records: Sequence[TrialRecord]
 ) -> list[Threshold]:
-    """Return the thresholds of one variant, which has defaults for what the study leaves out."""
+    """Return the thresholds of one variant; parameters that the study does not set have their defaults."""
     scenario = scene.partition(",")[0]
     rest = with_defaults(scenario, variant)
     del rest[parameter]
@@ -111,15 +111,16 @@ def _of_variant(
 def exact_limits(
     scenario: str, rest: tuple[tuple[str, Value], ...], parameter: str, search: Bisection
 ) -> tuple[float | None, float | None]:
-    """Return the limit by bisection of the judge, with either normal of a ridge.
+    """Return the limits by bisection with exact statics, with the bisector and with a face normal as a ridge's normal.
 
-    None where the answer does not change between the ends, or statics has none because bricks are pushed or pulled.
+    A limit is None if the answer is the same at both ends of the search, or if statics has no answer because bricks are
+    pushed or pulled.
 
     Args:
         scenario: name of the scenario.
-        rest: its other parameters.
-        parameter: the bisected one.
-        search: the engine's search; that of the judge is finer by ``EXACT_SHARE``.
+        rest: parameters of the scenario without the bisected parameter.
+        parameter: name of the bisected parameter.
+        search: search on the engine; the tolerance by exact statics is ``EXACT_SHARE`` times its tolerance.
     """
 
     def limit(ridge: Ridge) -> float | None:
@@ -132,7 +133,7 @@ def exact_limits(
 
         try:
             bracket = Bisection(search.low, search.high, EXACT_SHARE * search.tolerance).search(stands)
-        except ValueError:  # statics does not judge pushed bricks
+        except ValueError:  # exact statics cannot judge pushed bricks
             return None
         return bracket.middle if bracket.is_found else None
 
