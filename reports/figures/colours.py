@@ -1,6 +1,6 @@
-"""One colour, dash and marker for each policy and engine, distinguishable by colour-blind readers.
+"""A colour and dash for each policy, and a marker for each engine, distinguishable by colour-blind readers.
 
-Colours after Okabe and Ito (https://jfly.uni-koeln.de/color/); on a dark page, lighter colours of the same hue.
+The colours follow Okabe and Ito (https://jfly.uni-koeln.de/color/). A dark page uses lighter colours of the same hue.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """Colours and dash of a policy."""
+    """Colours and dash of a policy in figures."""
 
     light: str
-    """Colour on white."""
+    """Colour on a light page."""
     dark: str
     """Colour on a dark page."""
     dash: tuple[float, ...]
-    """Lengths of strokes and gaps in line widths; empty for a solid line."""
+    """Lengths of dashes and gaps [line widths]; empty for a solid line."""
 
 
 _INKS = {
@@ -38,11 +38,11 @@ _MARKERS = "osD^vPX*hp"
 
 
 def inks(policies: Sequence[str]) -> dict[str, Ink]:
-    """Return the ink of each policy; unknown policies share the remaining inks, in their order."""
+    """Return the ink of each policy; policies without an entry in ``_INKS`` use ``_OTHERS`` in turn."""
     unknown = [name for name in policies if name not in _INKS]
     return {name: _INKS.get(name) or _OTHERS[unknown.index(name) % len(_OTHERS)] for name in policies}
 
 
 def markers(engines: Sequence[str]) -> dict[str, str]:
-    """Return the marker of each engine, as matplotlib's letters."""
+    """Return the marker of each engine, as a letter of matplotlib."""
     return {name: _MARKERS[number % len(_MARKERS)] for number, name in enumerate(engines)}

@@ -1,4 +1,4 @@
-"""The figure of levels against frame time: a panel per engine, a mark per set-up, a line through the best set-ups."""
+"""The figure of levels against frame time: a panel per engine, a mark per profile, a line through the Pareto front."""
 
 from __future__ import annotations
 
@@ -15,23 +15,25 @@ from reports.records.atomic import atomic_file
 from reports.statistics.height_cost import CostPoint, frontier
 
 _COLUMNS = 3
+"""Greatest number of panels in a row."""
 _PANEL_INCHES = (3.1, 2.3)
+"""Width and height of a panel [inch]."""
 _COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Colours of Okabe and Ito, distinguishable by colour-blind readers."""
 _MARKS = "osD^v*"
 _FRAME_MS = 1e3 / 60
-"""Time [ms] of a frame at 60 frames a second."""
+"""Time of a frame at 60 frames per second [ms]."""
 
 
 def write_cost_figure(path: Path, points: Sequence[CostPoint]) -> None:
-    """Draw the points as SVG, the same bytes for the same points."""
+    """Write the figure as SVG; equal points give identical bytes."""
     style = mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "stillstack", "font.size": 8, "axes.titlesize": 9})
     with style, atomic_file(path) as draft:
         cost_figure(points).savefig(draft, format="svg", metadata={"Date": None})
 
 
 def cost_figure(points: Sequence[CostPoint]) -> Figure:
-    """Return levels over milliseconds per frame, a panel for each engine and scene, all on the same axes."""
+    """Draw levels over milliseconds per frame: a panel for each engine and scene, all with the same axes."""
     panels = list(dict.fromkeys((point.scene, point.engine) for point in points))
     policies = list(dict.fromkeys(point.policy for point in points))
     columns = min(_COLUMNS, len(panels))

@@ -17,7 +17,9 @@ from reports.statistics.intervals import Estimate
 from reports.statistics.pairs import ALL, PairRow
 
 _PANEL_INCHES = (2.7, 1.9)
+"""Width and height of a panel [inch]."""
 _COLUMNS = 3
+"""Greatest number of panels in a row."""
 
 
 _SHARE_NAMES = {
@@ -37,7 +39,7 @@ _SHARE_MARKS: Mapping[str, dict[str, Any]] = {
 
 
 def pairs_figure(rows: Sequence[PairRow]) -> Figure:
-    """Return shares of pairs, a panel per engine and profile, a line per policy: correct, and each kind of error."""
+    """Draw the shares of correct pairs and of each kind of error: a panel per engine and profile, a line per policy."""
     whole = [row for row in rows if row.family == ALL]
     engines = list(dict.fromkeys(row.set_up[:2] for row in whole))
     policies = ordered_policies(row.set_up.policy for row in whole)
@@ -67,7 +69,7 @@ def _pairs_panel(axes: Axes, policies: Sequence[str], rows: Sequence[PairRow]) -
             one: Estimate = getattr(row.success_rates, name)
             if name == "right" and one.low is not None and one.high is not None:
                 axes.hlines(place, one.low, one.high, color=colour, alpha=0.4, linewidth=2.5)
-            if name == "right" or one.value:  # a share of zero would only cover the axis
+            if name == "right" or one.value:  # a mark at zero would hide the axis
                 axes.plot(one.value, place, color=colour, clip_on=False, **_SHARE_MARKS[name])
     axes.set(xlim=(-0.02, 1.02), ylim=(len(policies) - 0.5, -0.5), yticks=range(len(policies)), yticklabels=policies)
     axes.tick_params(axis="y", length=0)

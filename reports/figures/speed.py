@@ -15,7 +15,7 @@ from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScor
 
 
 def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
-    """Return success rate against frame time, a panel per profile; None if nothing was judged and timed."""
+    """Draw success rate against frame time, a panel per profile; return None if no score has both."""
     points = [
         (scores, score)
         for scores in engines

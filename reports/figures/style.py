@@ -1,4 +1,4 @@
-"""The style of all figures of a page, and how they are written and embedded."""
+"""The style of the figures of a page, and functions that write and embed figures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from reports.figures.colours import inks
 
 INK, FAINT = "#1f2328", "#c9ced6"
-"""Colours of text and axes, and of grid lines; a page replaces them by its own."""
+"""Colour of text and axes, and colour of grid lines; a page replaces them by its own colours."""
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "stillstack",
@@ -36,26 +36,26 @@ STYLE: dict[Any, Any] = {
 
 
 def save(figure: Figure, stem: Path) -> str:
-    """Write a figure as SVG and PDF, without dates, so that the same records give the same files; return the SVG."""
+    """Write a figure as SVG and PDF, and return the SVG; without dates, so that equal records give identical files."""
     with mpl.rc_context(STYLE):
         figure.savefig(stem.with_suffix(".svg"), transparent=True, metadata={"Date": None})
-        figure.set_layout_engine("none")  # the layout is final
+        figure.set_layout_engine("none")  # so that the PDF keeps the layout of the SVG
         figure.savefig(stem.with_suffix(".pdf"), metadata={"CreationDate": None, "ModDate": None})
     return stem.with_suffix(".svg").read_text(encoding="utf-8")
 
 
 def for_page(svg: str, label: str, policies: Sequence[str]) -> str:
-    """Return a figure for a page, in the page's own colours and fonts.
+    """Return a figure with the colours and fonts of the page that embeds it.
 
     Args:
-        svg: the figure, as returned by ``save``.
-        label: description for readers who cannot see it.
+        svg: the figure as SVG, as returned by ``save``.
+        label: description of the figure for readers who cannot see it.
         policies: policies whose colours the page defines as variables ``--policy-NAME``.
     """
     text = svg[svg.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r"<style type=.*?</style>", "", text, flags=re.DOTALL)  # it would apply to the page's other drawings
-    text = re.sub(r' id="[A-Za-z]+[\w.]*_\d+"', "", text)  # the same in every figure; ids that are used are hashed
+    text = re.sub(r"<style type=.*?</style>", "", text, flags=re.DOTALL)  # it would apply to other drawings of the page
+    text = re.sub(r' id="[A-Za-z]+[\w.]*_\d+"', "", text)  # unused ids, the same in every figure
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text)
     text = re.sub(r" ?font-family: [^;\"]*;?", "", text)
     for name, ink in inks(policies).items():

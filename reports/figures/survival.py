@@ -15,16 +15,18 @@ from reports.statistics.groups import Group, ordered_policies
 from reports.statistics.survival import Survival
 
 _PANEL_INCHES = (2.7, 1.9)
+"""Width and height of a panel [inch]."""
 _COLUMNS = 3
+"""Greatest number of panels in a row."""
 
 
 def has_survival(groups: Sequence[Group]) -> bool:
-    """Return whether there is a curve to draw, which one stack of each kind does not make."""
+    """Return whether any group has more than one lifetime, because a single stack has no survival curve."""
     return any(len(group.lifetimes) > 1 for group in groups)
 
 
 def survival_figure(groups: Sequence[Group]) -> Figure:
-    """Return survival by level of one scene and profile: a panel per engine, a curve per policy."""
+    """Draw the survival curves of one scene and profile: a panel per engine, a curve per policy."""
     engines = list(dict.fromkeys(group.key.engine for group in groups if group.survival is not None))
     rows, columns = -(-len(engines) // _COLUMNS), min(_COLUMNS, len(engines))
     with mpl.rc_context(STYLE):
@@ -44,7 +46,7 @@ def _survival_panel(axes: Axes, engine: str, groups: Sequence[Group]) -> None:
     axes.grid(True)
     for number, group in enumerate(groups):
         if group.survival is not None:
-            width = 1.4 + 1.1 * (len(groups) - 1 - number)  # coinciding curves all stay visible
+            width = 1.4 + 1.1 * (len(groups) - 1 - number)  # so that coinciding curves all stay visible
             _draw_survival(axes, group.survival, ink[group.key.policy], group.key.policy, width)
     falls_at = groups[0].expectation.level
     if falls_at is not None:
@@ -65,5 +67,5 @@ def _draw_survival(axes: Axes, curve: Survival, ink: Ink, label: str, width: flo
 
 
 def _with_start(level: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the curve from level 0, where every stack stands."""
+    """Prepend level 0, at which every stack stands, to a survival curve."""
     return np.concatenate([[0.0], level]), np.concatenate([[1.0], share])
