@@ -1,4 +1,4 @@
-"""Final states of stacks: the stills and replays that a page shows, and a figure of some of them."""
+"""The gallery of a page: final states of stacks with their stills and replays."""
 
 from __future__ import annotations
 
@@ -14,29 +14,31 @@ from reports.tables.outcomes import outcome
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """The final state of one trial."""
+    """Final state of one trial."""
 
     policy: str
     href: str | None
-    """Link to its still, relative to the page; None if there is none."""
+    """Link to the still, relative to the page; None without a still."""
     outcome: str
-    """Its outcome, such as ``falls at 9 ✓``."""
+    """Outcome of the trial, such as ``falls at 9 ✓``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shelf:
-    """One stack of a scene on one engine and profile under every policy."""
+    """Final states of one scene on one engine and profile under every policy."""
 
     theory: str
+    """Expected outcome in words."""
     engine: str
     profile: str
     replay: str | None
-    """Link to its replay, relative to the page; None if there is none."""
+    """Link to the replay, relative to the page; None without a replay."""
     pictures: tuple[Picture, ...]
+    """Pictures in the order of the policies."""
 
 
 def shelves(report: Path, groups: Sequence[Group]) -> dict[str, list[Shelf]]:
-    """Return, by scene, the stacks with a replay or a still in the report, in the order of the groups."""
+    """Return the shelves with a replay or a still in the report, by scene, in the order of the groups."""
     stacks = grouped(groups, "key.scene", "key.engine", "key.profile")
     found: dict[str, list[Shelf]] = {}
     for (scene, engine, profile), those in stacks.items():
@@ -55,7 +57,7 @@ def _picture(report: Path, group: Group) -> Picture:
 
 
 def _first(report: Path, group: Group) -> TrialRecord:
-    """Return the trial that was drawn, or else the first."""
+    """Return the first trial of a group that has a still, else the first trial."""
     drawn = (trial for trial in group.draws if still_of(report / "stills", trial).exists())
     return next(drawn, group.draws[0])
 

@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file that needs no network, made from raw records only."""
+"""The page of a study: one HTML file that works offline and is made from raw records only."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ from reports.tables.wording import percent
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _REM = 16.0
-"""Usual font size of a page [px]."""
+"""Default font size of browsers [px]."""
 _MOST_MESSAGES = 3
-"""Most distinct messages of trials in one row."""
+"""Greatest number of distinct messages in one row."""
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
 
 
@@ -46,8 +46,11 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
 
     Args:
         folder: a results folder.
-        records: its records, at least one.
+        records: records of the folder, at least one.
         missing: ids of planned trials without a record.
+
+    Returns:
+        Path of the page.
     """
     report = folder / "report"
     figures = report / "figures"
@@ -95,7 +98,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
 def _write_tables(
     report: Path, rows: Sequence[ComparisonRow], of_pairs: Sequence[PairRow], caption: str, label: str
 ) -> None:
-    """Write the comparison for papers as Markdown, CSV and LaTeX, and the pairs, if any."""
+    """Write the comparison as Markdown, CSV and LaTeX, and the pairs, if any, as CSV and LaTeX."""
     table = comparison_table(rows, caption)
     write_atomic(report / "comparison.md", to_markdown([table]).encode())
     write_table_csv(report / "comparison.csv", table)
@@ -106,7 +109,7 @@ def _write_tables(
 
 
 def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
-    """Return the caption that a table or page needs: n, seeds, versions and date."""
+    """Return the caption of a table or page: numbers of trials and seeds, engine versions, dates and commit."""
     seeds = len({record.seed for record in records})
     versions = sorted({f"{record.engine} {record.engine_version}" for record in records})
     environment = ResultsFolder(folder).environment
@@ -127,12 +130,12 @@ def _environment(has_study: bool, folder: Path) -> jinja2.Environment:
 
 
 def _part(name: str) -> Markup:
-    """Return a template file that becomes part of the page unchanged."""
+    """Return the content of a template file, to be inserted into the page unchanged."""
     return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
 
 
 def _study_file(folder: Path) -> str:
-    """Return the name of the folder's study for the command line."""
+    """Return the path of the folder's study file, relative to the working directory, for a command line."""
     return os.path.relpath(folder / "study.toml")
 
 
@@ -145,7 +148,7 @@ def _command(row: ComparisonRow, study: str | None) -> str:
 
 
 def _messages(row: ComparisonRow) -> list[str]:
-    """Return why the trials of a row ended as they did, each reason once."""
+    """Return the distinct messages of the trials of a row, at most ``_MOST_MESSAGES``, and the number of the others."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])
@@ -159,7 +162,7 @@ def _choices(groups: Sequence[Group]) -> dict[str, list[str]]:
 
 
 def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
-    """Return the description of a profile from the environment, with its variation, if any; or an empty text."""
+    """Return the description of a profile in the environment, with its variation, if any; else an empty string."""
     name, _, varied = profile.partition("@")
     described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
     return f"{described}; {varied}" if described and varied else described
@@ -178,7 +181,7 @@ def _share_note(groups: Sequence[Group], in_pairs: bool) -> str:
 
 
 def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_frames: Sequence[str]) -> list[str]:
-    """Return the caveats that a reader needs first."""
+    """Return the caveats that the page shows first: failed, censored, missing and mixed trials."""
     words: dict[Status, str] = {
         "timeout": "were stopped by the time limit: their levels are lower bounds, neither right nor wrong",
         "diverged": "diverged",
@@ -191,11 +194,11 @@ def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_fr
     found = [f"{ends.count(s)} of {len(ends)} trials {text}." for s, text in words.items() if s in ends]
     earlier = [one for one in records if one.mean_motion_m_s is not None and one.creep_m_s is None]
     if earlier:
-        found.append(f"{len(earlier)} trials are from before creep counted: their verdicts do not consider it.")
+        found.append(f"{len(earlier)} trials are from before format 3: their verdicts do not consider creep.")
     if missing:
         found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {_some(missing)}.")
     if without_frames:
-        found.append(f"Frames of {len(without_frames)} trials are missing or torn: {_some(without_frames)}.")
+        found.append(f"Frames of {len(without_frames)} trials are missing or incomplete: {_some(without_frames)}.")
     hosts = {record.host for record in records if record.host is not None}
     if len(hosts) > 1:
         found.append(f"Trials ran on {len(hosts)} machines: a row that mixes them shows no times.")
@@ -209,7 +212,7 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:
-    """Return figure and tables of the pairs; None if there are none."""
+    """Return the figure and the tables of the pairs; None without pairs."""
     if not rows:
         return None
     svg = save(pairs_figure(rows), folder / "pairs")
@@ -240,7 +243,7 @@ def _drawing(svg: str, label: str, policies: Sequence[str]) -> dict[str, Any]:
 
 
 def _machine(folder: Path) -> dict[str, str]:
-    """Return the environment as text, without the parts that the page shows elsewhere."""
+    """Return the environment as texts by name, without the parts that other sections of the page show."""
     kept = ResultsFolder(folder).environment
     plain = {key: value for key, value in kept.items() if key not in ("engines", "sessions", "settings")}
     plain |= {f"core setting {key}": value for key, value in kept.get("settings", {}).items()}

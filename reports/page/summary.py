@@ -1,4 +1,4 @@
-"""The verdict of a study on each engine, in plain words."""
+"""The verdict of a study on each engine and profile, in sentences."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ from reports.tables.wording import percent, ratio_text
 
 @dataclass(frozen=True, slots=True)
 class EngineVerdict:
-    """The sentences about one engine with one profile."""
+    """Headline, sentences and scores of one engine with one profile."""
 
     engine: str
     profile: str
     version: str
+    """Version of the engine."""
     headline: str
     sentences: tuple[str, ...]
     scores: tuple[PolicyScore, ...]
+    """One score per policy."""
 
 
 def verdicts(engines: Sequence[EngineScores]) -> list[EngineVerdict]:
-    """Return one verdict for each engine and profile, in their order."""
+    """Return one verdict for each engine and profile, in the order of ``engines``."""
     return [_verdict(engine) for engine in engines]
 
 
@@ -59,20 +61,23 @@ def _headline(scores: Sequence[PolicyScore]) -> str:
 
 
 def _how(perfect: Sequence[PolicyScore]) -> str:
-    """Name the policies, of which the engine alone is the simplest."""
+    """Return the policies in words; only the engine alone if it is among them, because it is the simplest."""
     names = [one.policy for one in perfect]
     return "alone" if ALONE in names else f"with {' or '.join(names)}"
 
 
 def _holds_everything(one: PolicyScore) -> str:
-    """Return a warning if a policy holds every stack, also those that must fall."""
+    """Return a warning if under a policy every stack stands, including those that must fall; else an empty string."""
     holds_all = one.fall is not None and one.fall.value == 0 and one.stand is not None and one.stand.value == 1
     stood = one.trials is not None and one.trials.false_stand.value > 0
     return ", so it holds every stack that comes to rest" if holds_all and stood else ""
 
 
 def _cost(one: PolicyScore) -> str:
-    """Return the ratio of the middle scene, or of the higher of two, with the interval of its pairs."""
+    """Return a sentence with the median frame ratio of the scenes and its interval.
+
+    For an even number of scenes, the upper of the two middle ratios is given, because an interval belongs to a scene.
+    """
     by_value = sorted(one.frame_ratios, key=lambda estimate: estimate.value)
     ratio = by_value[len(by_value) // 2]
     saves = ratio.high is not None and ratio.high < 1

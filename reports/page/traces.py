@@ -1,4 +1,4 @@
-"""Frame times over a trial, thinned so that a page can draw thousands of frames: median and worst frame per bin."""
+"""Traces: frame times over a trial, reduced to median and maximum per bin, so that a page can draw long trials."""
 
 from __future__ import annotations
 
@@ -16,21 +16,23 @@ from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group
 
 BINS = 240
-"""Bins of a trace: about one to three pixels each on a page."""
+"""Greatest number of bins of a trace; a bin is one to three pixels wide on a page."""
 _FEWEST_BINS = 48
-"""Fewest bins: coarse, but the worst frame of each bin still shows."""
+"""Least number of bins of a trace if a page has many traces; the worst frame of each bin still shows."""
 _BINS_A_PAGE = 250_000
-"""Bins of all traces together, some 2 MB, so that a page of a thousand set-ups stays usable."""
+"""Approximate number of bins of all traces of a page, about 2 MB, so that a page of a thousand traces stays usable."""
 _STEPS_A_DECADE = 100
-"""Resolution of times, in steps per decade of microseconds: 2.3 %, less than a pixel of a logarithmic axis."""
+"""Resolution of frame times [steps per decade]: 2.3 %, less than a pixel of a logarithmic axis."""
 
 
 def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
-    """Return a trace per group, of its first trial with frames, and the ids of trials whose frames cannot be read.
+    """Return a trace per group, and the ids of trials whose frames cannot be read.
+
+    The trace is that of the group's first trial with frame times.
 
     Args:
         folder: a results folder.
-        groups: groups of its records.
+        groups: groups of the folder's records.
     """
     kept, missing = [], []
     most = bins_for(len(groups))
@@ -46,12 +48,17 @@ def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]],
 
 
 def bins_for(traces: int) -> int:
-    """Return the most bins of each trace if a page has ``traces`` of them."""
+    """Return the greatest number of bins of each trace on a page with ``traces`` traces."""
     return min(BINS, max(_FEWEST_BINS, _BINS_A_PAGE // max(1, traces)))
 
 
 def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
-    """Return the duration [s], the times thinned to ``most`` bins, and when bricks were woken and the stack fell."""
+    """Return the trace of a trial, with times in simulated seconds.
+
+    Returns:
+        Start and end [s], median and worst frame time of at most ``most`` bins (see ``_quantised``), times at which
+        bricks were unfrozen [s], and time of the fall [s] or None.
+    """
     path = ResultsFolder(folder).frames_file(trial.trial)
     columns = read_columns(path, ("time_s", "frame_ms", "woken"))
     time, frame = columns["time_s"][UNTIMED_FRAMES:], columns["frame_ms"][UNTIMED_FRAMES:]

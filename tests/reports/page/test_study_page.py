@@ -117,7 +117,7 @@ def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
         "1 of 23 trials ran out of memory",
         "1 of 23 trials were not possible on their engine",
         "1 planned trials have no record (not yet run, or interrupted): dart.game.x.none.s9.r0",
-        f"Frames of 1 trials are missing or torn: {RECORDS[0].trial}",
+        f"Frames of 1 trials are missing or incomplete: {RECORDS[0].trial}",
     ):
         assert words in output
 
