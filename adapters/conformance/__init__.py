@@ -1,7 +1,7 @@
-"""The contract of every adapter, as a list of physical checks that name no engine.
+"""The contract of every adapter, as a list of physical checks that are the same for all engines.
 
-``for check in CHECKS: check.run("bullet", "game")`` raises ``ConformanceError`` at the first broken promise. All
-scenes lie in the x-z plane, so that planar engines pass the same checks.
+``for check in CHECKS: check.run("bullet", "game")`` raises ``ConformanceError`` at the first check that fails. All
+scenes lie in the x-z plane, so that planar engines can pass the same checks.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ __all__ = ["CHECKS", "Check", "ConformanceError", "Rig"]
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One promise of the contract."""
+    """One requirement of the contract, and the function that checks it."""
 
     measure: Callable[[Rig], None]
-    """Raises ``ConformanceError`` if the promise is broken; its docstring is the promise."""
+    """Function that raises ``ConformanceError`` if the requirement is broken; its docstring states the requirement."""
     capable: Callable[[Capabilities], bool] = lambda _: True
-    """Returns whether an engine's interface allows the check."""
+    """Function that returns whether the check applies to an engine with these capabilities."""
     as_shipped: bool = True
-    """False for checks of set-up engines, which engines as shipped need not pass."""
+    """False for a check that the profile ``default``, the engine as shipped, need not pass."""
 
     @property
     def name(self) -> str:
-        """The promise in a few words."""
+        """The name of the function, which states the requirement in a few words."""
         return self.measure.__name__
 
     def applies(self, engine: str, profile: str) -> bool:
@@ -52,7 +52,7 @@ class Check:
         """Run the check on an engine.
 
         Raises:
-            ConformanceError: if it is broken; the message says what was measured.
+            ConformanceError: if the check fails; the message states the measured and the required value.
         """
         rig = Rig(lambda world: registry.open_engine(engine, profile, world=world), registry.capabilities(engine))
         self.run_in(rig)

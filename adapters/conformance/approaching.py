@@ -1,4 +1,4 @@
-"""Checks that bodies are listed before they strike, and that those that pass by are not."""
+"""Checks that the port lists bodies before they collide, and does not list bodies that pass each other."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ from adapters.conformance.rig import LENGTH, WEIGHTLESS, Rig, pairs, plank, pose
 from scenarios.model import Brick
 
 EDGE = 0.04
-"""Edge of the cube that flies [m]."""
+"""Edge [m] of the flying cube."""
 HEIGHT = 0.5
-"""Of the plank that it flies to [m]."""
+"""Height [m] of the target, a frozen plank."""
 
 
 def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float, bool]]:
-    """Let a cube fly at a frozen plank, or past it ``above`` its centre [m], until it is beyond or was stopped.
+    """Let a cube fly towards a frozen plank until it has passed the plank or is stopped.
+
+    Args:
+        rig: source of the world.
+        speed: initial speed of the cube [m/s].
+        above: height of the cube above the centre of the plank [m].
 
     Returns:
-        A row a frame: the gap [m] between them along x; the listed separation [m] and closing speed [m/s], NaN if the
-        pair is not listed; and whether the cube still has its speed.
+        A row per frame: the gap [m] between cube and plank along x; the listed separation [m] and closing speed [m/s],
+        NaN if the pair is not listed; and whether the cube still has its speed.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     target = simulation.spawn(plank(z=HEIGHT))
@@ -42,22 +47,22 @@ def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float
 
 
 def lists_what_is_about_to_strike(rig: Rig) -> None:
-    """A cube that flies at a frozen plank at 2 or 10 m/s is listed, across the gap, in the frame before it strikes."""
+    """Check that a cube at 2 or 10 m/s is listed, across the gap, in the frame before it strikes a frozen plank."""
     for speed in (2.0, 10.0):
         seen = _fly(rig, speed, 0.0)
         before = [row for row in seen if row[0] > 0.0 and row[3]]
-        require(len(before) > 0, f"a cube at {speed} m/s was never seen before it struck")
+        require(len(before) > 0, f"no frame shows a cube at {speed} m/s before it struck a plank, must be one or more")
         gap, separation, closing, _ = before[-1]
-        require(not np.isnan(separation), f"a cube at {speed} m/s, {gap * 1e3:.1f} mm before it strikes, is not listed")
-        # 0.1 mm: single precision, and a shipped damping of 5 % a second.
-        require_between(gap - 1e-4, separation, gap + 1e-4, f"separation [m] listed of a cube at {speed} m/s")
-        require_between(0.9 * speed, closing, 1.01 * speed, f"closing speed [m/s] listed of a cube at {speed} m/s")
+        require(not np.isnan(separation), f"a cube at {speed} m/s, {gap * 1e3:.1f} mm before a plank, must be listed")
+        # 0.1 mm: single precision, and the shipped damping of some engines, 5 % per second.
+        require_between(gap - 1e-4, separation, gap + 1e-4, f"listed separation [m] of a cube at {speed} m/s")
+        require_between(0.9 * speed, closing, 1.01 * speed, f"listed closing speed [m/s] of a cube at {speed} m/s")
 
 
 def does_not_list_what_passes_by(rig: Rig) -> None:
-    """A cube that passes 5 mm above a frozen plank at 2 or 10 m/s is never listed."""
+    """Check that a cube that passes 5 mm above a frozen plank at 2 or 10 m/s is never listed."""
     for speed in (2.0, 10.0):
         seen = _fly(rig, speed, EDGE / 2 + 3.9e-3 + 5e-3)
         listed = [row for row in seen if not np.isnan(row[1])]
-        require(not listed, f"a cube that passes by at {speed} m/s is listed in {len(listed)} frames")
-        require(seen[-1][3], f"a cube that passes by at {speed} m/s was stopped, must fly on")
+        require(not listed, f"a cube that passes at {speed} m/s is listed in {len(listed)} frames, must be in none")
+        require(seen[-1][3], f"a cube that passes at {speed} m/s was stopped, must keep its speed")

@@ -1,4 +1,4 @@
-"""Checks of what the port reports: contact points, normals, separations, velocities, masses."""
+"""Checks of the port's reports: contact points, normals, separations, velocities, masses."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from stability_core.port import GROUND, Contacts
 
 
 def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
-    """Shapes, ids and finite numbers; every row touches a live body."""
+    """Require the right shapes and ids, finite numbers, and a live body in every contact."""
     n = len(contacts)
     for name, shape in {
         "body_b": (n,),
@@ -40,20 +40,26 @@ def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
         "separation": (n,),
         "friction": (n,),
     }.items():
-        require(getattr(contacts, name).shape == shape, f"Contacts.{name} has not the shape {shape}")
+        require(
+            getattr(contacts, name).shape == shape,
+            f"Contacts.{name} has the shape {getattr(contacts, name).shape}, must be {shape}",
+        )
     live = set(simulation.bricks) - simulation.frozen
     dead = [pair for pair in pairs(contacts) if not live & set(pair)]
-    require(not dead, f"contacts that touch no live body: {dead}")
+    require(not dead, f"contacts of the pairs {dead} touch no live body, every contact must touch one")
     unknown = [pair for pair in pairs(contacts) if not set(pair) <= {GROUND, *simulation.bricks}]
-    require(not unknown, f"contacts of bodies that are not in the world: {unknown}")
+    require(not unknown, f"contacts of the pairs {unknown} name bodies that are not in the world")
     finite = all(np.isfinite(values).all() for values in (contacts.point, contacts.normal, contacts.friction))
     require(finite, "points, normals and friction must be finite")
     length_error = np.abs(np.linalg.norm(contacts.normal, axis=1) - 1).max(initial=0.0)
-    require_between(0.0, length_error, 1e-6, "error of the normals' length, rounding in single precision allowed")
+    require_between(0.0, length_error, 1e-6, "error of the length of normals (tolerance: rounding in single precision)")
 
 
 def reports_a_resting_brick(rig: Rig) -> None:
-    """The contact points of a brick at rest surround its centre, on its lower face; normals point from a to b."""
+    """Check that the contact points of a brick at rest surround its centre, on its lower face.
+
+    Normals must point from a to b.
+    """
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     grounded, stacked = place_on(simulation, 0, x=0.3), place_on(simulation, 1)
@@ -69,10 +75,12 @@ def reports_a_resting_brick(rig: Rig) -> None:
         x, y, z, *_ = pose(simulation, body)
         along, across = mine.point[:, 0] - x, mine.point[:, 1] - y
         for name, offsets, half in (("x", along, LENGTH / 2), ("y", across, WIDTH / 2)):
-            # The points span most of the face, so that the centre is well inside; and none lies beyond an edge.
-            require_between(-half - 1e-4, offsets.min(), -0.8 * half, f"least {name} [m] of the points from the centre")
+            # The points must span most of the face, so that the centre is well inside, and lie within its edges.
             require_between(
-                0.8 * half, offsets.max(), half + 1e-4, f"greatest {name} [m] of the points from the centre"
+                -half - 1e-4, offsets.min(), -0.8 * half, f"least {name} [m] of the points relative to the centre"
+            )
+            require_between(
+                0.8 * half, offsets.max(), half + 1e-4, f"greatest {name} [m] of the points relative to the centre"
             )
         off_face = np.abs(mine.point[:, 2] - (z - THICKNESS / 2)).max()
         require_between(0.0, off_face, 0.5e-3, "distance [m] of the points from the lower face")
@@ -82,7 +90,7 @@ def reports_a_resting_brick(rig: Rig) -> None:
 
 
 def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
-    """No jitter, no hover: from its first contact on a brick at rest is reported in every frame, moving at ~0."""
+    """Check that a brick at rest has a contact with its support in every frame, at a relative velocity of about 0."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
@@ -92,14 +100,14 @@ def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
         contacts = simulation.port.contacts()
         require((support, body) in pairs(contacts), f"frame {frame} of a brick at rest has no contact with its support")
         speed = np.linalg.norm(contacts.relative_velocity, axis=1).max()
-        # Velocities after gravity was added would be g dt = 160 mm/s.
+        # Velocities that include the gravity of a step would be g dt = 160 mm/s.
         require_between(0.0, speed, 1e-2, "relative velocity [m/s] reported for a brick at rest")
 
 
 def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
-    """On supports that differ in height by less than a hair, all of both contact faces is reported within six frames.
+    """Check that both whole contact areas on supports with a height difference of 0.08 mm are reported in six frames.
 
-    Tilted by micrometres, a brick penetrates at some corners only; under load it would stand on the others as well.
+    A brick tilted by micrometres penetrates at some corners only; under load the other corners would bear force too.
     """
     simulation = rig.open()
     step = 0.08e-3
@@ -117,14 +125,15 @@ def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
         covered = float(np.ptp(along)) if len(along) else 0.0
         overlap = LENGTH / 2 - 1e-3
         require_between(
-            0.9 * overlap, covered, overlap + 0.2e-3, f"length [m] of the contact face reported on support {support}"
+            0.9 * overlap, covered, overlap + 0.2e-3, f"length [m] of the contact area reported on support {support}"
         )
 
 
 def reports_a_support_a_hair_below(rig: Rig) -> None:
-    """A beam on two bricks is reported on a third one between them, too, that ends a hair below it.
+    """Check that a beam on two bricks also has a contact with a third brick between them that is 0.05 mm lower.
 
-    Under load all three would carry: whether a roof bears on one plank of a V or on both decides whether the V stands.
+    Under load all three bricks would bear the beam. In the same way, a V stands or falls depending on whether a roof
+    bears on one of its planks or on both.
     """
     simulation = rig.open()
     outer, hair = LENGTH + 2e-3, 0.05e-3
@@ -132,7 +141,7 @@ def reports_a_support_a_hair_below(rig: Rig) -> None:
     middle = simulation.spawn(plank(0.0, THICKNESS / 2 - hair))
     simulation.port.sleep([*supports, middle])
     size = (3 * LENGTH, WIDTH, THICKNESS)
-    beam = simulation.spawn(Brick(size, 3 * MASS, (0.0, 0.0, 1.5 * THICKNESS)))  # without a drop: it never dips
+    beam = simulation.spawn(Brick(size, 3 * MASS, (0.0, 0.0, 1.5 * THICKNESS)))  # no drop onto the third brick
     advance(simulation, 1.0)
     seen = set()
     for _ in range(6):
@@ -141,11 +150,11 @@ def reports_a_support_a_hair_below(rig: Rig) -> None:
         _require_well_formed(simulation, contacts)
         seen |= pairs(contacts)
     expected = {(support, beam) for support in (*supports, middle)}
-    require(seen == expected, f"a beam over {supports} and {middle}, a hair lower, touches {seen}, must be {expected}")
+    require(seen == expected, f"a beam over {supports} and {middle}, 0.05 mm lower, touches {seen}, must be {expected}")
 
 
 def reports_every_pair(rig: Rig) -> None:
-    """Live on ground, live on live, live on frozen, live across two frozen bricks: none is left out."""
+    """Check that every pair is reported: a live brick on the ground, on a live, a frozen and two frozen bricks."""
     simulation = rig.open()
     left, right = frozen_column(simulation, 1, xs=(-LENGTH / 2 - 1e-3, LENGTH / 2 + 1e-3))
     bridge = place_on(simulation, 1)
@@ -164,12 +173,12 @@ def reports_every_pair(rig: Rig) -> None:
         _require_well_formed(simulation, contacts)
         require(
             pairs(contacts) == {(bridge, rider)},
-            f"pairs {pairs(contacts)} after the freeze, must be {(bridge, rider)} alone",
+            f"pairs {pairs(contacts)} after a freeze, must be {(bridge, rider)} only",
         )
 
 
 def reports_the_speed_of_impact(rig: Rig) -> None:
-    """First contact after a fall of height h is reported at sqrt(2 g h), not at what the solver leaves of it."""
+    """Check that the first contact after a fall from height h reports the speed sqrt(2 g h) before the solver acts."""
     for levels, height in ((0, 0.05), (1, 0.02)):
         simulation = rig.open()
         frozen_column(simulation, levels)
@@ -181,18 +190,23 @@ def reports_the_speed_of_impact(rig: Rig) -> None:
                 break
         expected, within = math.sqrt(2 * GRAVITY * height), GRAVITY * simulation.info.frame_s
         speed = approach_speed(contacts)
-        # Known as of the step before, and a semi-implicit fall is half a step's gain slower than a true one.
-        require_between(expected - 1.5 * within, speed, expected + within, f"approach [m/s] after a fall of {height} m")
+        # The speed is that before the step, and a semi-implicit fall is slower by half of a step's gain.
+        require_between(
+            expected - 1.5 * within, speed, expected + within, f"approach speed [m/s] after a fall of {height} m"
+        )
 
 
 def reports_the_overlap(rig: Rig) -> None:
-    """Separation is negative in overlap: a brick put 1 mm into the ground is that deep, or what the step left of it."""
+    """Check that the separation of an overlap is negative: a brick spawned 1 mm deep in the ground reports its depth.
+
+    The depth may be that before the step, or what remains of it after the step.
+    """
     simulation = rig.open()
     body = simulation.spawn(plank(z=THICKNESS / 2 - 1e-3))
     simulation.step(simulation.info.frame_s)
     separation = touching(simulation.port.contacts(), body).separation
     left = pose(simulation, body)[2] - THICKNESS / 2
-    # Reported as before the step or after it; gravity may have pressed it a little further in.
+    # The depth may be that before or after the step; gravity may have pushed the brick a little deeper.
     require_between(
         -1.5e-3,
         min(separation, default=math.inf),
@@ -202,7 +216,7 @@ def reports_the_overlap(rig: Rig) -> None:
 
 
 def forgets_a_removed_brick(rig: Rig) -> None:
-    """Once a brick is removed nothing touches it, even before the next step; what else touches is reported still."""
+    """Check that a removed brick has no contacts, even before the next step, and that all other contacts remain."""
     simulation = rig.open()
     lower, aside = place_on(simulation, 0), place_on(simulation, 0, x=0.4)
     advance(simulation, 0.5)
@@ -216,30 +230,31 @@ def forgets_a_removed_brick(rig: Rig) -> None:
 
 
 def reports_masses(rig: Rig) -> None:
-    """Live bodies with mass and centre; removed ids exactly once."""
+    """Check that masses list each live body with its mass and centre, and each removed id exactly once."""
     simulation = rig.open()
     bodies = [simulation.spawn(plank(x)) for x in (0.0, 0.2, 0.4)]
     advance(simulation, 0.1)
     simulation.port.sleep(bodies[:1])
     simulation.remove(bodies[1])
     masses = simulation.port.masses()
-    require(list(masses.removed) == [bodies[1]], f"removed bodies {masses.removed}, must be [{bodies[1]}]")
-    require(bodies[2] in masses.body, f"live body {bodies[2]} is missing in {masses.body}")
-    require(bodies[1] not in masses.body, f"removed body {bodies[1]} is listed in {masses.body}")
-    require(bool((masses.mass == MASS).all()), f"masses {masses.mass} kg, must be {MASS}")
+    require(list(masses.removed) == [bodies[1]], f"masses list {masses.removed} as removed, must be [{bodies[1]}]")
+    require(bodies[2] in masses.body, f"masses list the bodies {masses.body}, must include the live body {bodies[2]}")
+    require(bodies[1] not in masses.body, f"masses list {masses.body}, must not include the removed body {bodies[1]}")
+    require(bool((masses.mass == MASS).all()), f"masses are {masses.mass} kg, must be {MASS} kg")
     centre = masses.center_of_mass[masses.body.tolist().index(bodies[2])]
     require(
-        bool((centre == pose(simulation, bodies[2])[:3]).all()), f"centre of mass {centre} is not the body's position"
+        bool((centre == pose(simulation, bodies[2])[:3]).all()),
+        f"the centre of mass is {centre} m, must be the body's position {pose(simulation, bodies[2])[:3]} m",
     )
-    require(not list(simulation.port.masses().removed), "a removed body is listed twice")
+    require(not list(simulation.port.masses().removed), "a removed body is listed twice, must be listed once")
 
 
 def reports_the_normal_at_a_ridge(rig: Rig) -> None:
-    """Where two planks that lean at 72 deg touch edge on edge, the normal is of the kind that the engine describes."""
+    """Check that the normal at the ridge of two planks that lean at 72 deg is the one that the capabilities state."""
     simulation = rig.open()
     lean = math.radians(72)
     half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2
-    aside = (LENGTH * math.cos(lean) + THICKNESS * math.sin(lean)) / 2 + 0.1e-3  # faces that meet flush have no ridge
+    aside = (LENGTH * math.cos(lean) + THICKNESS * math.sin(lean)) / 2 + 0.1e-3  # flush faces would have no ridge
     left, right = (
         simulation.spawn(plank(-aside, half_height, lean)),
         simulation.spawn(plank(aside, half_height, math.pi - lean)),
@@ -249,9 +264,9 @@ def reports_the_normal_at_a_ridge(rig: Rig) -> None:
     ridge = contacts.chosen(
         (np.minimum(contacts.body_a, contacts.body_b) == left) & (np.maximum(contacts.body_a, contacts.body_b) == right)
     )
-    require(len(ridge) > 0, "the planks of a V have no contact at the ridge after 0.1 s")
+    require(len(ridge) > 0, "the planks of a V have no contact at the ridge after 0.1 s, must have one or more")
     from_horizontal = np.degrees(np.arctan2(np.abs(ridge.normal[:, 2]), np.abs(ridge.normal[:, 0])))
     ideal = {"face": 90.0 - 72.0, "edge": 0.0}[rig.capabilities.ridge_normal]
     error = float(np.abs(from_horizontal - ideal).max())
-    # 3 deg: the V sways by some tenths of a degree, and a V that slips, as with a pyramid of friction, by 2 deg.
-    require_between(0.0, error, 3.0, f"angle [deg] from {ideal:g} deg to the horizontal of a normal at a ridge")
+    # 3 deg: the V turns by some tenths of a degree, and by 2 deg if it slips, as with a friction pyramid.
+    require_between(0.0, error, 3.0, f"error [deg] of the normal at a ridge, {ideal:g} deg from the horizontal")

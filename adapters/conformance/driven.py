@@ -1,4 +1,4 @@
-"""Checks of bodies that the host moves: they go where they are driven, and friction carries what lies on them."""
+"""Checks of bodies that the host moves: they follow their prescribed velocity, and friction moves bricks on them."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ STILL: Vector = (0.0, 0.0, 0.0)
 
 
 def _platform(simulation: Simulation) -> int:
-    """Put in a platform of three planks' length that is clear of the ground; its id."""
+    """Spawn a platform, three planks long and clear of the ground; return its id."""
     size = (3 * LENGTH, 3 * WIDTH, 0.02)
     return simulation.spawn(Brick(size, 1.0, (0.0, 0.0, TOP - 0.01), moved=True))
 
 
 def goes_where_it_is_driven(rig: Rig) -> None:
-    """A platform rises, travels and turns as it is driven, though a brick lies on it, and stops when it is stopped."""
+    """Check that a platform with a brick on it follows its prescribed velocity and spin, and stops when both are 0."""
     simulation = rig.open()
     platform = _platform(simulation)
     simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -50,7 +50,7 @@ def goes_where_it_is_driven(rig: Rig) -> None:
     advance(simulation, 0.2)
     half = 0.15 * seconds
     planned = np.array((0.05 * seconds, 0.0, TOP - 0.01 + 0.1 * seconds, math.cos(half), 0.0, math.sin(half), 0.0))
-    # 10 um and 0.6 mrad: single precision over a hundred steps, and a turn that an engine takes as a small one.
+    # 10 um and 0.6 mrad: single precision over a hundred steps, and an engine's approximation for small rotations.
     require_between(
         0.0, np.abs(pose(simulation, platform) - planned).max(), 3e-4, "error of the pose of a driven platform"
     )
@@ -58,7 +58,7 @@ def goes_where_it_is_driven(rig: Rig) -> None:
 
 
 def carries_what_lies_on_it(rig: Rig) -> None:
-    """A brick on a platform that starts sideways is dragged along by friction, and rises with it."""
+    """Check that friction moves a brick with a platform that starts sideways, and that the brick rises with it."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -69,14 +69,16 @@ def carries_what_lies_on_it(rig: Rig) -> None:
     seconds = frames(simulation, 0.5) * simulation.info.frame_s
     came = pose(simulation, body)[:3] - start[:3]
     slip = 0.1**2 / (2 * 0.45 * GRAVITY)
-    # 1.5 mm: friction acts in whole steps, and a rise of 50 mm/s loosens the brick for one.
-    require_between(0.1 * seconds - slip - 1.5e-3, came[0], 0.1 * seconds + 1e-4, "way [m] of a brick on a platform")
-    require_between(0.05 * seconds - 1e-3, came[2], 0.05 * seconds + 1.5e-3, "rise [m] of a brick on a lift")
+    # 1.5 mm: friction acts in whole steps, and a rise of 50 mm/s unloads the brick for one step.
+    require_between(
+        0.1 * seconds - slip - 1.5e-3, came[0], 0.1 * seconds + 1e-4, "distance [m] of a brick on a platform along x"
+    )
+    require_between(0.05 * seconds - 1e-3, came[2], 0.05 * seconds + 1.5e-3, "rise [m] of a brick on a rising platform")
     require_between(0.095, velocity(simulation, body)[0], 0.105, "speed [m/s] of a brick on a platform at 0.1 m/s")
 
 
 def shows_what_it_moves_below_frozen_bricks(rig: Rig) -> None:
-    """A platform that turns below a frozen brick lists its contacts with it, at the speed of its surface."""
+    """Check that a platform that turns below a frozen brick has contacts with it, at the speed of its surface."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -99,14 +101,14 @@ def shows_what_it_moves_below_frozen_bricks(rig: Rig) -> None:
     simulation.port.wake([body])
     simulation.drive(platform, STILL)
     simulation.step(simulation.info.frame_s)
-    # 0.2 m/s: what overlaps by 0.3 mm is pushed apart, by some engines within one substep.
+    # 0.2 m/s: some engines resolve an overlap of 0.3 mm within one substep.
     require_between(
-        0.0, np.abs(velocity(simulation, body)[:3]).max(), 0.2, "speed [m/s] of a brick woken on a platform"
+        0.0, np.abs(velocity(simulation, body)[:3]).max(), 0.2, "speed [m/s] of a brick unfrozen on a platform"
     )
 
 
 def _slide(rig: Rig, degrees: float) -> float:
-    """Distance [m] that a plank moves in 0.5 s on a platform that was tilted so far, after 0.3 s."""
+    """Return the distance [m] that a plank moves in 0.5 s on a tilted platform, from 0.3 s after the tilt."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -122,13 +124,13 @@ def _slide(rig: Rig, degrees: float) -> float:
 
 
 def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
-    """A brick on a platform that tilts holds below atan(mu) and slides above."""
-    # 2 deg: MuJoCo, in one step a frame, slides a fifth as far as it should when it is tilted to 1 deg above.
+    """Check that a brick on a tilted platform holds below the friction angle atan(mu) and slides above it."""
+    # 2 deg: in MuJoCo with one step per frame the brick slides a fifth of the true distance at 1 deg above.
     require_friction_angle(lambda degrees: _slide(rig, degrees), margin=2.0)
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Masses list a moved body as infinitely heavy, even if nothing is live; contacts report its speed."""
+    """Check that masses list a moved body with an infinite mass, even without live bodies, and contacts its speed."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -137,23 +139,23 @@ def reports_moved_bodies(rig: Rig) -> None:
     require(masses.body.tolist() == [platform, body], f"masses list {masses.body}, must list {[platform, body]}")
     require(bool(np.isinf(masses.mass[0])), f"the mass of a moved body is reported as {masses.mass[0]}, must be inf")
     contacts = simulation.port.contacts()
-    require(pairs(contacts) == {(platform, body)}, f"a brick on a platform touches {pairs(contacts)}")
+    require(pairs(contacts) == {(platform, body)}, f"a brick on a platform has the pairs {pairs(contacts)}")
     simulation.drive(platform, (0.05, 0.0, 0.0))
     simulation.step(simulation.info.frame_s)
     mine = touching(simulation.port.contacts(), body)
     turn = np.where(mine.body_b == platform, 1.0, -1.0)
     speed = (turn * mine.relative_velocity[:, 0]).max(initial=-np.inf)
-    # The platform slips below the brick until friction has brought it to the same speed; the first substep sees most.
+    # The platform slips below the brick until both have the same speed; the slip is greatest in the first substep.
     require_between(0.02, speed, 0.051, "speed [m/s] at which a platform at 50 mm/s moves below a brick at rest")
     simulation.port.sleep([body])
     before = pose(simulation, body)
     advance(simulation, 0.2)
-    require(bool((pose(simulation, body) == before).all()), "a frozen brick moved with the platform below it")
+    require(bool((pose(simulation, body) == before).all()), "a frozen brick moved with the platform below it, must not")
     listed = simulation.port.masses().body.tolist()
     require(listed == [platform], f"with all bricks frozen masses list {listed}, must list the platform {[platform]}")
     simulation.drive(platform, STILL)
     simulation.step(simulation.info.frame_s)
-    require(not len(simulation.port.contacts()), "a platform at rest lists contacts with frozen bricks")
+    require(not len(simulation.port.contacts()), "a platform at rest has contacts with frozen bricks, must have none")
     simulation.remove(platform)
     removed = list(simulation.port.masses().removed)
-    require(removed == [platform], f"after its removal masses list {removed} as removed, must be {[platform]}")
+    require(removed == [platform], f"masses list {removed} as removed after a removal, must be {[platform]}")

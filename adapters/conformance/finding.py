@@ -1,4 +1,4 @@
-"""Checks of ``find_contacts``: the contacts of bricks where they are, before a step, and without a trace."""
+"""Checks of ``find_contacts``: contacts at the present poses, before a step, without a change of the simulation."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CORNER = 1e-3
 SAME_DIRECTION = math.radians(1.0)
 """Greatest angle [rad] between a normal and the ideal one."""
 SAME_PLACE = 0.1e-3
-"""Greatest distance [m] between the bricks of a tower that was asked for its contacts and of one that was not."""
+"""Greatest distance [m] between the bricks of a tower with calls of ``find_contacts`` and of a tower without."""
 TOP = 0.02
 """Offset along x [m] of the third brick of the tower."""
 
@@ -41,28 +41,28 @@ UP: Vector = (0.0, 0.0, 1.0)
 
 
 def _found(simulation: Simulation) -> Contacts:
-    """Return the contacts that the simulation finds.
+    """Return the contacts after ``find_contacts``.
 
     Raises:
-        ConformanceError: if a pose or a velocity changes by a bit, or the live bodies do.
+        ConformanceError: if the call changes a bit of a pose or a velocity, or the live bodies.
     """
     before, masses = _state(simulation), simulation.port.masses()
     simulation.find_contacts()
     contacts, after = simulation.port.contacts(), _state(simulation)
-    require(before.tobytes() == after.tobytes(), "find_contacts changed a pose or a velocity, must not by a bit")
+    require(before.tobytes() == after.tobytes(), "find_contacts changed a pose or a velocity, must not change a bit")
     left = simulation.port.masses()
     same = np.array_equal(masses.body, left.body) and np.array_equal(masses.center_of_mass, left.center_of_mass)
-    require(same and not left.removed, f"find_contacts changed the live bodies from {masses.body} to {left.body}")
+    require(same and not left.removed, f"find_contacts changed the live bodies {masses.body} to {left.body}, must not")
     return contacts
 
 
 def _state(simulation: Simulation) -> FloatArray:
-    """Return poses and velocities of all bodies, shape (n, 13)."""
+    """Return position [m], quaternion, velocity [m/s] and spin [rad/s] of all bodies, shape (n, 13)."""
     return np.hstack([*simulation.poses()[1:], *simulation.velocities()])
 
 
 def _of_pair(contacts: Contacts, a: int, b: int) -> Contacts:
-    """Return the contacts of a pair, with normals and velocities from ``a`` to ``b``."""
+    """Return the contacts of a pair, with normals from ``a`` to ``b`` and velocities of ``b`` relative to ``a``."""
     rows = np.flatnonzero(
         ((contacts.body_a == a) & (contacts.body_b == b)) | ((contacts.body_a == b) & (contacts.body_b == a))
     )
@@ -72,18 +72,18 @@ def _of_pair(contacts: Contacts, a: int, b: int) -> Contacts:
 
 
 def _require_pairs(contacts: Contacts, expected: set[tuple[int, int]]) -> None:
-    require(pairs(contacts) == expected, f"pairs {sorted(pairs(contacts))} found, must be {sorted(expected)}")
+    require(pairs(contacts) == expected, f"found the pairs {sorted(pairs(contacts))}, must be {sorted(expected)}")
 
 
 def _require_normals(contacts: Contacts, normal: Vector, what: str) -> None:
     angle = np.arccos(np.clip(contacts.normal @ np.array(normal), -1.0, 1.0)).max(initial=0.0)
-    require_between(0.0, angle, SAME_DIRECTION, f"angle [rad] between the ideal normal and those found {what}")
+    require_between(0.0, angle, SAME_DIRECTION, f"angle [rad] between the ideal normal and the normals found {what}")
 
 
 def _require_area(contacts: Contacts, low: Vector, high: Vector, what: str, gap: float = 0.0) -> None:
     """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point beyond it."""
     error = np.abs(contacts.separation - gap).max(initial=0.0)
-    require_between(0.0, error, NEAR_ENOUGH, f"error of the separation [m] found {what}, which is {gap} m")
+    require_between(0.0, error, NEAR_ENOUGH, f"error [m] of the separation found {what}, must be {gap} m")
     for corner in {*itertools.product(*zip(low, high, strict=True))}:
         away = np.linalg.norm(contacts.point - np.array(corner), axis=1).min(initial=math.inf)
         require_between(0.0, away, CORNER, f"distance [m] of the nearest point found {what} from the corner {corner}")
@@ -93,23 +93,23 @@ def _require_area(contacts: Contacts, low: Vector, high: Vector, what: str, gap:
 
 
 def _require_face(contacts: Contacts, x: tuple[float, float], z: float, what: str, gap: float = 0.0) -> None:
-    """Require a whole level contact area at height ``z`` [m], with normals that point up."""
+    """Require a whole horizontal contact area at height ``z`` [m], with normals that point up."""
     _require_area(contacts, (x[0], -WIDTH / 2, z), (x[1], WIDTH / 2, z), what, gap)
     _require_normals(contacts, UP, what)
 
 
 def _require_velocity(contacts: Contacts, velocity: Vector, what: str) -> None:
     error = np.abs(contacts.relative_velocity - np.array(velocity)).max(initial=0.0)
-    require_between(0.0, error, 1e-6, f"error of the relative velocity [m/s] found {what}, must be {velocity}")
+    require_between(0.0, error, 1e-6, f"error [m/s] of the relative velocity found {what}, must be {velocity} m/s")
 
 
 def _tower(simulation: Simulation) -> list[int]:
-    """Spawn three flat planks at gaps of exactly zero, the third one a little aside; returns their ids."""
+    """Spawn three flat planks with gaps of exactly zero, the third shifted by ``TOP``; return their ids."""
     return [simulation.spawn(plank(x, (level + 0.5) * THICKNESS)) for level, x in enumerate((0.0, 0.0, TOP))]
 
 
 def finds_the_contacts_of_a_tower(rig: Rig) -> None:
-    """Before the first step every face of a tower without gaps is found whole, at rest, and nothing moves."""
+    """Check that every whole contact area of a tower without gaps is found before the first step, at velocity 0."""
     simulation = rig.open()
     lower, middle, upper = _tower(simulation)
     contacts = _found(simulation)
@@ -123,9 +123,9 @@ def finds_the_contacts_of_a_tower(rig: Rig) -> None:
 
 
 def finds_the_contacts_of_an_inverted_v(rig: Rig) -> None:
-    """Of two planks that lean on each other at 72 deg, both feet and the ridge are found as lines.
+    """Check that both feet and the ridge of two planks that lean on each other at 72 deg are found as lines.
 
-    The ridge's normal lies between the faces of the planks, because engines differ there.
+    Engines differ in the normal at the ridge: it may be any direction between the faces of the planks.
     """
     simulation = rig.open()
     lean = math.radians(72)
@@ -147,7 +147,7 @@ def finds_the_contacts_of_an_inverted_v(rig: Rig) -> None:
 
 
 def finds_an_overlap(rig: Rig) -> None:
-    """A brick that starts 1 mm deep in the ground, and one as deep in a frozen brick, are found as deep as they are."""
+    """Check that a brick spawned 1 mm deep in the ground or in a frozen brick is found with this overlap."""
     simulation, deep = rig.open(), 1e-3
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     lower, upper = simulation.spawn(plank(z=THICKNESS / 2 - deep)), simulation.spawn(plank(0.3, 1.5 * THICKNESS - deep))
@@ -160,9 +160,9 @@ def finds_an_overlap(rig: Rig) -> None:
 
 
 def finds_contacts_among_moving_and_frozen_bricks(rig: Rig) -> None:
-    """In mid-simulation what touches now is found, at the velocities of now, and no body notices.
+    """Check that a call during a simulation finds the present contacts with the present velocities.
 
-    There are a frozen brick, a brick that the host moved onto it, a brick that slides in and one that falls.
+    The world has a frozen brick, a brick that the host moved onto it, a sliding brick and a falling brick.
     """
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
@@ -184,7 +184,7 @@ def finds_contacts_among_moving_and_frozen_bricks(rig: Rig) -> None:
 
 
 def finds_contacts_with_fixed_boxes(rig: Rig) -> None:
-    """A fixed table below and a fixed wall beside a brick are found as ground, each area whole."""
+    """Check that a fixed table below and a fixed wall beside a brick are found as ground, with whole contact areas."""
     top, edge = 0.1, LENGTH / 4
     table = Brick((LENGTH, 2 * WIDTH, top), 1.0, (edge - LENGTH / 2, 0.0, top / 2))
     wall = Brick((0.05, 2 * WIDTH, 2 * top), 1.0, (LENGTH / 2 + 0.025, 0.0, top))
@@ -202,7 +202,7 @@ def finds_contacts_with_fixed_boxes(rig: Rig) -> None:
 
 
 def forgets_found_contacts_with_the_next_step(rig: Rig) -> None:
-    """Contacts that were found hold until the next step: a brick that was pushed off the ground has none after it."""
+    """Check that found contacts end with the next step: a brick pushed off the ground then has none."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     _require_pairs(_found(simulation), {(GROUND, body)})
@@ -212,7 +212,7 @@ def forgets_found_contacts_with_the_next_step(rig: Rig) -> None:
 
 
 def stands_as_if_never_asked(rig: Rig) -> None:
-    """A tower whose contacts were found, before its first step and later, stands after 60 frames where others stand."""
+    """Check that calls of ``find_contacts``, before the first step and later, do not change where a tower stands."""
     ends = []
     for asked in (False, True):
         simulation = rig.open()
@@ -223,6 +223,6 @@ def stands_as_if_never_asked(rig: Rig) -> None:
             simulation.step(simulation.info.frame_s)
         ends.append(np.array([pose(simulation, body)[:3] for body in bodies]))
     apart = np.linalg.norm(ends[0] - ends[1], axis=1).max()
-    require_between(0.0, apart, SAME_PLACE, "distance [m] of a brick from that of a tower that was never asked")
-    # Soft contacts, as shipped, let the third brick sink by less than a thickness.
+    require_between(0.0, apart, SAME_PLACE, "distance [m] of a brick from its place without find_contacts")
+    # With soft contacts, as shipped, the third brick sinks by less than a thickness.
     require_between(1.5 * THICKNESS, ends[1][2, 2], 2.6 * THICKNESS, "height [m] of the third brick after 60 frames")

@@ -1,4 +1,4 @@
-"""Checks of the fixed boxes of a world: they carry, hold and stop bricks as the ground does, and are reported as it."""
+"""Checks of the fixed boxes of a world: they support, hold and stop bricks as the ground does, with its id."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ DEPTH = 2 * WIDTH
 
 
 def _fixed(size: Vector, position: Vector, lean: float = 0.0) -> Brick:
-    """Return a box whose long edge rises by ``lean`` [rad] from +x towards +z."""
+    """Return a box with edges ``size`` [m], whose long edge rises by ``lean`` [rad] from +x towards +z."""
     return Brick(size, 1.0, position, (math.cos(lean / 2), 0.0, -math.sin(lean / 2), 0.0))
 
 
@@ -45,21 +45,21 @@ def _table(length: float) -> Brick:
 
 
 def _normals_from_ground(simulation: Simulation, body: int) -> FloatArray:
-    """Return the normals (n, 3) of all contacts of a body, from the ground to it.
+    """Return the normals (n, 3) of all contacts of a body, from the ground to the body.
 
     Raises:
-        ConformanceError: if it touches nothing, or anything but the ground.
+        ConformanceError: if the body has no contacts, or contacts with anything but the ground.
     """
     contacts = touching(simulation.port.contacts(), body)
-    require(pairs(contacts) == {(GROUND, body)}, f"pairs {pairs(contacts)}, must be {(GROUND, body)} alone")
+    require(pairs(contacts) == {(GROUND, body)}, f"pairs are {pairs(contacts)}, must be {(GROUND, body)} only")
     normals: FloatArray = np.where((contacts.body_b == body)[:, None], contacts.normal, -contacts.normal)
     return normals
 
 
 def rests_on_a_fixed_box(rig: Rig) -> None:
-    """A brick comes to rest on a fixed box, not in it, and its contact area ends where the box ends.
+    """Check that a brick comes to rest on a fixed box, not in it, with a contact area that ends at the box's edges.
 
-    The brick reaches beyond the box on both sides. The contacts name the ground, and their normals point up.
+    The brick is longer than the box on both sides. The contacts name the ground, and their normals point up.
     """
     length = 0.6 * LENGTH
     simulation = rig.open(fixed=(_table(length),))
@@ -72,7 +72,7 @@ def rests_on_a_fixed_box(rig: Rig) -> None:
         simulation.step(simulation.info.frame_s)
         upward = _normals_from_ground(simulation, body)[:, 2]
         require_between(
-            0.99, upward.min(), 1.0 + 1e-6, "upward part of the normals from a fixed box to the brick on it"
+            0.99, upward.min(), 1.0 + 1e-6, "upward component of the normals from a fixed box to the brick on it"
         )
         points.append(touching(simulation.port.contacts(), body).point)
     x = np.concatenate(points)[:, 0]
@@ -81,7 +81,7 @@ def rests_on_a_fixed_box(rig: Rig) -> None:
 
 
 def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
-    """A brick on a fixed slope slides above atan(mu) and holds below, exactly as on the ground."""
+    """Check that a brick on a fixed slope slides above the friction angle atan(mu) and holds below it."""
 
     def slide(degrees: float) -> float:
         angle, thick, half = math.radians(degrees), 0.05, 1.0
@@ -101,17 +101,17 @@ def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
 
 
 def leans_on_a_fixed_wall(rig: Rig) -> None:
-    """A brick that is pulled against a fixed wall, which it touches, stays; the port reports wall and ground.
+    """Check that a brick pulled against a fixed wall stays, and that the port reports the wall and the ground.
 
-    Gravity leans by 40 degrees, more than friction holds. Both contacts name the ground, and their normals point from
-    it to the brick: away from the wall, and up.
+    Gravity is inclined by 40 degrees, more than friction holds. Both contacts name the ground, and their normals point
+    from it to the brick: away from the wall, and up.
     """
     lean, wall = math.radians(40), _fixed((0.05, DEPTH, 0.1), (LENGTH / 2 + 0.025, 0.0, 0.05))
     gravity = (GRAVITY * math.sin(lean), 0.0, -GRAVITY * math.cos(lean))
     simulation = rig.open(gravity=gravity, fixed=(wall,))
     body = simulation.spawn(plank())
     advance(simulation, 1.0)
-    # Soft contacts, as shipped, let it sink into the wall by some tenths of a millimetre.
+    # With soft contacts, as shipped, the brick sinks into the wall by some tenths of a millimetre.
     require_between(-0.1e-3, pose(simulation, body)[0], 1e-3, "distance [m] that a brick moves against a fixed wall")
     expected = {(-1, 0, 0), (0, 0, 1)}
     normals = {tuple(row) for row in np.rint(_normals_from_ground(simulation, body)).astype(int).tolist()}
@@ -119,7 +119,7 @@ def leans_on_a_fixed_wall(rig: Rig) -> None:
 
 
 def stops_at_a_fixed_ceiling(rig: Rig) -> None:
-    """A brick that flies up against a fixed ceiling is stopped; the normal points from the ceiling down to it."""
+    """Check that a fixed ceiling stops a rising brick, with a normal that points down from the ceiling to the brick."""
     bottom = 0.1
     ceiling = _fixed((2 * LENGTH, DEPTH, 0.05), (0.0, 0.0, bottom + 0.025))
     simulation = rig.open(gravity=WEIGHTLESS, fixed=(ceiling,))
@@ -132,19 +132,19 @@ def stops_at_a_fixed_ceiling(rig: Rig) -> None:
         if len(contacts):
             down += 1
             facing = _normals_from_ground(simulation, body)[:, 2].max()
-            require_between(-1.0 - 1e-6, facing, -0.99, "upward part of the normals from a fixed ceiling")
-    require(down > 0, "a brick that flew against a fixed ceiling was never reported to touch it")
+            require_between(-1.0 - 1e-6, facing, -0.99, "upward component of the normals from a fixed ceiling")
+    require(down > 0, "a brick that hit a fixed ceiling has no contact with it in any frame, must have one")
     top = pose(simulation, body)[2] + THICKNESS / 2
-    # It may be as deep as it flew in a step, and nothing but the engine's recovery brings it back.
+    # The brick may be as deep as its path in a step, and only the engine's recovery pushes it back.
     deepest = bottom + 0.3 * simulation.info.frame_s
-    require_between(0.0, top, deepest, "height [m] of a brick that flew against a fixed ceiling")
-    # Without gravity soft contacts of a larger world give back a fifth of the speed.
+    require_between(0.0, top, deepest, "height [m] of the top of a brick that hit a fixed ceiling")
+    # Without gravity the soft contacts of a larger world return a fifth of the speed.
     back = -velocity(simulation, body)[2]
-    require_between(-1e-3, back, 0.1, "speed [m/s] at which a brick leaves a fixed ceiling that it struck at 0.3 m/s")
+    require_between(-1e-3, back, 0.1, "speed [m/s] of a brick away from a fixed ceiling that it hit at 0.3 m/s")
 
 
 def freezes_on_a_fixed_box(rig: Rig) -> None:
-    """A brick that is frozen on a fixed box does not move by a bit, is reported no more, and carries another."""
+    """Check that a brick frozen on a fixed box does not move by a bit, has no ground contact, and supports a brick."""
     simulation = rig.open(fixed=(_table(2 * LENGTH),))
     lower = simulation.spawn(plank(z=TABLE + THICKNESS / 2 + CLEARANCE))
     advance(simulation, 0.5)
@@ -153,6 +153,6 @@ def freezes_on_a_fixed_box(rig: Rig) -> None:
     upper = simulation.spawn(plank(z=TABLE + 1.5 * THICKNESS + CLEARANCE))
     advance(simulation, 0.5)
     drift = np.abs(pose(simulation, lower) - before).max()
-    require(drift == 0.0, f"a brick frozen on a fixed box moved by {drift:.3g}, must be 0")
+    require(drift == 0.0, f"a brick frozen on a fixed box moved by {drift:.3g}, must not move by a bit")
     found = pairs(simulation.port.contacts())
-    require(found == {(lower, upper)}, f"pairs {found} of a live brick on a frozen one, must be {(lower, upper)} alone")
+    require(found == {(lower, upper)}, f"a live brick on a frozen one has the pairs {found}, must be {(lower, upper)}")

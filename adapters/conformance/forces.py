@@ -1,4 +1,4 @@
-"""Checks of the contact forces that the port reports: in sum they balance what presses on a brick at rest."""
+"""Checks of the contact forces that the port reports: their sum balances the load on a brick at rest."""
 
 from __future__ import annotations
 
@@ -22,31 +22,38 @@ from adapters.shared.force_residuals import cone_excess
 from stability_core.port import GROUND, Contacts, FloatArray
 
 FRAMES = 20
-"""Frames over which forces are averaged: an engine's load may wander among a brick's corners from step to step."""
+"""Number of frames of a mean force, because the load may shift among a brick's corners from step to step."""
 CARRYING_GAP = 0.1e-3
-"""Gap [m] across which no contact bears load: in all engines what bears load overlaps or touches."""
+"""Greatest gap [m] of a contact that bears load, because bodies of such a contact touch or overlap in all engines."""
 PRECISION = 0.02
-"""Error of a mean force over the weight of a brick: solvers that stop early leave a percent in a scaled world."""
+"""Greatest error of a mean force over the weight of a brick: in a scaled world solvers that stop early err by 1 %."""
 
 
 def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
-    """Return the contacts after the latest step and their forces (n, 3) [N], which must be well formed."""
+    """Return the contacts after the latest step and their forces (n, 3) [N].
+
+    Raises:
+        ConformanceError: if the forces have another shape, are not finite, or pull.
+    """
     contacts = simulation.port.contacts()
     force = contacts.force
-    require(force is not None, "Contacts.force is None, though the engine's capabilities say that it reports forces")
+    require(force is not None, "Contacts.force is None, must hold forces, as the engine's capabilities state")
     assert force is not None
-    require(force.shape == (len(contacts), 3), f"Contacts.force has the shape {force.shape} for {len(contacts)} rows")
+    require(
+        force.shape == (len(contacts), 3),
+        f"Contacts.force has the shape {force.shape}, must be {(len(contacts), 3)}",
+    )
     require(bool(np.isfinite(force).all()), "contact forces must be finite")
     pull = -min(np.einsum("ij,ij->i", force, contacts.normal), default=0.0)
     # 1e-3: rounding in single precision, and a normal that turned within the frame.
     require_between(
-        -np.inf, pull / (MASS * GRAVITY), 1e-3, "force over a weight by which a contact pulls at its bodies"
+        -np.inf, pull / (MASS * GRAVITY), 1e-3, "pull of a contact at its bodies, over the weight of a brick"
     )
     return contacts, force
 
 
 def _mean_force(simulation: Simulation, body: int, other: int) -> FloatArray:
-    """Return the mean force (3,), in weights of a brick, with which ``other`` acts on ``body``."""
+    """Return the mean force (3,) of ``other`` on ``body`` over the weight of a brick, without unit."""
     total = np.zeros(3)
     for _ in range(FRAMES):
         simulation.step(simulation.info.frame_s)
@@ -59,7 +66,7 @@ def _mean_force(simulation: Simulation, body: int, other: int) -> FloatArray:
 
 
 def carries_a_resting_brick(rig: Rig) -> None:
-    """The forces on a brick at rest add up to its weight, on the ground and on a frozen brick."""
+    """Check that the forces on a brick at rest, on the ground and on a frozen brick, add up to its weight."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
@@ -71,18 +78,18 @@ def carries_a_resting_brick(rig: Rig) -> None:
 
 
 def carries_each_level(rig: Rig) -> None:
-    """In a stack of three live bricks each interface carries the weight of all that lies above."""
+    """Check that each interface in a stack of three live bricks bears the weight of the bricks above it."""
     simulation = rig.open()
     stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
     advance(simulation, 0.5)
     for body, other, load in ((stack[0], GROUND, 3), (stack[1], stack[0], 2), (stack[2], stack[1], 1)):
         force = _mean_force(simulation, body, other)
         error = np.abs(force - (0.0, 0.0, load)).max()
-        require_between(0.0, error, load * PRECISION, f"error of the force below {load} live bricks, in weights of one")
+        require_between(0.0, error, load * PRECISION, f"error of the force below {load} bricks over a weight")
 
 
 def resists_a_steady_push(rig: Rig) -> None:
-    """Friction balances a steady push of 0.2 weights, below the limit of 0.45; nothing moves."""
+    """Check that friction balances a steady force of 0.2 weights of a brick, below the limit of 0.45."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
@@ -97,7 +104,7 @@ def resists_a_steady_push(rig: Rig) -> None:
 
 
 def keeps_forces_within_the_laws_of_contact(rig: Rig) -> None:
-    """Each contact's friction lies within mu times its normal force, and no contact bears load across a gap."""
+    """Check that friction is at most mu times the normal force at each contact, and that no force acts across a gap."""
     simulation = rig.open()
     stack = [simulation.spawn(plank(z=(level + 0.5) * THICKNESS)) for level in range(3)]
     alone = place_on(simulation, 0, x=0.3)
@@ -113,27 +120,27 @@ def keeps_forces_within_the_laws_of_contact(rig: Rig) -> None:
         bears = np.einsum("ij,ij->i", force, contacts.normal) > PRECISION * MASS * GRAVITY
         gap = max(gap, np.nanmax(contacts.separation[bears], initial=-np.inf))
     require_between(
-        0.0, float(np.mean(excess)), PRECISION, "friction of a contact beyond mu times its normal force, in weights"
+        0.0, float(np.mean(excess)), PRECISION, "excess of friction over mu times the normal force, in weights"
     )
     require_between(-np.inf, float(gap), CARRYING_GAP, "gap [m] across which a contact bears load")
 
 
 def reports_no_forces(rig: Rig) -> None:
-    """An engine that says it reports no forces leaves ``Contacts.force`` out."""
+    """Check that ``Contacts.force`` is None for an engine whose capabilities state no forces."""
     simulation = rig.open()
     body = place_on(simulation, 0)
     advance(simulation, 1.0)
     contacts = touching(simulation.port.contacts(), body)
-    require(len(contacts) > 0, "a brick at rest has no contact")
-    require(contacts.force is None, "forces are reported, against what the capabilities say")
+    require(len(contacts) > 0, "a brick at rest has no contact, must have one or more")
+    require(contacts.force is None, "forces are reported, must be None by the engine's capabilities")
 
 
 def forgets_forces_without_a_step(rig: Rig) -> None:
-    """``find_contacts`` reports contacts without forces, because no step has solved them."""
+    """Check that ``find_contacts`` reports contacts without forces, because no step has solved them."""
     simulation = rig.open()
     body = place_on(simulation, 0)
     advance(simulation, 1.0)
     simulation.find_contacts()
     contacts = touching(simulation.port.contacts(), body)
-    require(len(contacts) > 0, "find_contacts lists no contact of a brick at rest")
-    require(contacts.force is None, "find_contacts reports forces")
+    require(len(contacts) > 0, "find_contacts lists no contact of a brick at rest, must list one or more")
+    require(contacts.force is None, "find_contacts reports forces, must report None")

@@ -1,4 +1,4 @@
-"""Checks of the freeze: exact while it lasts, and without a trace once it ends."""
+"""Checks of freezing and unfreezing: a freeze is exact, and it does not change the later motion."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from adapters.conformance.rig import (
 
 def _require_still(simulation: Simulation, body: int, before: np.typing.NDArray[np.float64], when: str) -> None:
     drift = np.abs(pose(simulation, body) - before).max()
-    require(drift == 0.0, f"a frozen brick moved by {drift:.3g} {when}, must be 0")
+    require(drift == 0.0, f"a frozen brick moved by {drift:.3g} {when}, must not move by a bit")
 
 
 def stays_frozen(rig: Rig) -> None:
-    """A frozen brick does not move by a bit: in mid-air, under a fall, under a push, for 5 s."""
+    """Check that a frozen brick does not move by a bit in 5 s: in the air, under an impact, under a push."""
     simulation = rig.open()
     hanging, seated = simulation.spawn(plank(0.0, 0.1)), place_on(simulation, 0, x=0.3)
     advance(simulation, 0.05)
@@ -41,14 +41,15 @@ def stays_frozen(rig: Rig) -> None:
     simulation.push(seated, (MASS, 0.0, 0.0))
     advance(simulation, 5.0)
     for body in (hanging, seated):
-        _require_still(simulation, body, before[body], "under an impact, a push and 5 s")
+        _require_still(simulation, body, before[body], "in 5 s under an impact and a push")
         require(
-            not velocity(simulation, body).any(), f"a frozen brick reports the velocity {velocity(simulation, body)}"
+            not velocity(simulation, body).any(),
+            f"a frozen brick has the velocity {velocity(simulation, body)}, must be 0",
         )
 
 
 def freezes_in_flight(rig: Rig) -> None:
-    """A brick frozen in flight stops at once, and falls from rest once woken."""
+    """Check that a brick frozen in flight stops at once, and falls from rest after it is unfrozen."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=1.0))
     simulation.push(body, (MASS, 0.0, 0.0))
@@ -62,12 +63,12 @@ def freezes_in_flight(rig: Rig) -> None:
     seconds = frames(simulation, 0.2) * simulation.info.frame_s
     error = np.abs(velocity(simulation, body)[:3] - (0.0, 0.0, -GRAVITY * seconds)).max()
     require_between(
-        0.0, error, 0.01 * GRAVITY * seconds, "error of the speed [m/s] of a woken brick that falls from rest"
+        0.0, error, 0.01 * GRAVITY * seconds, "error of the speed [m/s] of an unfrozen brick that falls from rest"
     )
 
 
 def freezes_before_its_first_step(rig: Rig) -> None:
-    """Many bricks are frozen before any step, hold, are woken together, and fall together."""
+    """Check that bricks frozen before the first step do not move, and fall alike after they are unfrozen together."""
     simulation = rig.open()
     bodies = [simulation.spawn(plank(0.2 * column, 0.5)) for column in range(20)]
     simulation.port.sleep(bodies)
@@ -79,12 +80,12 @@ def freezes_before_its_first_step(rig: Rig) -> None:
     advance(simulation, 0.2)
     seconds = frames(simulation, 0.2) * simulation.info.frame_s
     speeds = np.array([-velocity(simulation, body)[2] for body in bodies]) / (GRAVITY * seconds)
-    require_between(0.99, speeds.min(), 1.01, "least speed of fall over g t of 20 woken bricks")
-    require_between(0.99, speeds.max(), 1.01, "greatest speed of fall over g t of 20 woken bricks")
+    require_between(0.99, speeds.min(), 1.01, "least speed of fall over g t of 20 unfrozen bricks")
+    require_between(0.99, speeds.max(), 1.01, "greatest speed of fall over g t of 20 unfrozen bricks")
 
 
 def carries_a_live_brick(rig: Rig) -> None:
-    """A live brick comes to rest on a frozen one that hangs in the air, and not in it."""
+    """Check that a live brick comes to rest on a frozen brick in the air, and does not sink into it."""
     simulation = rig.open()
     shelf = simulation.spawn(plank(z=0.3))
     simulation.port.sleep([shelf])
@@ -95,7 +96,11 @@ def carries_a_live_brick(rig: Rig) -> None:
 
 
 def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
-    """Velocities (12,) of two weightless planks, of which one struck the other's end from above."""
+    """Return the velocities (12,) of two weightless planks after one has struck the other's end from above.
+
+    The numbers of each plank are linear [m/s], then angular [rad/s]. With ``freeze`` the struck plank is frozen and
+    unfrozen before the impact.
+    """
     simulation = rig.open(gravity=WEIGHTLESS)
     target, striker = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(0.4 * LENGTH, 0.5 + THICKNESS + 0.02))
     if freeze:
@@ -109,7 +114,7 @@ def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
 
 
 def tumbles_as_if_never_frozen(rig: Rig) -> None:
-    """Woken, a brick has its mass and inertia back: struck at one end it moves and turns as one never frozen."""
+    """Check that an unfrozen brick has its mass and inertia: struck at one end, it moves like a brick never frozen."""
     never, woken = _struck(rig, freeze=False), _struck(rig, freeze=True)
     require_between(0.05, abs(never[2]), 0.3, "speed [m/s] of a brick struck at its end by one of 0.3 m/s")
     for name, part in (("linear [m/s]", slice(0, 3)), ("angular [rad/s]", slice(3, 6))):
@@ -119,7 +124,7 @@ def tumbles_as_if_never_frozen(rig: Rig) -> None:
 
 
 def wakes_to_live_again(rig: Rig) -> None:
-    """A woken brick is reported with its mass and its contacts again, holds what lies on it, and slides when pushed."""
+    """Check that an unfrozen brick is listed with its mass and contacts, supports a brick, and slides when pushed."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
@@ -130,21 +135,21 @@ def wakes_to_live_again(rig: Rig) -> None:
     advance(simulation, 1.0)
     masses, contacts = simulation.port.masses(), simulation.port.contacts()
     weights = dict(zip(masses.body.tolist(), masses.mass.tolist(), strict=True))
-    require(weights == {support: MASS, body: MASS}, f"masses of two woken bricks are {weights} kg, must be {MASS} each")
+    require(weights == {support: MASS, body: MASS}, f"masses of two unfrozen bricks are {weights} kg, must be {MASS}")
     touched = set(contacts.body_a.tolist()) | set(contacts.body_b.tolist())
-    require({support, body} <= touched, f"contacts after waking touch {touched} only")
+    require({support, body} <= touched, f"contacts touch {touched}, must also touch the unfrozen {support, body}")
     before = pose(simulation, body)
-    # As shipped, soft contacts let two bricks sink by 1.1 mm; a brick that lost its contacts is half a thickness deep.
-    require_between(1.3 * THICKNESS, before[2], 1.55 * THICKNESS, "height [m] of the upper of two woken bricks")
+    # With soft contacts, as shipped, two bricks sink by 1.1 mm; a brick without contacts is half a thickness deep.
+    require_between(1.3 * THICKNESS, before[2], 1.55 * THICKNESS, "height [m] of the upper of two unfrozen bricks")
     simulation.push(body, (0.5 * MASS, 0.0, 0.0))
     advance(simulation, 0.2)
-    # Braked at mu g = 4.4 m/s2 it slides 28 mm.
+    # With the deceleration mu g = 4.4 m/s2 the brick slides 28 mm.
     slid = pose(simulation, body)[0] - before[0]
-    require_between(0.02, slid, 0.04, "distance [m] that a woken brick slides when pushed to 0.5 m/s")
+    require_between(0.02, slid, 0.04, "distance [m] that an unfrozen brick slides after a push to 0.5 m/s")
 
 
 def moves_a_frozen_brick(rig: Rig) -> None:
-    """A frozen brick that the host moves stays frozen there, carries there, and no longer where it was."""
+    """Check that a frozen brick that the host moves stays frozen, and supports bricks at its new pose only."""
     simulation = rig.open()
     shelf = simulation.spawn(plank(z=0.1))
     simulation.port.sleep([shelf])
@@ -152,7 +157,7 @@ def moves_a_frozen_brick(rig: Rig) -> None:
     simulation.move(shelf, (0.5, 0.0, 0.2), (1.0, 0.0, 0.0, 0.0))
     before = pose(simulation, shelf)
     error = abs(before[0] - 0.5) + abs(before[2] - 0.2)
-    require_between(0.0, error, 1e-7, "error [m] of the pose set, rounding in single precision allowed")
+    require_between(0.0, error, 1e-7, "error [m] of the pose that was set (tolerance: rounding in single precision)")
     carried, dropped = (
         simulation.spawn(plank(0.5, 0.2 + THICKNESS + 0.5e-3)),
         simulation.spawn(plank(0.0, 0.1 + THICKNESS)),
@@ -160,11 +165,11 @@ def moves_a_frozen_brick(rig: Rig) -> None:
     advance(simulation, 0.5)
     _require_still(simulation, shelf, before, "after the host had moved it")
     require_between(0.2, pose(simulation, carried)[2], 0.2 + 1.2 * THICKNESS, "height [m] of a brick on the moved one")
-    require_between(0.0, pose(simulation, dropped)[2], 0.05, "height [m] of a brick where the moved one had been")
+    require_between(0.0, pose(simulation, dropped)[2], 0.05, "height [m] of a brick at the old place of the moved one")
 
 
 def removes_a_frozen_brick(rig: Rig) -> None:
-    """A frozen brick that was removed stops nothing, and its neighbours stay as they were."""
+    """Check that a removed frozen brick stops no brick, and that its frozen neighbour does not move."""
     simulation = rig.open()
     removed, kept = simulation.spawn(plank(0.0, 0.1)), simulation.spawn(plank(0.2, 0.1))
     simulation.port.sleep([removed, kept])
@@ -172,7 +177,9 @@ def removes_a_frozen_brick(rig: Rig) -> None:
     before = pose(simulation, kept)
     simulation.remove(removed)
     falling = simulation.spawn(plank(0.0, 0.1 + THICKNESS))
-    require(falling not in (removed, kept), f"the id {falling} was used before")
+    require(falling not in (removed, kept), f"the id {falling} was used before, must be new")
     advance(simulation, 0.5)
-    require_between(0.0, pose(simulation, falling)[2], 0.05, "height [m] of a brick that falls where one was removed")
+    require_between(
+        0.0, pose(simulation, falling)[2], 0.05, "height [m] of a brick that falls where a frozen one was removed"
+    )
     _require_still(simulation, kept, before, "when its neighbour was removed")

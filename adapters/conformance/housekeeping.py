@@ -1,4 +1,4 @@
-"""Checks of what the harness relies on: ids, errors, poses, and runs that repeat bit for bit."""
+"""Checks of ids, errors, poses, settings, and runs that repeat bit for bit, on which the harness relies."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _require_error(kind: type[Exception], action: Callable[[], object], what: st
 
 
 def refuses_bad_input(rig: Rig) -> None:
-    """Unknown ids, poses that are not finite and masses that are not positive raise, and change nothing."""
+    """Check that unknown ids, poses that are not finite and masses that are not positive raise and change nothing."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     nowhere = (math.nan, 0.0, 0.1)
@@ -42,17 +42,17 @@ def refuses_bad_input(rig: Rig) -> None:
     _require_error(ValueError, lambda: simulation.apply_force(body, nowhere), "a force of NaN")
     _require_error(ValueError, lambda: simulation.set_gravity(nowhere), "gravity of NaN")
     bodies = simulation.poses()[0].tolist()
-    require(bodies == [body], f"after refused input the world holds the bodies {bodies}, must be [{body}]")
+    require(bodies == [body], f"after rejected input the world has the bodies {bodies}, must be [{body}]")
 
 
 def refuses_what_leaves_its_plane(rig: Rig) -> None:
-    """A planar engine refuses bricks, impulses, forces, velocities and gravity that leave the x-z plane."""
+    """Check that a planar engine rejects bricks, impulses, forces, velocities and gravity outside the x-z plane."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     lift = simulation.spawn(replace(plank(x=1.0), moved=True))
     aside, turned = (0.0, 0.1, 0.0), (math.cos(0.1), math.sin(0.1), 0.0, 0.0)
     for what, action in {
-        "a brick beside the plane": lambda: simulation.spawn(replace(plank(x=0.5), position=(0.5, 0.1, 0.1))),
+        "a brick outside the plane": lambda: simulation.spawn(replace(plank(x=0.5), position=(0.5, 0.1, 0.1))),
         "a brick turned out of the plane": lambda: simulation.spawn(replace(plank(x=0.5), quaternion=turned)),
         "a move out of the plane": lambda: simulation.move(body, aside, (1.0, 0.0, 0.0, 0.0)),
         "an impulse out of the plane": lambda: simulation.push(body, aside),
@@ -64,14 +64,14 @@ def refuses_what_leaves_its_plane(rig: Rig) -> None:
 
 
 def keeps_poses_and_ids(rig: Rig) -> None:
-    """Poses come back as they were given, by rising id; ids are never used again."""
+    """Check that the world returns the spawned poses, by rising id, and never reuses an id."""
     simulation = rig.open()
     planned = [plank(0.3 * i, 0.3, lean) for i, lean in enumerate((0.0, 0.4, -1.2, 2.0))]
     bodies = [simulation.spawn(brick) for brick in planned]
     for body, brick in zip(bodies, planned, strict=True):
         given, got = np.array(brick.position + brick.quaternion), pose(simulation, body)
-        got[3:] *= math.copysign(1.0, got[3:] @ given[3:])  # q and -q are the same turn
-        # 1e-6: an engine may keep single precision.
+        got[3:] *= math.copysign(1.0, got[3:] @ given[3:])  # q and -q are the same rotation
+        # 1e-6: an engine may store poses in single precision.
         require_between(
             0.0, np.abs(got - given).max(), 1e-6, f"error of the pose of a brick spawned at {brick.position}"
         )
@@ -79,26 +79,28 @@ def keeps_poses_and_ids(rig: Rig) -> None:
     bodies[-1] = simulation.spawn(plank(1.5))
     simulation.remove(bodies[0])
     bodies.append(simulation.spawn(plank(1.8)))
-    require(len(set(bodies)) == 5, f"ids {bodies} are not all different")
+    require(len(set(bodies)) == 5, f"the ids {bodies} must all differ")
     listed = simulation.poses()[0].tolist()
     require(listed == sorted(bodies[1:]), f"poses list the bodies {listed}, must be {sorted(bodies[1:])}")
 
 
 def moves_a_live_brick(rig: Rig) -> None:
-    """A moved brick stands still at its new pose and falls from there."""
+    """Check that a brick that the host moves is at rest at its new pose and falls from there."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=1.0))
     advance(simulation, 0.2)
     simulation.move(body, (0.1, 0.0, 0.5), (math.cos(0.25), 0.0, math.sin(0.25), 0.0))
     given = np.array((0.1, 0.0, 0.5, math.cos(0.25), 0.0, math.sin(0.25), 0.0))
-    require_between(0.0, np.abs(pose(simulation, body) - given).max(), 1e-6, "error of the pose set")
+    require_between(0.0, np.abs(pose(simulation, body) - given).max(), 1e-6, "error of the pose that was set")
     simulation.step(simulation.info.frame_s)
     fallen = 0.5 - pose(simulation, body)[2]
-    require_between(0.0, fallen, 1.01 * 9.81 * simulation.info.frame_s**2, "fall [m] within a frame of being moved")
+    require_between(
+        0.0, fallen, 1.01 * 9.81 * simulation.info.frame_s**2, "fall [m] of a brick in the first frame after a move"
+    )
 
 
 def tumble(simulation: Simulation) -> bytes:
-    """Every pose of a pile that falls, with freezes, wakes, a push and a removal on the way."""
+    """Return the bytes of all poses of a falling pile, with freezing, unfreezing, a push and a removal in between."""
     recorded = []
     bodies = [simulation.spawn(plank(0.3 * LENGTH * (i % 2), (1.5 * i + 0.5) * THICKNESS, 0.1 * i)) for i in range(5)]
     for frame in range(60):
@@ -116,13 +118,13 @@ def tumble(simulation: Simulation) -> bytes:
 
 
 def repeats_bit_for_bit(rig: Rig) -> None:
-    """The same sequence of calls in two worlds gives the same poses, bit for bit."""
+    """Check that the same sequence of calls in two worlds gives the same poses, bit for bit."""
     first, second = tumble(rig.open()), tumble(rig.open())
-    require(first == second, "the same sequence of calls gave different poses")
+    require(first == second, "the same sequence of calls gave different poses, must give equal bits")
 
 
 def has_the_settings_of_its_profile(rig: Rig) -> None:
-    """Every knob that the engine shows has the value that the profile says, as far as single precision goes."""
+    """Check that every knob that the engine reports has the profile's value, within single precision."""
     simulation = rig.open()
     simulation.spawn(plank())
     wanted = simulation.info.profile.values
@@ -130,4 +132,4 @@ def has_the_settings_of_its_profile(rig: Rig) -> None:
         same = value == wanted[name] or (
             isinstance(value, (int, float)) and math.isclose(value, float(wanted[name]), rel_tol=1e-6, abs_tol=1e-12)
         )
-        require(same, f"the engine has {name} = {value!r}, the profile says {wanted[name]!r}")
+        require(same, f"the engine has {name} = {value!r}, must be the profile's {wanted[name]!r}")

@@ -1,4 +1,4 @@
-"""Checks of how live bricks move: gravity, impulses, friction, impacts, rest."""
+"""Checks of the motion of live bricks: gravity, impulses, friction, impacts, rest."""
 
 from __future__ import annotations
 
@@ -31,26 +31,27 @@ from adapters.conformance.rig import (
 from scenarios.model import CLEARANCE, Vector
 
 SEATED_SPEED, SEATED_PENETRATION = 3e-3, 0.2e-3
-"""A brick is frozen flat only below this speed [m/s] and penetration [m]: one that is deeper tilts the next level."""
+"""Greatest speed [m/s] and penetration [m] of a flat brick at rest, because a deeper brick tilts the next level."""
 LEANING_SPEED, LEANING_PENETRATION = 50e-3, 4e-3
-"""The same for a brick that leans: a stricter rule would wait until it has slipped away."""
+"""Greatest speed [m/s] and penetration [m] of a leaning brick at rest: with lower limits it would slip before it is
+frozen."""
 
 
 def falls_freely(rig: Rig) -> None:
-    """Speed grows by g t and by nothing else: no damping, no gravity twice."""
+    """Check that the speed of a falling brick is g t, without damping or a second gravity."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=5.0))
     advance(simulation, 0.5)
     seconds = frames(simulation, 0.5) * simulation.info.frame_s
     fallen = 5.0 - pose(simulation, body)[2]
-    # 0.1 %: every integrator gains g dt a step; the shipped damping of some engines (4 % a second) shows.
+    # 0.1 %: every integrator gains g dt per step; the shipped damping of some engines (4 % per second) exceeds it.
     require_between(0.999, -velocity(simulation, body)[2] / (GRAVITY * seconds), 1.001, "speed of fall over g t")
-    # A first-order integrator is early or late by half a step: 3.4 % of 30 frames.
+    # A first-order integrator leads or lags by half a step: 3.4 % of 30 frames.
     require_between(0.96, fallen / (0.5 * GRAVITY * seconds**2), 1.04, "distance of fall over g t^2 / 2")
 
 
 def moves_by_impulse_over_mass(rig: Rig) -> None:
-    """An impulse J moves a brick at J / m without turning it, and nothing slows it down."""
+    """Check that an impulse J gives a brick of mass m the lasting velocity J / m and no spin."""
     simulation = rig.open(gravity=WEIGHTLESS)
     body = simulation.spawn(plank(z=0.5))
     advance(simulation, 0.1)
@@ -61,7 +62,10 @@ def moves_by_impulse_over_mass(rig: Rig) -> None:
 
 
 def accelerates_by_force_over_mass(rig: Rig) -> None:
-    """A steady force F moves a brick at F t / m without turning it, until it is set to zero; a frozen brick stays."""
+    """Check that a steady force F gives a live brick the velocity F t / m and no spin, until F is set to zero.
+
+    A frozen brick must not move until it is unfrozen.
+    """
     simulation = rig.open(gravity=WEIGHTLESS)
     free, frozen = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(x=0.5, z=0.5))
     advance(simulation, 0.1)
@@ -73,19 +77,19 @@ def accelerates_by_force_over_mass(rig: Rig) -> None:
     seconds = frames(simulation, 0.5) * simulation.info.frame_s
     for what in ("at the end of a steady force", "after it"):
         error = np.abs(velocity(simulation, free) - np.array((0.4, 0.0, 0.3, 0.0, 0.0, 0.0)) * seconds).max()
-        # 1 %: the shipped damping of some engines takes 5 % a second.
+        # 1 %: the shipped damping of some engines is 5 % per second.
         require_between(0.0, error / seconds, 0.005, f"error of the acceleration [m/s2] {what} of 0.5 m/s2")
         simulation.apply_force(free, (0.0, 0.0, 0.0))
         advance(simulation, 0.1)
-    require(bool((pose(simulation, frozen) == before).all()), "a frozen brick moved under a steady force")
+    require(bool((pose(simulation, frozen) == before).all()), "a frozen brick moved under a steady force, must not")
     simulation.port.wake([frozen])
     advance(simulation, 0.1)
     gained = velocity(simulation, frozen)[0] / (frames(simulation, 0.1) * simulation.info.frame_s)
-    require_between(0.38, gained, 0.42, "acceleration [m/s2] of a woken brick under its steady force for 0.4 m/s2")
+    require_between(0.38, gained, 0.42, "acceleration [m/s2] of an unfrozen brick by a steady force for 0.4 m/s2")
 
 
 def falls_along_gravity_that_changes(rig: Rig) -> None:
-    """Gravity that is changed acts on live bricks, on frozen ones once they are woken, and on new ones."""
+    """Check that a change of gravity acts on live bricks, on bricks that are unfrozen later, and on new bricks."""
     simulation = rig.open()
     live, frozen = simulation.spawn(plank(z=5.0)), simulation.spawn(plank(x=1.0, z=5.0))
     simulation.port.sleep([frozen])
@@ -103,7 +107,14 @@ def falls_along_gravity_that_changes(rig: Rig) -> None:
 
 
 def _slide(rig: Rig, degrees: float, heading: Vector, levels: int) -> float:
-    """Distance [m] that a plank on a slope moves in 0.5 s, after 0.3 s in which it comes to rest or not."""
+    """Return the distance [m] that a plank on a slope moves from 0.3 s to 0.8 s after its release.
+
+    Args:
+        rig: source of the world.
+        degrees: angle of the slope [deg].
+        heading: unit vector of the downhill direction in the plane of the slope.
+        levels: number of frozen planks below the plank.
+    """
     angle = math.radians(degrees)
     down = GRAVITY * math.sin(angle)
     simulation = rig.open(gravity=(down * heading[0], down * heading[1], -GRAVITY * math.cos(angle)))
@@ -116,22 +127,22 @@ def _slide(rig: Rig, degrees: float, heading: Vector, levels: int) -> float:
 
 
 def slides_on_the_ground_above_the_friction_angle(rig: Rig) -> None:
-    """A brick on the ground slides above atan(mu) and holds below."""
+    """Check that a brick on the ground slides above the friction angle atan(mu) and holds below it."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 0))
 
 
 def slides_on_a_frozen_brick_above_the_friction_angle(rig: Rig) -> None:
-    """A brick on a frozen one slides above atan(mu) and holds below."""
+    """Check that a brick on a frozen brick slides above the friction angle atan(mu) and holds below it."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (1.0, 0.0, 0.0), 1))
 
 
 def slides_sideways_above_the_friction_angle(rig: Rig) -> None:
-    """Friction is the same across the plank as along it."""
+    """Check that a brick has the same friction angle across its length as along it."""
     require_friction_angle(lambda degrees: _slide(rig, degrees, (0.0, 1.0, 0.0), 0))
 
 
 def is_braked_by_friction_between_live_bricks(rig: Rig) -> None:
-    """A struck brick slides over a live one and is braked at mu g."""
+    """Check that a pushed brick slides over a live brick with the deceleration mu g."""
     simulation = rig.open()
     simulation.spawn(plank())
     upper = place_on(simulation, 1)
@@ -141,13 +152,13 @@ def is_braked_by_friction_between_live_bricks(rig: Rig) -> None:
     advance(simulation, 0.1)
     seconds = frames(simulation, 0.1) * simulation.info.frame_s
     braking = (0.6 + start - velocity(simulation, upper)[0]) / seconds
-    # 15 %: the plank rocks as its load wanders forward, so that at one step a frame the load of a single step is
-    # anything from a third to five thirds of the weight; the mean over six steps is known to a ninth.
-    require_between(0.85 * 0.45, braking / GRAVITY, 1.15 * 0.45, "braking over g between live bricks, mu = 0.45")
+    # 15 %: the plank rocks while its load shifts forward. With one step per frame the load of a single step is one
+    # third to five thirds of the weight, so that the mean over six steps is known to one ninth.
+    require_between(0.85 * 0.45, braking / GRAVITY, 1.15 * 0.45, "deceleration over g between live bricks, mu = 0.45")
 
 
 def does_not_bounce(rig: Rig) -> None:
-    """Restitution is 0: a brick that falls 5 mm does not come up again."""
+    """Check that the restitution is 0: a brick that falls 5 mm does not rise again."""
     simulation = rig.open()
     body = simulation.spawn(plank(z=THICKNESS / 2 + 5e-3))
     rose, lowest = 0.0, math.inf
@@ -156,8 +167,8 @@ def does_not_bounce(rig: Rig) -> None:
         height = float(pose(simulation, body)[2])
         lowest = min(lowest, height)
         rose = max(rose, height - max(lowest, THICKNESS / 2))
-    # 5 % of the drop is a coefficient of 0.22: what is left is the recovery from penetration.
-    require_between(0.0, rose, 0.25e-3, "height [m] that a brick rises above its rest after a fall of 5 mm")
+    # 5 % of the drop, which corresponds to a restitution of 0.22, allows for the recovery from penetration.
+    require_between(0.0, rose, 0.25e-3, "rise [m] of a brick above its height at rest, after a fall of 5 mm")
 
 
 def _require_seated(simulation: Simulation, body: int, where: str) -> None:
@@ -175,22 +186,22 @@ def _require_seated(simulation: Simulation, body: int, where: str) -> None:
             seated_since = frame if seated_since is None else seated_since
         else:
             seated_since = None
-    state = f"last seen at {speed * 1e3:.3g} mm/s, {deep * 1e3:.3g} mm deep, {len(contacts)} points"
-    require(seated_since is not None, f"a brick placed {where} never seats within 1.4 s: {state}")
+    state = f"in the last frame {speed * 1e3:.3g} mm/s, {deep * 1e3:.3g} mm deep, {len(contacts)} points"
+    require(seated_since is not None, f"a brick placed {where} is not at rest after 1.4 s, must be: {state}")
     require(
         seated_since is not None and seated_since <= limit,
-        f"a brick placed {where} seats for good only after {seated_since} frames, must be within {limit} (0.7 s)",
+        f"a brick placed {where} stays at rest from frame {seated_since} on, must from frame {limit} (0.7 s) at latest",
     )
 
 
 def seats_on_the_ground(rig: Rig) -> None:
-    """A brick let go 0.5 mm above the ground is at rest and 0.2 mm deep or less within 0.7 s."""
+    """Check that a brick released 0.5 mm above the ground is at rest, at most 0.2 mm deep, within 0.7 s."""
     simulation = rig.open()
     _require_seated(simulation, place_on(simulation, 0), "on the ground")
 
 
 def seats_on_frozen_bricks(rig: Rig) -> None:
-    """So is one on a frozen brick 25 levels high, and one that bridges two."""
+    """Check that a brick on a frozen column of 25 levels, and one across two frozen bricks, is at rest within 0.7 s."""
     simulation = rig.open()
     frozen_column(simulation, 25)
     _require_seated(simulation, place_on(simulation, 25), "on 25 frozen levels")
@@ -200,7 +211,7 @@ def seats_on_frozen_bricks(rig: Rig) -> None:
 
 
 def holds_an_inverted_v(rig: Rig) -> None:
-    """Two planks that lean on each other at 72 deg are quiet together long enough to be frozen."""
+    """Check that two planks that lean on each other at 72 deg are slow in two successive frames, as a freeze needs."""
     simulation = rig.open()
     lean = math.radians(72)
     half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2
@@ -218,21 +229,19 @@ def holds_an_inverted_v(rig: Rig) -> None:
         calm = speed <= LEANING_SPEED and penetration(contacts) <= LEANING_PENETRATION
         quiet = quiet + 1 if leans and calm else 0
         longest = max(longest, quiet)
-    require(
-        longest >= 2, f"an inverted V at 72 deg was quiet for {longest} frames of its first 0.2 s, must be 2 in a row"
-    )
+    require(longest >= 2, f"an inverted V at 72 deg was slow for {longest} frames in a row in 0.2 s, must be 2 or more")
     sunk = half_height - before[:, 2].min()
-    # The drop onto the support and the penetration take up to 2.5 mm; a V that slips sinks by more.
+    # The drop onto the support and the penetration lower the V by up to 2.5 mm; a slipping V sinks by more.
     require_between(-1e-3, sunk, 2.5e-3, "depth [m] to which an inverted V at 72 deg sank in 0.2 s")
 
 
 def falls_when_its_support_is_removed(rig: Rig) -> None:
-    """A brick at rest for 3 s falls when its frozen support is taken away: it was never asleep."""
+    """Check that a brick at rest for 3 s falls when its frozen support is removed: the engine's own sleeping is off."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
     advance(simulation, 3.0)
     simulation.remove(support)
     advance(simulation, 0.5)
-    # The seat on the ground is one thickness lower; half of one leaves room for penetration.
+    # On the ground the brick's centre is half a thickness high; the other half is a margin.
     require_between(0.0, pose(simulation, body)[2], THICKNESS, "height [m] of a brick whose support was removed")
