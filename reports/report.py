@@ -19,7 +19,8 @@ from reports.replays.stacks import draw_stills, first_stacks, write_replays
 from reports.statistics.groups import groups_of
 from reports.statistics.height_cost import cost_points
 from reports.statistics.pairs import pair_rows
-from reports.statistics.thresholds import bisected_scenarios
+from reports.statistics.ranking import rank
+from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.capabilities import capability_tables
 from reports.tables.collapse_levels import collapse_level_tables
 from reports.tables.cost import cost_tables
@@ -37,12 +38,11 @@ from reports.tables.table import Table, to_markdown, write_table_csv
 from reports.tables.threads import thread_tables
 from reports.tables.thresholds import threshold_tables
 from reports.tables.tilt import tilt_tables
+from reports.tables.verdict import ranking_table, sentence
 
 
-def _of_fixed_scenes(folder: ResultsFolder) -> list[TrialRecord]:
-    """Return the records of scenes that are not bisected, because a single step of a bisection is not a result."""
-    bisected = bisected_scenarios(folder.study)
-    return [record for record in folder.records if record.scenario not in bisected]
+def _fixed(folder: ResultsFolder) -> list[TrialRecord]:
+    return of_fixed_scenes(folder.records, folder.study)
 
 
 class Section(NamedTuple):
@@ -56,10 +56,10 @@ class Section(NamedTuple):
 
 
 SECTIONS = (
-    Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_of_fixed_scenes(folder))))),
-    Section("study", lambda folder: study_tables(fixed) if (fixed := _of_fixed_scenes(folder)) else ()),
+    Section("pairs", lambda folder: pair_tables(pair_rows(groups_of(_fixed(folder))))),
+    Section("study", lambda folder: study_tables(fixed) if (fixed := _fixed(folder)) else ()),
     Section("cost", lambda folder: cost_tables(folder.records, folder.environment)),
-    Section("divisions", lambda folder: division_tables(_of_fixed_scenes(folder))),
+    Section("divisions", lambda folder: division_tables(_fixed(folder))),
     Section("threads", lambda folder: thread_tables(folder.records)),
     Section("soak", lambda folder: soak_tables(folder.records)),
     Section("thresholds", lambda folder: threshold_tables(folder.records, folder.study)),
@@ -81,6 +81,10 @@ class Report:
 
     tables: tuple[Table, ...]
     """Tables that the terminal shows."""
+    ranking: Table
+    """The ranking of the set-ups, without rows if the study judges nothing."""
+    verdict: str
+    """The verdict in one sentence."""
     page: Path
     """Path of the page."""
     notices: tuple[str, ...]
@@ -101,20 +105,25 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
     if not folder.records:
         raise RecordError(f"{folder.trials_file}: holds no trial yet; run the study first")
     tables = {section: section.tables(folder) for section in SECTIONS}
-    write_tables(folder, list(chain.from_iterable(tables.values())))
+    judged = rank(groups_of(_fixed(folder)))
+    ranking, verdict = ranking_table(judged, folder.records), sentence(judged, len(missing))
+    write_tables(folder, [*([ranking] if ranking.rows else []), *chain.from_iterable(tables.values())], verdict)
     _draw_height_cost(folder)
     stacks = first_stacks(folder.path, folder.records)
     write_replays(folder.path, stacks)
     notice = draw_stills(folder.path, stacks, however_many=all_stills)
     page = write_page(folder.path, folder.records, missing)
     printed = chain.from_iterable(shown for section, shown in tables.items() if section.is_printed)
-    return Report(tuple(printed), page, (notice,) if notice else ())
+    return Report(tuple(printed), ranking, verdict, page, (notice,) if notice else ())
 
 
-def write_tables(folder: ResultsFolder, tables: Sequence[Table]) -> None:
-    """Write ``report/tables.md``, ``report/trials.csv``, and each table as CSV and LaTeX in ``report/tables``."""
+def write_tables(folder: ResultsFolder, tables: Sequence[Table], verdict: str) -> None:
+    """Write ``report/tables.md``, ``report/trials.csv``, and each table as CSV and LaTeX in ``report/tables``.
+
+    The verdict comes first in ``tables.md``.
+    """
     folder.report.mkdir(exist_ok=True)
-    (folder.report / "tables.md").write_text(to_markdown(tables), encoding="utf-8")
+    (folder.report / "tables.md").write_text(f"**{verdict}**\n\n{to_markdown(tables)}", encoding="utf-8")
     write_trials_csv(folder.report / "trials.csv", folder.records)
     files = folder.report / "tables"
     files.mkdir(exist_ok=True)

@@ -15,11 +15,13 @@ from bench.publishing.doc_blocks import BLOCKS
 from reports.records.folder import ResultsFolder
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import pair_rows
+from reports.statistics.ranking import rank
 from reports.tables.collapse_levels import collapse_level_tables
 from reports.tables.pairs import pair_tables
 from reports.tables.piles import pile_tables
 from reports.tables.study import study_tables
 from reports.tables.table import Table, to_markdown
+from reports.tables.verdict import sentence
 
 ROOT = Path(__file__).parent.parent
 PUBLISHED = ROOT / "docs" / "results"
@@ -92,6 +94,28 @@ def test_pairs() -> None:
     for row in rows_of("pairs"):
         engine = row.pop("engine")
         assert row == {policy: found.get((engine, policy), "-") for policy in row}
+
+
+@pytest.mark.parametrize("name", ["paper", "profiles", "truth"])
+def test_the_verdict_of_a_report(name: str) -> None:
+    """Which set-up is right in every pair and every other scene, at the least median frame time; or that none is."""
+    trials = reports.load(PUBLISHED / name).trials
+    judged = trials[(trials["expectation_outcome"] != "study") & (trials["repeat"] == 0)]
+    scenes = judged.groupby("pair")["scene"].nunique()
+    paired = judged["pair"].isin(scenes[scenes == 2].drop("", errors="ignore").index)
+    unit = judged["pair"].where(paired, judged["scene"])
+    right = (judged["verdict"] == "right").groupby([judged["engine"], judged["profile"], judged["policy"], unit]).all()
+    counts = right.groupby(level=[0, 1, 2]).sum()
+    median = judged.groupby(["engine", "profile", "policy", "scene"])["frame_ms_p50"].median().groupby(level=[0, 1, 2])
+    frame_ms = median.median().reindex(counts.index)
+    ranking = rank(groups_of(ResultsFolder(PUBLISHED / name).records))
+    assert len(ranking.units) == unit.nunique()
+    assert {tuple(place.set_up): place.right for place in ranking.places} == counts.to_dict()
+    in_all = counts[counts == unit.nunique()].index
+    assert [tuple(place.set_up) for place in ranking.all_right] == list(frame_ms[in_all].sort_values().index)
+    best = frame_ms[in_all].idxmin() if len(in_all) else None
+    expected = f"Cheapest set-up that is right in all .*: {' '.join(best[:2])} .*{best[2]}" if best else "No set-up is"
+    assert re.match(expected, sentence(ranking))
 
 
 @pytest.mark.parametrize("name", STUDIES)

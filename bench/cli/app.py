@@ -6,6 +6,9 @@ a signal interrupted a run.
 
 from __future__ import annotations
 
+from importlib.metadata import version
+from typing import Annotated
+
 import typer
 
 from adapters import register_external
@@ -17,6 +20,7 @@ from bench.cli.list import list_
 from bench.cli.replay import replay
 from bench.cli.report import report
 from bench.cli.run import run
+from bench.machine.core_digest import present_core
 
 app = typer.Typer(
     add_completion=False,
@@ -25,8 +29,18 @@ app = typer.Typer(
 )
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stillstack {version('stability-core')}, core {present_core()}")
+        raise typer.Exit
+
+
 @app.callback(help="Do your engine's bricks stand when they should, and fall when they should?")
-def add_external_engines() -> None:
+def add_external_engines(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
     """Register the engines outside this repository before any command runs."""
     with input_errors():
         register_external()

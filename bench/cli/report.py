@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bench.cli.console import OUT, input_errors, note, printed_warnings, relative
 from bench.execution.results import missing_trials
 from reports.records.folder import ResultsFolder
-from reports.tables.table import Table, render
+from reports.tables.table import first_rows, render
+
+if TYPE_CHECKING:
+    from reports.report import Report
+
+_PLACES = 8
+"""Places of the ranking on the terminal; its files have all of them."""
 
 
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
 ) -> None:
-    """Write the page, figures and tables of a results folder from its raw records, and print the tables."""
+    """Write the page, figures and tables of a results folder; print the tables, and last the verdict."""
     with input_errors():
-        tables = make_report(folder, all_stills=stills)
-    for table in tables:
-        render(table, OUT)
+        made = make_report(folder, all_stills=stills)
+    show(made)
 
 
-def make_report(folder: Path, *, all_stills: bool = False) -> tuple[Table, ...]:
-    """Write the report of a results folder, print its notices, and return the tables to print."""
+def make_report(folder: Path, *, all_stills: bool = False) -> Report:
+    """Write the report of a results folder, print its notices, and return it."""
     from reports.report import build_report  # its imports take seconds, and other commands do not need them
 
     results = ResultsFolder(folder)
@@ -35,4 +40,13 @@ def make_report(folder: Path, *, all_stills: bool = False) -> tuple[Table, ...]:
     for notice in made.notices:
         note(notice)
     note(f"the page: {relative(made.page)}")
-    return made.tables
+    return made
+
+
+def show(report: Report) -> None:
+    """Print the tables of a report, the first places of its ranking, and last its verdict."""
+    for table in report.tables:
+        render(table, OUT)
+    if report.ranking.rows:
+        render(first_rows(report.ranking, _PLACES), OUT)
+    OUT.print(report.verdict, style="bold", markup=False, highlight=False, soft_wrap=True)

@@ -9,8 +9,8 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from bench.cli.console import ERR, OUT, RESULTS, input_errors, note, read_folder, relative
-from bench.cli.report import make_report
+from bench.cli.console import ERR, RESULTS, input_errors, note, read_folder, relative
+from bench.cli.report import make_report, show
 from bench.execution.errors import ClusterError
 from bench.execution.estimate import estimate
 from bench.execution.execute import outcomes_here, outcomes_on_cluster
@@ -24,7 +24,6 @@ from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
 from bench.trial.run_trial import Outcome
 from reports.records.folder import PARQUET, TRIALS
-from reports.tables.table import render
 
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
 """Type of a function that runs trials until all are done or an interruption is set, and yields their outcomes."""
@@ -86,11 +85,10 @@ def run(
             return outcomes_on_cluster(chosen, waiting, environment, dask, interruption, ERR, results.know)
 
         _run(chosen, results, outcomes, as_json)
-    tables = make_report(folder)
-    if not as_json:
-        for table in tables:
-            render(table, OUT)
+    report = make_report(folder)
     note(f"{len(results.finished)} trials are kept in {relative(folder)}")
+    if not as_json:
+        show(report)
 
 
 def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:

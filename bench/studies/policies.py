@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from adapters.profile import Sleeping
+from reports.tables.policies import POLICY_SENTENCES
 from stability_core import POLICIES
 
 
@@ -19,9 +20,15 @@ class BenchPolicy:
     description: str
 
 
+def _of_core(name: str) -> BenchPolicy:
+    """Return a policy of the core, on an engine whose own sleeping is off."""
+    description = POLICY_SENTENCES.get(name, f"The stability core with its policy '{name}'.")
+    return BenchPolicy("off", name, description)
+
+
 BENCH_POLICIES: Mapping[str, BenchPolicy] = {
-    "none": BenchPolicy("off", None, "the engine alone, its own sleeping off"),
-    "native": BenchPolicy("native", None, "the engine alone, its own sleeping as shipped"),
-    "raised": BenchPolicy("raised", None, "the engine alone, its sleeping threshold raised"),
-    **{name: BenchPolicy("off", name, f"the stability core with its policy '{name}'") for name in POLICIES},
+    "none": BenchPolicy("off", None, POLICY_SENTENCES["none"]),
+    "native": BenchPolicy("native", None, POLICY_SENTENCES["native"]),
+    "raised": BenchPolicy("raised", None, POLICY_SENTENCES["raised"]),
+    **{name: _of_core(name) for name in POLICIES},
 }

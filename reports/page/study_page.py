@@ -31,7 +31,7 @@ from reports.tables.comparison import COLUMNS, ComparisonRow, comparison_rows, c
 from reports.tables.latex import pairs_to_latex, to_latex
 from reports.tables.pairs import pair_tables, pairs_csv
 from reports.tables.table import to_markdown, write_table_csv
-from reports.tables.wording import percent
+from reports.tables.wording import percent, some
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _REM = 16.0
@@ -196,19 +196,15 @@ def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_fr
     if earlier:
         found.append(f"{len(earlier)} trials are from before format 3: their verdicts do not consider creep.")
     if missing:
-        found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {_some(missing)}.")
+        found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {some(missing)}.")
     if without_frames:
-        found.append(f"Frames of {len(without_frames)} trials are missing or incomplete: {_some(without_frames)}.")
+        found.append(f"Frames of {len(without_frames)} trials are missing or incomplete: {some(without_frames)}.")
     hosts = {record.host for record in records if record.host is not None}
     if len(hosts) > 1:
         found.append(f"Trials ran on {len(hosts)} machines: a row that mixes them shows no times.")
     if len({record.environment for record in records}) > 1:
         found.append("Trials come from several environments (commits, versions or machines): compare with care.")
     return found
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
 
 
 def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> dict[str, Any] | None:

@@ -93,7 +93,7 @@ def score(policy: str, groups: Sequence[Group]) -> PolicyScore:
         fall=right("fall"),
         trials=success_rates([[{trial.verdict} for trial in group.judged] for group in groups]),
         pairs=pair_success_rates(pairs_of(groups)),
-        frame_ms_p99=_middle(groups, "frame_ms_p99"),
+        frame_ms_p99=middle(groups, "frame_ms_p99"),
         frame_ratios=_ratios(groups),
     )
 
@@ -103,6 +103,7 @@ def _ratios(groups: Sequence[Group]) -> tuple[Estimate, ...]:
     return tuple(estimate for estimate in estimates if estimate is not None)
 
 
-def _middle(groups: Sequence[Group], field: str) -> float | None:
+def middle(groups: Sequence[Group], field: str) -> float | None:
+    """Return the median over scenes of a field; None if no scene has it."""
     estimates = [estimate.value for group in groups if (estimate := group.estimate(field)) is not None]
     return statistics.median(estimates) if estimates else None

@@ -61,6 +61,12 @@ def bisected_scenarios(study: Mapping[str, Any]) -> set[str]:
     return {chosen["name"] for chosen in study.get("scenario", ()) if "bisect" in chosen}
 
 
+def of_fixed_scenes(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[TrialRecord]:
+    """Return the records of scenes that are not bisected, because a single step of a bisection is not a result."""
+    bisected = bisected_scenarios(study)
+    return [record for record in records if record.scenario not in bisected]
+
+
 def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Threshold]:
     """Return the thresholds of a study, in its order; empty without a bisected parameter.
 

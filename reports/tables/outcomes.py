@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from reports.records.trial import CENSORED, TrialRecord
 from reports.statistics.groups import ALONE, Group, GroupKey, grouped, groups_of, judged_trials, ordered_policies
 from reports.tables.table import NOTHING, Table
+from reports.tables.wording import some
 from scenarios.divisions import TUNED_ON
 
 _WENT_WRONG = {
@@ -52,10 +53,10 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
     if any(record.status == "unsupported" for record in records):
         notes.append("n/a: the engine cannot play the scene.")
     if tuned := [name for name in TUNED_ON if any(record.scenario == name for record in records)]:
-        notes.append(f"Profiles were tuned on {', '.join(tuned)}; other scenes are held out.")
+        notes.append(f"Profiles were tuned on {some(tuned)}; other scenes are held out.")
     if alone := _stands_alone(records):
-        notes.append(f"Stands on the engine alone, so that only time and stillness can improve: {', '.join(alone)}.")
-    notes.append(f"{_seeds(groups)} Profile: {', '.join(dict.fromkeys(record.profile for record in records))}.")
+        notes.append(f"Stands on the engine alone, so that only time and stillness can improve: {some(alone)}.")
+    notes.append(f"{_seeds(groups)} Profile: {some(list(dict.fromkeys(record.profile for record in records)))}.")
     header = ("scene", "theory", "engine", *policies)
     return Table(TITLE, header, tuple(rows), tuple(notes), id="outcomes")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,6 +41,15 @@ class Table:
         import pandas as pd  # half a second that the rest of the command line does not need
 
         return pd.DataFrame(list(self.rows), columns=list(self.header), dtype=str)
+
+
+def first_rows(table: Table, most: int) -> Table:
+    """Return a table of the first ``most`` rows, with a note of the file that has the rest, if any."""
+    more = len(table.rows) - most
+    if more <= 0:
+        return table
+    note = f"{more} more rows: report/tables/{table.id}.csv."
+    return replace(table, rows=table.rows[:most], notes=(note, *table.notes))
 
 
 def render(table: Table, console: Console) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from reports.statistics.groups import Group
 from reports.statistics.intervals import Estimate
@@ -17,6 +18,12 @@ _WENT_WRONG = {
     "out_of_memory": ("ran out of memory", "ran out of memory"),
     "unsupported": ("is unsupported", "are unsupported"),
 }
+
+
+def some(names: Sequence[str], most: int = 3) -> str:
+    """Return the first names of a list, and how many more there are: ``a, b, c and 20 more``."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:

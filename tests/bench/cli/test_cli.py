@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from adapters import registry
 from bench.cli.app import app
+from bench.machine.core_digest import present_core
 from bench.studies.plan import Trial, plan_trials
 from bench.studies.schema import check_study
 from bench.trial.run_trial import bare_record
@@ -151,6 +152,10 @@ def test_an_engine_that_is_not_installed_is_listed_so_and_the_others_as_ever(mon
     assert "Engine capabilities" in printed
 
 
+def test_the_version_names_the_release_and_the_core() -> None:
+    assert re.fullmatch(rf"stillstack [\d.]+, core {present_core()}", call("--version", status=0))
+
+
 def bench(*arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-m", "bench", *arguments],
@@ -172,6 +177,10 @@ def test_a_tiny_study_leaves_records_frames_and_tables(tmp_path) -> None:
     assert "[2/2] bullet.game.four_stack-2.paper.s0.r0: completed, 2 of 2 levels" in errors
     assert "2 trials are kept in" in errors
     assert "2/2 ✓" in printed
+    last = printed.rstrip().splitlines()[-1]
+    assert last.startswith(
+        "Cheapest set-up that is right in the only scene, though every scene must stand: bullet game"
+    )
 
     plain, steered = read_records(out / "trials.jsonl")
     assert [one.verdict for one in (plain, steered)] == ["right", "right"]

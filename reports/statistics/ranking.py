@@ -1,0 +1,161 @@
+"""The ranking of set-ups (engine, profile and policy): correct outcomes first, then frame time.
+
+A unit is a build of a pair of scenes, or of a scene without a partner, whose answer theory knows. A pair is right if
+both sides are, so that a policy that freezes everything, or nothing, is never right. Every set-up is measured by the
+units of the whole study: a unit that it cannot play or did not decide is not right.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import Group, grouped
+from reports.statistics.pairs import SetUp, are_opposed
+from reports.statistics.scores import middle
+from reports.statistics.states import State, state_of
+from reports.statistics.success_rates import MISSES
+
+NOT_DECIDED: tuple[State, ...] = ("not_playable", "undecided")
+"""States of a side that leave a pair undecided; the first that a side has is the pair's."""
+
+
+class Unit(NamedTuple):
+    """What counts once: a build of a pair, or of a scene without a partner."""
+
+    name: str
+    """Id of the pair or of the scene."""
+    is_pair: bool
+    seed: int
+
+
+class Creep(NamedTuple):
+    """The creep of the brick that is fastest for its limit."""
+
+    m_s: float
+    limit_m_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A set-up in the ranking."""
+
+    set_up: SetUp
+    states: Mapping[State, int]
+    """Number of units by state; a pair with several kinds of error counts under each."""
+    right: int
+    wrong: int
+    missing: int
+    """Number of the study's units without records of all sides."""
+    frame_ms: float | None
+    """Median over scenes of the median frame time; None without one, or with times of several machines."""
+    frame_ms_p99: float | None
+    """Median over scenes of the 99th percentile of the frame time; None as before."""
+    creep: Creep | None
+    """Creep over all stacks that must stand and did; None if it was not measured."""
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """All set-ups of a study, best first."""
+
+    units: frozenset[Unit]
+    """Units with a known answer."""
+    outcomes: frozenset[str]
+    """Outcomes that these units demand: ``stand``, ``fall``."""
+    places: tuple[Place, ...]
+
+    @cached_property
+    def pairs(self) -> int:
+        """Number of different pairs."""
+        return len({unit.name for unit in self.units if unit.is_pair})
+
+    @cached_property
+    def scenes(self) -> int:
+        """Number of different scenes without a partner."""
+        return len({unit.name for unit in self.units if not unit.is_pair})
+
+    @cached_property
+    def all_right(self) -> tuple[Place, ...]:
+        """The set-ups that are right in all units, cheapest first."""
+        return tuple(place for place in self.places if place.right == len(self.units))
+
+
+def rank(groups: Sequence[Group]) -> Ranking:
+    """Return the ranking of the set-ups of all groups.
+
+    The order: most units right, then fewest wrong, then the least frame time, then the order of the groups.
+    """
+    sides = _sides(groups)
+    by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
+    states = {SetUp(*key): dict(_units(members, sides)) for key, members in by_set_up.items()}
+    units = frozenset(unit for of_set_up in states.values() for unit in of_set_up)
+    places = [_place(set_up, of_set_up, len(units), by_set_up[set_up]) for set_up, of_set_up in states.items()]
+    outcomes = frozenset(group.expectation.outcome for group in groups) - {"study"}
+    return Ranking(units, outcomes, tuple(sorted(places, key=_order)))
+
+
+def _sides(groups: Sequence[Group]) -> dict[str, frozenset[str]]:
+    """Return the scenes of each pair whose scenes demand opposite outcomes, by the id of the pair."""
+    pairs = grouped([group for group in groups if group.pair], "pair")
+    return {
+        name: frozenset(group.key.scene for group in members)
+        for (name,), members in pairs.items()
+        if are_opposed([group.expectation for group in members])
+    }
+
+
+def _units(groups: Sequence[Group], sides: Mapping[str, frozenset[str]]) -> Iterator[tuple[Unit, frozenset[State]]]:
+    """Yield the units of one set-up, each with the states that it counts under."""
+    for (pair,), members in grouped(groups, "pair").items():
+        if pair not in sides:
+            for trial in (trial for group in members for trial in group.draws):
+                if trial.expectation.outcome != "study":
+                    yield Unit(trial.scene, False, trial.seed), frozenset({state_of(trial)})
+        elif {group.key.scene for group in members} == sides[pair]:
+            for seed in sorted(set.intersection(*(set(group.by_seed) for group in members))):
+                build = [group.by_seed[seed][0] for group in members]
+                if are_opposed([trial.expectation for trial in build]):
+                    yield Unit(pair, True, seed), _states(build)
+
+
+def _states(build: Sequence[TrialRecord]) -> frozenset[State]:
+    """Return the states of a build of a pair: undecided if a side is, right if all sides are, else its errors."""
+    states = {state_of(trial) for trial in build}
+    undecided = next((state for state in NOT_DECIDED if state in states), None)
+    if undecided is not None:
+        return frozenset({undecided})
+    return frozenset(states if states == {"right"} else states - {"right"})
+
+
+def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, groups: Sequence[Group]) -> Place:
+    return Place(
+        set_up,
+        Counter(state for states in units.values() for state in states),
+        right=sum(states == {"right"} for states in units.values()),
+        wrong=sum(not states.isdisjoint(MISSES) for states in units.values()),
+        missing=total - len(units),
+        frame_ms=middle(groups, "frame_ms_p50"),
+        frame_ms_p99=middle(groups, "frame_ms_p99"),
+        creep=_creep(groups),
+    )
+
+
+def _creep(groups: Sequence[Group]) -> Creep | None:
+    """Return the creep nearest to its limit, or farthest beyond it."""
+    measured = [
+        Creep(trial.creep_m_s, trial.creep_limit_m_s)
+        for group in groups
+        for trial in group.draws
+        if trial.creep_m_s is not None and trial.creep_limit_m_s and trial.expectation.outcome == "stand"
+    ]
+    return max(measured, key=lambda creep: creep.m_s / creep.limit_m_s, default=None)
+
+
+def _order(place: Place) -> tuple[int, int, float]:
+    return -place.right, place.wrong, math.inf if place.frame_ms is None else place.frame_ms

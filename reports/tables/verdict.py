@@ -1,0 +1,175 @@
+"""The verdict of a study in one sentence, and the ranking of its set-ups with the reason for each place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+import numpy as np
+
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import ALONE
+from reports.statistics.pairs import SetUp
+from reports.statistics.ranking import Creep, Place, Ranking
+from reports.statistics.states import STATES, State
+from reports.tables.table import NOTHING, Table
+from reports.tables.wording import some
+
+STATE_WORDS: dict[State, tuple[str, str]] = {
+    "right": ("correct", "correct"),
+    "false_stand": ("false stand", "false stands"),
+    "false_collapse": ("false collapse", "false collapses"),
+    "creeps": ("creeping", "creeping"),
+    "failed": ("failed", "failed"),
+    "undecided": ("undecided", "undecided"),
+    "not_playable": ("not playable", "not playable"),
+    "open": ("not judged", "not judged"),
+}
+"""Each state in words, of one build and of several."""
+_PERCENTILES = (5, 95)
+"""Percentiles of the calibration times that show by how much the machine's speed varied."""
+
+
+def sentence(ranking: Ranking, unfinished: int = 0) -> str:
+    """Return the verdict: the cheapest set-up that is right in everything, or that none is.
+
+    Args:
+        ranking: the ranking of the study.
+        unfinished: number of planned trials without a record.
+    """
+    still = f" ({unfinished} planned trials have no record yet)" if unfinished else ""
+    if not ranking.units:
+        return f"No scene of this study is judged right or wrong; its tables hold the results{still}."
+    everything = _everything(ranking)
+    if not ranking.all_right:
+        best = ranking.places[0]
+        held = f"{best.right} right, {_misses(best)}"
+        return f"No set-up is right in {everything}; the nearest is {name(best.set_up)}: {held}{_cost(best)}{still}."
+    first = ranking.all_right[0]
+    if first.frame_ms is None:
+        names = some([name(place.set_up) for place in ranking.all_right])
+        return f"Right in {everything}{_caveat(ranking)}: {names}; no comparable frame times{still}."
+    return (
+        f"Cheapest set-up that is right in {everything}{_caveat(ranking)}: {name(first.set_up)}{_cost(first)}{still}."
+    )
+
+
+def name(set_up: SetUp) -> str:
+    """Return a set-up in words: ``rapier game with paper``."""
+    return f"{set_up.engine} {set_up.profile} {'alone' if set_up.policy == ALONE else f'with {set_up.policy}'}"
+
+
+def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
+    """Return the ranking as a table: place, set-up, counts, cost and the reason; no rows if nothing is judged.
+
+    Args:
+        ranking: the ranking of the study.
+        records: its records, whose calibration shows how steady the machine was.
+    """
+    rows = tuple(
+        (
+            str(number),
+            *place.set_up,
+            f"{place.right}/{len(ranking.units)}",
+            milliseconds(place.frame_ms),
+            milliseconds(place.frame_ms_p99),
+            NOTHING if place.creep is None else f"{place.creep.m_s * 1e6:.2f}",
+            reason,
+        )
+        for number, (place, reason) in enumerate(zip(ranking.places, reasons(ranking), strict=True), start=1)
+        if ranking.units
+    )
+    header = ("place", *SetUp._fields, "right", "p50", "p99", "creep", "reason")
+    return Table("Ranking", header, rows, _notes(ranking, records), folds=True, id="ranking")
+
+
+def reasons(ranking: Ranking) -> list[str]:
+    """Return why each set-up has its place, in the order of the places."""
+    found: list[str] = []
+    for _, tied in groupby(ranking.places, key=lambda place: (place.right, place.wrong)):
+        found += _reasons_of_tied(list(tied), len(found) + 1)
+    return found
+
+
+def milliseconds(time_ms: float | None) -> str:
+    """Return a time [ms] with two significant digits; a dash for None."""
+    if time_ms is None:
+        return NOTHING
+    decimals = 3 if time_ms < 1e-3 else max(0, 1 - math.floor(math.log10(time_ms)))
+    return f"{time_ms:.{decimals}f}"
+
+
+def counted(number: int, state: State) -> str:
+    """Return a number of builds in a state, such as ``2 false stands``."""
+    return f"{number} {STATE_WORDS[state][number != 1]}"
+
+
+def _everything(ranking: Ranking) -> str:
+    """Return what a set-up must be right in: ``all 53 pairs and 9 other scenes (1240 builds)``."""
+    names = ranking.pairs + ranking.scenes
+    builds = f" ({len(ranking.units)} builds)" if len(ranking.units) > names else ""
+    if names == 1:
+        return f"the only {'pair' if ranking.pairs else 'scene'}{builds}"
+    other = "other " if ranking.pairs else ""
+    kinds = ((ranking.pairs, "pair"), (ranking.scenes, f"{other}scene"))
+    counts = [f"{count} {kind}{'s' if count > 1 else ''}" for count, kind in kinds if count]
+    return f"all {' and '.join(counts)}{builds}"
+
+
+def _caveat(ranking: Ranking) -> str:
+    """Return a warning if the study has one of the two outcomes only, which a set-up may always give."""
+    return f", though every scene must {next(iter(ranking.outcomes))}" if len(ranking.outcomes) == 1 else ""
+
+
+def _cost(place: Place) -> str:
+    time = "" if place.frame_ms is None else f", {milliseconds(place.frame_ms)} ms a frame"
+    return time + _creep(place.creep)
+
+
+def _creep(creep: Creep | None) -> str:
+    if creep is None:
+        return ", creep not measured"
+    speed = creep.m_s * 1e6
+    return f", creeps {speed:.1f} µm/s" if speed >= 0.05 else ", creeps less than 0.05 µm/s"
+
+
+def _misses(place: Place) -> str:
+    """Return what a set-up is not right in: ``1 false stand, 2 undecided``."""
+    counts = [counted(place.states[state], state) for state in STATES if state != "right" and place.states.get(state)]
+    return ", ".join([*counts, *([f"{place.missing} without records"] if place.missing else [])])
+
+
+def _reasons_of_tied(places: Sequence[Place], first: int) -> Iterator[str]:
+    """Yield the reasons of set-ups with the same counts, of which frame time decides the order."""
+    cheapest = places[0].frame_ms
+    for place in places:
+        base = _misses(place) or "right in all"
+        if len(places) == 1:
+            yield base
+        elif place.frame_ms is None or not cheapest:
+            yield f"{base}; no comparable frame time"
+        elif place is places[0]:
+            yield f"{base}; cheapest of {len(places)} with these counts"
+        else:
+            yield f"{base}; {place.frame_ms / cheapest:.1f} times the p50 of place {first}"
+
+
+def _notes(ranking: Ranking, records: Sequence[TrialRecord]) -> tuple[str, ...]:
+    order = (
+        f"Order: most right of all {len(ranking.units)} builds with a known answer (of pairs both scenes, of other "
+        "scenes each; not playable and undecided ones are not right), then fewest wrong, then the least p50."
+    )
+    units = (
+        "p50, p99 [ms]: median over scenes of the median and of the 99th percentile of the frame time. creep [µm/s]: "
+        "of the brick nearest to its creep limit, over all stacks that must stand."
+    )
+    calibrations = [record.calibration_ms for record in records if record.calibration_ms is not None]
+    low, high = np.percentile(calibrations, _PERCENTILES) if calibrations else (1.0, 1.0)
+    if high / low < 1.05:
+        return order, units
+    speed = (
+        f"The machine's speed varied by a factor of {high / low:.1f} between trials (5th to 95th percentile of a fixed "
+        "calculation): frame times that differ by less may change places."
+    )
+    return order, units, speed

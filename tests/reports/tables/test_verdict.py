@@ -1,0 +1,96 @@
+"""The verdict in one sentence, and the reason for each place."""
+
+import pytest
+
+from reports.statistics.groups import groups_of
+from reports.statistics.ranking import rank
+from reports.tables.policies import POLICY_SENTENCES
+from reports.tables.table import first_rows
+from reports.tables.verdict import milliseconds, ranking_table, reasons, sentence
+from scenarios.model import Expectation
+from tests.reports.studies import FALLS, fallen, record
+
+
+def said(*trials, unfinished: int = 0) -> str:
+    return sentence(rank(groups_of(trials)), unfinished)
+
+
+def tower(**fields):
+    """A scene that must fall, and did."""
+    return fallen(9, **{"scene": "leaning_tower", "expectation": FALLS, "verdict": "right", **fields})
+
+
+def test_the_cheapest_set_up_that_is_right_in_all_is_named_with_its_cost_and_creep() -> None:
+    creep = {"creep_m_s": 6e-7, "creep_limit_m_s": 1.3e-6}
+    trials = [
+        record(frame_ms_p50=2.0),
+        tower(frame_ms_p50=2.0),
+        record(engine="rapier", policy="paper", frame_ms_p50=0.4, **creep),
+        tower(engine="rapier", policy="paper", frame_ms_p50=0.4),
+    ]
+    assert said(*trials) == (
+        "Cheapest set-up that is right in all 2 scenes: rapier game with paper, 0.40 ms a frame, creeps 0.6 µm/s."
+    )
+    assert said(*trials, unfinished=3).endswith("0.6 µm/s (3 planned trials have no record yet).")
+
+
+def test_pairs_and_other_scenes_are_counted_apart_and_builds_of_several_seeds_named() -> None:
+    sides = [record(scene="t-2", pair="t", seed=seed) for seed in range(2)]
+    sides += [tower(scene="t-3", pair="t", seed=seed) for seed in range(2)]
+    assert "right in the only pair (2 builds): bullet game alone" in said(*sides)
+    walls = [record(scene=f"wall-{number}", seed=seed) for number in range(2) for seed in range(2)]
+    assert "right in all 1 pair and 2 other scenes (6 builds):" in said(*sides, *walls)
+
+
+def test_it_says_when_no_set_up_is_right_in_all_and_which_is_nearest() -> None:
+    trials = [record(verdict="creeps"), tower(), fallen(3, engine="dart"), tower(engine="dart", verdict="failed")]
+    assert said(*trials) == (
+        "No set-up is right in all 2 scenes; the nearest is bullet game alone: 1 right, 1 creeping, 1.0 ms a frame, "
+        "creep not measured."
+    )
+
+
+def test_a_study_of_one_outcome_is_called_so_and_one_without_an_answer_too() -> None:
+    assert "right in the only scene, though every scene must stand: bullet game alone" in said(record())
+    unknown = record(expectation=Expectation("study", "nobody knows"), verdict="none")
+    assert said(unknown) == "No scene of this study is judged right or wrong; its tables hold the results."
+    assert not ranking_table(rank(groups_of([unknown])), [unknown]).rows
+
+
+def test_times_of_several_machines_name_no_cheapest() -> None:
+    hosts = [record(seed=seed, host=host) for seed, host in enumerate(("a", "b"))]
+    assert said(*hosts).endswith("bullet game alone; no comparable frame times.")
+
+
+def test_every_place_has_its_reason() -> None:
+    times = {"bullet": 1.0, "dart": 3.0, "mujoco": None}
+    trials = [record(engine=engine, frame_ms_p50=time) for engine, time in times.items()]
+    trials += [fallen(2, engine="pymunk")]
+    ranking = rank(groups_of(trials))
+    assert reasons(ranking) == [
+        "right in all; cheapest of 3 with these counts",
+        "right in all; 3.0 times the p50 of place 1",
+        "right in all; no comparable frame time",
+        "1 false collapse",
+    ]
+    table = ranking_table(ranking, trials)
+    assert [row[0] for row in table.rows] == ["1", "2", "3", "4"]
+    assert first_rows(table, 2).rows == table.rows[:2]
+    assert first_rows(table, 2).notes[0] == "2 more rows: report/tables/ranking.csv."
+
+
+def test_an_unsteady_machine_is_named_under_the_ranking() -> None:
+    trials = [record(seed=seed, calibration_ms=time) for seed, time in enumerate((0.1, 0.2))]
+    notes = ranking_table(rank(groups_of(trials)), trials).notes
+    assert "varied by a factor of 1.9 between trials" in notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("time_ms", "text"), [(None, "-"), (0.0, "0.000"), (0.0224, "0.022"), (0.1, "0.10"), (1.04, "1.0"), (66.7, "67")]
+)
+def test_times_have_two_significant_digits(time_ms, text) -> None:
+    assert milliseconds(time_ms) == text
+
+
+def test_every_policy_is_one_sentence() -> None:
+    assert all(text.count(".") == 1 and text.endswith(".") for text in POLICY_SENTENCES.values())
