@@ -6,20 +6,20 @@
 
 Rows of J are multiplied by sqrt(k) and forces divided by it, which leaves k = 1 and all cones as they are.
 
-A solution exists for every kappa: contact forces do no work, f . v <= 0, so u . M u / kappa <= w . u bounds u, and
-Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)). Without friction it is the minimum of a convex function
-and unique; with friction it need not be. All is homogeneous: weights t w lead to displacements t u, so one solution
-is the whole history of a load that grows in proportion, and sliding never reverses.
+A solution exists for every kappa: contact forces do no positive work, f . v <= 0, so u . M u / kappa <= w . u bounds u,
+and Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)). Without friction it is the minimum of a convex
+function and unique; with friction it need not be unique. The problem is homogeneous: weights t w lead to displacements
+t u, so one solution gives the whole history of a load that grows in proportion, and sliding never reverses.
 
-Newton's method takes the derivative of f where it has one and a one-sided derivative elsewhere. Three stages follow
-each other until one converges:
+Newton's method takes the derivative of f where it exists and a one-sided derivative elsewhere. Three stages follow each
+other until one converges:
 
 1. Newton with steps that are halved until the imbalance shrinks;
-2. Newton with whole steps, which leave a local minimum of the imbalance;
+2. Newton with whole steps, which can leave a local minimum of the imbalance;
 3. friction bounds b = mu f_n fixed by the last iterate (Tresca's friction, the minimum of a convex energy, to which
    Newton's method with shortened steps leads from anywhere), renewed and tried as a start for stage 1 after each round.
 
-Of 11,630 solutions sought in tight courses 81 needed stage 3, 61 of them one round of it, and one was not found.
+Of 11,630 solutions sought in tight courses, 81 needed stage 3, 61 of these only one round, and one was not found.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ ROUNDING = 1e-15
 STEPS = 40
 """Newton steps of one stage. Piles that converge take 1 to 12 in stage 1."""
 HALVINGS = 20
-"""Most halvings of a step in stage 1."""
+"""Greatest number of halvings of a step in stage 1."""
 ROUNDS = 20
 """Rounds of fixed friction bounds. Tight courses take up to 10, arches and logs up to 18."""
 _DECREASE = 1e-4
@@ -61,7 +61,7 @@ class _Iterate:
     pull: FloatArray
     """-r v_t, the friction force if the corner sticks, shape (p, 2)."""
     pulled: FloatArray
-    """Its length, shape (p,)."""
+    """Length of the pull, shape (p,)."""
     sticks: BoolArray
     share: FloatArray
     """Part of the pull that friction provides, shape (p,)."""
@@ -106,9 +106,9 @@ class CompliantPile:
         return displacement
 
     def moved(self, start: FloatArray, kappa: float) -> FloatArray | None:
-        """Return the displacements, searched from ``start`` and from the solution with accelerations.
+        """Return the displacements for ``kappa``, searched from the better of two starts; None without convergence.
 
-        None if no stage converges.
+        The starts are ``start``, which suits bodies at rest, and sqrt(10) times ``start``, which keeps accelerations.
         """
         starts = [self._iterate(scale * start, kappa) for scale in (1.0, np.sqrt(10.0))]
         start = min(starts, key=lambda iterate: iterate.size).displacement
@@ -149,8 +149,8 @@ class CompliantPile:
         Args:
             start: displacements to begin with, shape (6 n,).
             kappa: see the module docstring.
-            bounds: fixed friction bounds, shape (p,); without them they follow the normal forces.
-            halvings: most halvings of a step; with 0 a step is taken even if the imbalance grows.
+            bounds: fixed friction bounds, shape (p,); None for bounds that follow the normal forces.
+            halvings: greatest number of halvings of a step; with 0 a step is taken even if the imbalance grows.
         """
         iterate = self._iterate(start, kappa, bounds)
         for _ in range(STEPS):
@@ -230,7 +230,8 @@ def even_stiffness(corners: Corners) -> FloatArray:
 def stiffness_by_weight(corners: Corners) -> FloatArray:
     """Return a stiffness in proportion to the reduced weight of the two bodies, 1 / (1 / a + 1 / b), shape (p,).
 
-    Each body by itself sinks alike, so that a heavy neighbour does not press by its own compression.
+    With this stiffness every single body sinks by the same amount, so that a heavy neighbour does not press on others
+    by its own compression.
     """
     compliance = 1.0 / np.append(_masses(corners), np.inf)  # the last is that of GROUND, -1
     stiffness: FloatArray = 1.0 / (compliance[corners.first] + compliance[corners.second])
@@ -243,9 +244,9 @@ def _masses(corners: Corners) -> FloatArray:
 
 
 def ball_gyration(centers: FloatArray, patches: Sequence[Patch], length: float) -> FloatArray:
-    """Return inertia over mass [m2] where shapes are not known, shape (n, 3, 3).
+    """Return inertia over mass [m2] for bodies of unknown shape, shape (n, 3, 3).
 
-    It is that of a ball with a third of the square of the distance to the farthest corner.
+    Each body counts as a ball whose inertia over mass is a third of the squared distance to its farthest corner.
     """
     reach = np.full(len(centers), 1e-3 * length)
     for patch in patches:

@@ -1,15 +1,16 @@
 """The contact patch of two ideal boxes: its corners and its normal.
 
-Boxes touch if some direction separates them by no gap. Where that direction is unique it is the contact's normal, and
-the patch is what both surfaces share: a polygon (face on face), a segment (edge on face) or a point (corner on face,
-edge across edge). Where two parallel edges meet, as at the ridge of two planks that lean against each other, a whole
-range of directions separates the boxes, and physics has no single answer. A convention gives the normal:
+Two boxes touch if a direction separates them with a gap of zero. If that direction is unique, it is the contact's
+normal, and the patch is the common part of both surfaces: a polygon (face on face), a segment (edge on face) or a point
+(corner on face, edge across edge). If two parallel edges meet, as at the ridge of two planks that lean against each
+other, a whole range of directions separates the boxes, and physics does not determine the normal. A convention gives
+it:
 
 - ``bisector``: the middle of that range, which is horizontal for two planks that lean alike;
 - ``face``: the face of the first box that bounds the range, as physics engines report it.
 
-Corners of a patch are all that statics needs: a force that obeys Coulomb's law anywhere inside is the sum of its
-shares at the corners, each of them parallel to it, so each of them obeys the law too.
+Statics needs only the corners of a patch: a force inside that obeys Coulomb's law is the sum of parallel shares at the
+corners, so each share obeys the law as well.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, rid
         ridge: normal of two parallel edges that meet.
 
     Raises:
-        ValueError: if two bricks overlap, or one is in a wall or below the ground; a plan must not do that.
+        ValueError: if two bricks overlap, or a brick lies in a wall or below the ground, which a plan must avoid.
     """
     boxes = Boxes.of([*bricks, *walls])
     reach = boxes.reach
@@ -180,7 +181,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
             inside = _clipped(inside, sign * inside[:, side] - half)
     if not len(inside):
         return np.empty((0, 3))
-    # A feature that lies on the face's border only grazes it: its normal would be arbitrary.
+    # A feature on the face's border only grazes the face: the normal would be arbitrary.
     room = np.array([box.half[u], box.half[v]]) - np.abs(inside.mean(axis=0))
     if room.min() <= tolerance:
         return np.empty((0, 3))
@@ -192,8 +193,8 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
 def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
     """Return the part (m, 2) of a polygon, segment or point (k, 2) where the linear ``outside`` (k,) is not positive.
 
-    After Sutherland and Hodgman; a segment is a polygon that goes there and back, so it may come back with a corner
-    named twice, which does no harm.
+    The method is that of Sutherland and Hodgman. A segment counts as a polygon that runs forth and back, so the result
+    may contain a corner twice, which does no harm.
     """
     kept = []
     for here, there, d, e in zip(polygon, np.roll(polygon, -1, axis=0), outside, np.roll(outside, -1), strict=True):
@@ -205,7 +206,7 @@ def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
-    """Return where an edge of each box cross, shape (3,); None if they miss or no edge faces the other box."""
+    """Return the point, shape (3,), where an edge of one box crosses an edge of the other; None if none does."""
     start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
     end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
     if len(start) != 2 or len(end) != 2:
@@ -223,19 +224,19 @@ def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: fl
 def _at_ridge(
     first: _Box, second: _Box, faces: Sequence[tuple[_Box, int, FloatArray]], thin: float, ridge: Ridge
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment in which two parallel edges meet; None if they do not, or the boxes' faces are parallel there.
+    """Return the segment in which two parallel edges meet, and its normal; None without such edges.
 
     Args:
         first: the box from which the normal points.
         second: the other box.
-        faces: those that separate the boxes, with their normals from the first to the second: they bound the range.
-        thin: the thinnest edge of both [m].
+        faces: faces that separate the boxes, with their normals from the first to the second; they bound the range.
+        thin: the thinnest edge of both boxes [m].
         ridge: the convention for the normal.
     """
     cosine = first.axes @ second.axes.T
     shared = np.argwhere(cosine**2 > 1 - _PARALLEL**2)
     if len(shared) != 1 or not faces:
-        return None  # not parallel at all, or in all three axes: flush faces, which were seen before
+        return None  # no axes parallel, or all three: flush faces, which ``touch`` has handled
     along = first.axes[shared[0, 0]]
     bisector = np.sum([normal for *_, normal in faces], axis=0)
     bisector /= np.linalg.norm(bisector)

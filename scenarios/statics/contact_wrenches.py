@@ -1,7 +1,7 @@
 """Map forces at the corners of contact patches to forces and moments on bodies.
 
-A unit force d at a corner x pushes the second body by d and the first body by -d; its moment about the centre of mass
-c of a body is (x - c) / length x d, up to the sign. The transposed map gives the relative velocity of the two surfaces
+A unit force d at a corner x pushes the second body by d and the first body by -d; its moment about the centre of mass c
+of a body is ((x - c) / length) x d, up to the sign. The transposed map gives the relative velocity of the two surfaces
 at each corner from the velocities of the bodies.
 """
 
@@ -17,7 +17,7 @@ from scenarios.statics.contact_patch import GROUND, Patch
 
 
 class Corners:
-    """The corners of all patches, without units: forces in mean weights, lengths in ``length``."""
+    """The corners of all patches, dimensionless: forces over the mean weight, lengths over ``length``."""
 
     def __init__(self, centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], length: float) -> None:
         corners = [len(patch.points) for patch in patches]

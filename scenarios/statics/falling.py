@@ -1,4 +1,4 @@
-"""The time in which a stack that cannot stand falls, from rest to the limit at which the harness sees it.
+"""The time that an unstable stack takes to fall, from rest to the limit at which the harness records the fall.
 
 The contact forces are those that keep the accelerations nearest to free fall (Gauss's principle), inside the Coulomb
 cones. With the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
@@ -9,7 +9,7 @@ The bodies move along q a from q = 0 at rest. With v and o the linear and the an
 
     mass       m = sum(m_i |v_i|^2 + o_i . I_i o_i)
     force      F = sum(m_i g . v_i) = m                     (contact forces do no work along a)
-    stiffness  K = sum(m_i g . (o_i x v_i))                 (what turns about an edge below it sinks ever faster)
+    stiffness  K = sum(m_i g . (o_i x v_i))                 (a body that turns about an edge below it accelerates)
     motion     q'' = 1 + s^2 q,  s^2 = K / m;               q(t) = (cosh(s t) - 1) / s^2
     time       t = acosh(1 + s^2 q) / s                     (sqrt(2 q) without rotation, s = 0)
 
@@ -36,11 +36,11 @@ TILT_LIMIT = math.radians(15)
 """Angle [rad] from which a brick has toppled: a plank that leans this far off its plan no longer carries the bricks
 planned on it."""
 SLIDE_LIMIT = 1.0
-"""Distance from which a brick has slid or dropped, in its least edges."""
+"""Distance from which a brick has slid or dropped, over its least edge."""
 SIDES = 16
 """Sides of the pyramids inscribed into the Coulomb cones: friction is too small by 2 % at most."""
 _STILL = 1e-6
-"""Speed below which a body counts as still, as a share of the fastest: rounding."""
+"""Speed up to which a body counts as still because of rounding, as a share of the fastest body's speed."""
 
 
 def fall_time(bricks: Sequence[Brick], world: World) -> float:
@@ -79,7 +79,7 @@ def _first_accelerations(
     forces = nnls(contact, -load)[0] if contact.size else np.zeros(0)
     motion = (scale @ (load + contact @ forces) * corners.unit).reshape(-1, 6)
     if not np.abs(motion).max() > _STILL * np.linalg.norm(world.gravity):
-        raise ValueError("nothing moves: there is no time that it takes to fall")
+        raise ValueError("nothing moves, so there is no time of a fall: call fall_time for bricks that cannot stand")
     return motion[:, :3], motion[:, 3:] / length
 
 

@@ -1,14 +1,16 @@
-"""Decide whether contact forces can hold bodies still, by linear programs around Coulomb's cone from both sides.
+"""Decide whether contact forces can hold bodies still, by linear programs inside and around Coulomb's cone.
 
-Unknown are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; known are the weights.
-Forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
+The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; the weights are
+known. The sums of forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
 
 - one inscribed: forces found with it obey Coulomb's law, and prove that equilibrium exists;
-- one circumscribed: if even it allows no equilibrium there is none. The dual solution proves it: a virtual motion in
-  which gravity does work, and no force that a contact allows does less than none, so that they never cancel.
+- one circumscribed: if even this pyramid allows no equilibrium, none exists. The dual solution proves it: a virtual
+  motion in which gravity does positive work and no allowed contact force does negative work, so that the two never
+  cancel.
 
-While neither proves anything, the pyramids get one more side at each corner, in the direction of the circumscribed
-pyramid's force: there its error falls fourfold each time, and the true cone decides. A case that stays open is a doubt.
+As long as neither gives a proof, the pyramids get one more side at each corner, in the direction of the circumscribed
+pyramid's force. There the error falls fourfold with each side, until the true cone decides. A case that stays open is
+in doubt.
 
 Each program is elastic: it minimises the sum of missing forces and moments. So it always has a solution, the two
 pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
@@ -37,7 +39,8 @@ tolerance could hide 6e-10; a harmonic overhang of 300 bricks that is too long b
 SIDES = 8
 """Sides of the first pyramids with friction."""
 ROUNDS = 24
-"""Sides added before the answer is doubt: a yawed V within 1e-6 of the friction that it needs takes 12, 1e-8 16."""
+"""Number of added sides after which the answer is doubt. A yawed V takes 12 sides within 1e-6 of the friction that it
+needs, and 16 within 1e-8."""
 _SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 
@@ -48,14 +51,14 @@ class Statics:
     verdict: Verdict
     """``stable``: forces that hold all bodies exist, and arise; ``unstable``: none exist; ``doubt``: neither is proven.
 
-    Existence of forces is necessary for rest, and sufficient where normal forces alone do it. With friction it is not:
-    bodies wedged against each other may stress themselves in theory and fall in fact (Kao et al. 2022).
+    The existence of forces is necessary for rest. It is sufficient if normal forces alone hold the bodies, but not with
+    friction: bodies wedged against each other may stress themselves in theory and fall in reality (Kao et al. 2022).
     """
     by: Criterion
     """The criterion that decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: the motion as
     the weights grow from zero; ``cone``: whether any forces obey Coulomb's law and balance the weights."""
     why: str
-    """The reason of a doubt, in words; else empty."""
+    """Reason of a doubt, in words; empty without doubt."""
     balanced: bool | None
     """Whether contact forces exist that obey Coulomb's law and hold all bodies; None if neither pyramid proves it."""
     residual: float
@@ -70,15 +73,15 @@ class Statics:
     bodies: tuple[tuple[int, int], ...]
     """First and second body of each corner."""
     forces: FloatArray
-    """Force [N] on the second body at each corner, shape (p, 3): the proof that forces exist, if they do. There may be
-    others, and those that arise are others in general."""
+    """Force [N] on the second body at each corner, shape (p, 3): the proof that forces exist, if they do. Other such
+    forces may exist, and the forces that arise generally differ from these."""
     mechanism: FloatArray
     """Virtual velocity of each body, shape (n, 6): linear, then angular times the length unit, at most 1 in any
-    component; the proof if unstable, else zero. Bodies that do not move in it need not fall."""
+    component. It is the proof if unstable, else zero. Bodies that do not move in it need not fall."""
 
     @property
     def stable(self) -> bool:
-        """True only if proven."""
+        """True if stability is proven."""
         return self.verdict == "stable"
 
 
@@ -92,7 +95,7 @@ class _Solution:
 
 
 class _Balance:
-    """The linear program, without units: see ``Corners``."""
+    """The linear program in dimensionless quantities: see ``Corners``."""
 
     def __init__(self, corners: Corners) -> None:
         self._corners = corners
@@ -101,8 +104,9 @@ class _Balance:
         """Return the least residual with a pyramid at each corner.
 
         Args:
-            friction: how far the pyramid's edges lean, as a tangent; shape (p, k), or one number for all.
-            angles: their directions [rad] in the contact plane, shape (p, k).
+            friction: tangent of the angle between the pyramid's edges and the normal, shape (p, k), or one number for
+                all.
+            angles: directions of the edges [rad] in the contact plane, shape (p, k).
         """
         lean = friction * np.array([np.cos(angles), np.sin(angles)])
         edges = self._corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, self._corners.tangents)
@@ -116,13 +120,15 @@ class _Balance:
         cost[:count] = 0.0
         found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=_SOLVER)
         if found.x is None:
-            raise ArithmeticError(f"HiGHS found no solution of a program that always has one: {found.message}")
+            raise ArithmeticError(
+                f"HiGHS failed on a program that always has a solution ({found.message}); report the scene as a bug"
+            )
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
         motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)
         return _Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
 
     def _missing(self) -> tuple[csc_array, csc_array]:
-        """Return the missing forces and moments, in both directions."""
+        """Return the columns of the missing forces and moments, in both directions."""
         diagonal = np.arange(6 * self._corners.bodies)
         push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
         return push, -push
@@ -133,13 +139,13 @@ def solve_balance(
 ) -> Statics:
     """Find contact forces that hold all bodies, or prove that there are none.
 
-    The verdict is ``stable`` only where that suffices: if normal forces alone do it, or vertical forces at contacts
-    whose cones contain the vertical. Where other friction is needed forces may exist (``balanced``) and not arise:
-    ``truth.judge`` examines them further.
+    The verdict is ``stable`` only if existence of forces suffices for rest: if normal forces alone hold the bodies, or
+    vertical forces at load-bearing contacts. If other friction is needed, forces may exist (``balanced``) but not
+    arise; ``truth.judge`` examines such cases further.
 
     Proof that normal forces p >= 0 suffice: they balance the weights w, so w . a = -p . J_n a <= 0 for every motion a
-    without overlap, while contact forces do no work; rest is the only solution (``strong_stability``). Vertical forces
-    are no such proof: that nothing slides where the whole load bears straight down is a matter of experience.
+    without overlap, while contact forces do no positive work; rest is the only solution (``strong_stability``). For
+    vertical forces there is no such proof: by experience, nothing slides where the whole load acts straight down.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
@@ -167,7 +173,7 @@ def solve_balance(
 
 
 def _in_cones(corners: Corners, balance: _Balance, friction: float) -> tuple[bool | None, _Solution]:
-    """Return whether forces in the Coulomb cones balance the weights, with the proof; None if it stays open."""
+    """Return whether forces in the Coulomb cones balance the weights, or None if undecided; and the proof."""
     angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
     outer = None
     for _ in range(ROUNDS):

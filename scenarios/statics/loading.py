@@ -2,7 +2,8 @@
 
 Forces inside the Coulomb cones that balance all weights are necessary for rest, not sufficient. With friction they may
 be a self-stress that nothing supplies: a brick that overhangs its table and touches a heavy neighbour with its inner
-end could be held by friction there, but as it begins to turn its end moves up and away, nothing presses, and it falls.
+end could be held by friction there. But as the brick begins to turn, its inner end moves up and away from the
+neighbour, no pressure arises, and the brick falls.
 
 **Model.** All contacts are elastic (``compliant_contacts``) and unloaded at first; then the weights grow from zero. A
 body that is held comes to rest at displacements u; a body that is not held keeps an acceleration a = u / kappa. kappa
@@ -12,13 +13,15 @@ body that is held comes to rest at displacements u; a body that is not held keep
 - it *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest;
 - else, or without convergence, it is in *doubt*.
 
-Contacts of real bodies have no known stiffness. So the verdict must be the same for every tangential stiffness of
-``RATIOS`` and for both distributions: the same at all corners, and in proportion to the weights of the two bodies.
+The stiffness of real contacts is unknown. So the verdict must be the same for every tangential stiffness of ``RATIOS``
+and for both distributions of stiffness: equal at all corners, and in proportion to the reduced weight of the two
+bodies.
 
-**Sag.** A contact that is off by an angle e from one that would not press presses after all, once the body has moved by
-1 / e of its elastic compression: in theory it stands, in fact it has long moved away. The sag of a body is the greatest
-relative motion at its corners over the greatest with all contacts bonded (the same linear problem). Neither the scale
-nor the bodies below matter for it: a body that is carried along does not move against its neighbours.
+**Sag.** A contact that would not press with its exact normal does press with a normal that is off by an angle e, once
+the body has moved by 1 / e times its elastic compression. In theory such a body stands; in reality it has moved away
+long before. The sag of a body is the greatest relative motion at its corners over the greatest with all contacts bonded
+(the same linear problem). The sag depends neither on the scale nor on the bodies below, because a body that is carried
+along does not move against its neighbours.
 
 **What it proves.** With u = kappa a the equations read M a = w + J^T f(kappa J a). Forces do no work, so a . M a and
 f . f / kappa are at most w . a: accelerations are bounded, and contacts close at most as 1 / sqrt(kappa). Where a and f
@@ -29,8 +32,8 @@ sense of Pang and Trinkle. A pile that "stands" has an equilibrium that is reach
 kinds of contacts. That is not strong stability: other solutions may exist beside it.
 
 **Limits.** Displacements are infinitesimal, gaps zero: a contact that exactly grazes its neighbour's motion is decided
-by compression alone. Contacts are those of the plan; none is made on the way. Solutions need not be unique, and the one
-found is that which continues the solution of soft contacts.
+by compression alone. The contacts are those of the plan; the motion makes no new contacts. Solutions need not be
+unique; the method finds the one that continues the solution of soft contacts.
 
 References:
     J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
@@ -64,20 +67,20 @@ RATIOS = (1.0, 0.1, 10.0)
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
 """Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0
-"""Sag up to which a pile stands. It is 1 to 6 in card houses, logs, balls and planks at walls that stand, 12 / 24 / 49
-in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let stand. Contacts
-that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 / 100-270."""
+"""Sag up to which a pile counts as standing. It is 1 to 6 in card houses, logs, balls and planks at walls that stand,
+12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let
+stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 / 100-270."""
 STANDS = 0.02
 """Ratio of accelerations at kappa and kappa / 100 below which a pile stands: 0.01 is rest."""
 FALLS = 0.5
-"""Ratio from which it falls: 1 is free. Of 450 tight courses none was between both at the highest kappa; arches within
-0.1 % of their limit are."""
+"""Ratio of these accelerations from which a pile falls: a free fall has 1. Of 450 tight courses none lay between both
+limits at the highest kappa; arches within 0.1 % of their limit do."""
 MOST_FAILURES = 3
-"""Steps of kappa without a solution after which the search ends; two failures in a row are sometimes overcome."""
+"""Number of kappas without a solution after which the search ends; a search may recover after two failures in a row."""
 _DECADE = 2
 """Steps of kappa in a decade."""
 _FIRST, _LAST = 4 * _DECADE, 8 * _DECADE
-"""Steps at which to look for a verdict first and last: kappa = 1e4 and 1e8."""
+"""First and last step at which a verdict is sought: kappa = 1e4 and 1e8."""
 
 Answer = Literal["stands", "falls", "doubt"]
 
@@ -88,9 +91,9 @@ class Loading:
 
     verdict: Answer
     why: str
-    """Reason, in words, unless it stands."""
+    """Reason, in words; empty if the pile stands."""
     sag: float
-    """Greatest sag of a body; infinite where it does not come to rest."""
+    """Greatest sag of a body; infinite if the pile does not come to rest."""
     acceleration: float
     """Greatest acceleration that is left at the highest kappa, as a share of gravity, moments over the length unit."""
 
@@ -126,7 +129,7 @@ def load_from_zero(
 
 
 def _agreed(loadings: Iterator[Loading]) -> Loading:
-    """Return the verdict that all share; doubt at the first that is in doubt or disagrees."""
+    """Return the common verdict of all loadings; doubt at the first loading that is in doubt or disagrees."""
     worst = next(loadings)
     for loading in loadings:
         if worst.verdict == "doubt":

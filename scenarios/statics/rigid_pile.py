@@ -20,11 +20,11 @@ from scenarios.statics.contact_wrenches import Corners
 SECTORS = 8
 """Sectors of sliding directions outside the plane: friction is right within 1 - cos(22.5 deg) = 8 %."""
 _SAME = 1e-6
-"""Difference, in length units, below which points of a planar pile lie behind each other."""
+"""Difference, in length units, below which points of a planar pile count as lying behind each other."""
 
 
 class RigidPile(NamedTuple):
-    """A pile without units: weights over that of the lightest body, lengths over the length unit."""
+    """A dimensionless pile: weights over the weight of the lightest body, lengths over the length unit."""
 
     masses: FloatArray
     """Masses and inertia, shape (d, d)."""
@@ -40,7 +40,7 @@ class Law(NamedTuple):
     """Coulomb's law at one corner."""
 
     generators: FloatArray
-    """Forces of unit normal force that span the cones of all modes, shape (g, 1 + t)."""
+    """Forces with a normal component of 1 that span the cones of all modes, shape (g, 1 + t)."""
     modes: IntArray
     """Mode of each generator: 0 sticks, j slides in sector j; shape (g,)."""
     borders: FloatArray

@@ -1,12 +1,12 @@
-"""Apply two criteria to a stack: a pair of scenes enters the study ``truth`` only where they agree.
+"""Apply two criteria to a stack: a pair of scenes enters the study ``truth`` only if both criteria agree.
 
 The first criterion is loading from zero (``loading``). A stack that comes to rest must be stable for the judge
 (``truth``), and the first applicable criterion of these must confirm it:
 
-1. ``normal forces`` alone hold it, which excludes every other solution (proof in ``force_balance``);
+1. ``normal forces``: they alone hold it, which excludes every other solution (proof in ``force_balance``);
 2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
 3. ``other stiffness``: it comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times softer or
-   stiffer. It is the weakest of the three, for piles that are too large for the second.
+   stiffer. This is the weakest of the three criteria, for piles that are too large for the second.
 
 A stack that falls must not be stable for the judge, and the first applicable criterion of these must confirm it:
 
@@ -50,7 +50,7 @@ class Agreement:
     second: str
     """The criterion that confirms or contradicts loading."""
     why: str
-    """Reason of a doubt, in words; else empty."""
+    """Reason of a doubt, in words; empty without doubt."""
 
 
 class _Pile(NamedTuple):

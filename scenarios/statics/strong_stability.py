@@ -6,9 +6,9 @@ Rigid bodies that start from rest under their weights w take accelerations a wit
     0 <= f_n, 0 <= J_n a, and one of them is zero                          at each corner
     J_t a = 0 and |f_t| <= mu f_n, or f_t = -mu f_n J_t a / |J_t a|        where J_n a = 0
 
-A pile is *strongly stable* if a = 0 solves this and nothing else does. Contact forces do no work or take some, so
-0 <= a . M a <= w . a: in every other solution some body goes down along its weight. Each corner is open, sticks, or
-slides in one of k sectors of directions. A binary variable z for each mode but the first makes this linear:
+A pile is *strongly stable* if a = 0 is the only solution. Contact forces do no positive work, so 0 <= a . M a <= w . a:
+in every other solution some body goes down along its weight. Each corner is open, sticks, or slides in one of k sectors
+of directions. A binary variable z for each mode but the first makes this linear:
 
     sum z <= 1,    0 <= J_n a <= A (1 - sum z)
     f = sum of generators of the mode's cone, sum of f_n <= F z
@@ -17,18 +17,20 @@ slides in one of k sectors of directions. A binary variable z for each mode but 
 The program searches for a solution in which the centre of mass of any body, chosen by more binary variables, falls with
 ``LEAST_FALL`` or more. If there is none, the pile is strongly stable, within these limits:
 
-- Piles that are their own mirror image are solved in their plane, with two directions to slide: exact, but for motions
-  out of the plane. Others have ``SECTORS`` sectors, where friction may be anywhere in the hull of its arc of Coulomb's
-  circle, and corners that stick have the circumscribed pyramid: all true solutions are among those of the program.
-- Forces are at most ``MOST_FORCE`` times all weight. Beside larger ones that stress themselves the same modes have
-  smaller ones, unless a slow motion needs a large self-stress. In the piles tried forces were below all weight.
-- Only the first instant counts. A pile can be weak and stand: logs in three rows may roll apart, and need not.
-- Rest must be a solution at all, which ``force_balance`` decides; else "strong" means no more than that nothing falls
+- Piles that are their own mirror image are solved in their plane, with two directions to slide: exact, except for
+  motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie anywhere in the hull of its
+  arc of Coulomb's circle, and corners that stick have the circumscribed pyramid. So the program's solutions include all
+  true solutions.
+- Forces are at most ``MOST_FORCE`` times all weight. A solution with larger, self-stressing forces also exists with
+  smaller forces in the same modes, unless a slow motion needs a large self-stress. In the piles that were tried, forces
+  stayed below the weight of all bodies.
+- Only the first instant counts. A weak pile may still stand: logs in three rows may roll apart, but need not.
+- ``force_balance`` decides whether rest is a solution at all; if it is not, "strong" only means that nothing falls
   faster than ``LEAST_FALL``.
 
 HiGHS takes 0.1-0.6 s for a V or a plank at a wall (9-12 binary variables), 2 s for a card house of two storeys (39), 10
 s for four balls in space (54) and 20 s for an arch of 5 voussoirs (36). It does not finish an arch of 7 (48) in one
-minute, nor a card house of three storeys (84) in twenty. What is not solved in time is in doubt.
+minute, nor a card house of three storeys (84) in twenty. A pile that is not solved in time is in doubt.
 
 Reference:
     J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",

@@ -1,20 +1,20 @@
-"""Exact statics of the ideal geometry: the judge of the suite, written apart from the core that it judges.
+"""Exact statics of the ideal geometry: the judge of the suite, independent of the core that it judges.
 
-``equilibrium`` judges whether bricks as planned can rest, ``first_fall`` at which level a scene must come down. Bricks
-are rigid, faces flat, heights exact; friction is Coulomb's. A real drop has energy that statics does not know: an
-answer holds in an engine only at some distance from the limit.
+``equilibrium`` decides whether bricks in their planned poses can rest; ``first_fall`` finds the level at which a scene
+must fall. Bricks are rigid, faces flat, heights exact; friction is Coulomb's. Statics ignores the energy of a real
+drop, so an answer holds in an engine only at some distance from the limit.
 
 The first applicable criterion decides:
 
-1. ``normal forces`` alone hold all bodies: stable, and rest is the only solution (``force_balance`` has the proof);
-2. ``vertical forces`` do, at contacts whose cones contain the vertical: stable;
-3. no forces in the Coulomb ``cone`` do: unstable, with a mechanism as proof; or it stays open: doubt;
+1. ``normal forces`` alone hold all bodies: stable, and rest is the only solution (proof in ``force_balance``);
+2. ``vertical forces`` at load-bearing contacts hold all bodies: stable;
+3. no forces in the Coulomb ``cone`` hold them: unstable, with a mechanism as proof; without any proof: doubt;
 4. ``loading`` from zero reaches no equilibrium: doubt, because the pile needs prestress that nothing supplies;
-5. nor with ``LESS_FRICTION`` of the friction, though forces exist there too: doubt;
-6. else stable.
+5. with ``LESS_FRICTION`` of the friction forces exist too, but loading reaches no equilibrium: doubt;
+6. otherwise: stable.
 
-A pile that must fall need not be called unstable, therefore, but none is called stable that needs prestress. Friction
-between the limit of the cone and nine tenths of what is there does not matter: V and arch are sharp at their limits.
+So a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is called stable.
+Criterion 5 does not apply if nine tenths of the friction allow no forces at all, so V and arch have sharp limits.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from scenarios.statics.force_balance import Statics, solve_balance
 from scenarios.statics.loading import load_from_zero
 
 LESS_FRICTION = 0.9
-"""Share of the friction with which a pile that needs friction must stand as well. In a trial with tight courses, two
-kinds of 709 stood when loaded and fell in two engines: one of them does not stand with this."""
+"""Share of the friction with which a pile that needs friction must stand as well. Of 709 kinds of tight courses, two
+stood when loaded but fell in two engines; one of the two does not stand with this share."""
 
 
 class UndecidedError(ArithmeticError):
@@ -69,8 +69,8 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
-        ValueError: if the scene pushes or pulls bricks, for which statics has no answer, or lays one where another,
-            since removed, was planned: they would overlap.
+        ValueError: if the scene pushes or pulls bricks, for which statics has no answer, or places a brick where a
+            removed brick was planned, because the two would overlap.
     """
     _check(scene.bricks, scene.world.fixed, scene.world)
     patches = contact_patches(scene.bricks, scene.world.fixed, ridge=ridge)
@@ -132,7 +132,7 @@ def judge(
 
 
 def _among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between those present, named by their places in ``present``."""
+    """Return the patches between the bricks ``present``, with the indices of the bricks in that list."""
     place = {brick: index for index, brick in enumerate(present)} | {GROUND: GROUND}
     return [
         patch._replace(first=place[patch.first], second=place[patch.second])
@@ -150,10 +150,10 @@ def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World) -> S
 
 def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
     if not bricks:
-        raise ValueError("there must be at least one brick")
+        raise ValueError("there must be at least one brick to judge, got none")
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
-            raise ValueError(f"brick {index} is not finite: {brick}")
+            raise ValueError(f"brick {index} is not finite, give finite numbers: {brick}")
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):
