@@ -1,8 +1,8 @@
 """Bisection of a threshold: the value of a parameter at which an answer changes from "stands" to "falls".
 
-Both ends are tried first. If their answers agree, or one of them has no answer, there is no threshold to be found, and
-the search says so instead of giving a number. Otherwise the middle of the bracket is tried until the bracket is no
-wider than the tolerance. The search keeps no state: it follows from the answers so far, so that it can be resumed.
+Both ends are tried first. If their answers agree, or one end has no answer, the search reports the reason why there is
+no threshold, instead of a number. Otherwise the middle of the bracket is tried until the bracket is no wider than the
+tolerance. The search keeps no state: each step follows from the answers so far, so that a search can be resumed.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ class Bracket(NamedTuple):
     next: tuple[float, ...]
     """Values to try next; empty when the search has ended."""
     why: str
-    """Why there is no threshold, in words; empty if there is one, or if the search goes on."""
+    """Reason why there is no threshold, in words; empty if there is a threshold, or if the search goes on."""
     low_stands: bool | None
-    """The answer at the lower end; None if it has none."""
+    """Answer at the lower end; None without an answer."""
 
     @property
     def is_found(self) -> bool:
@@ -57,14 +57,14 @@ class Bisection:
 
     @property
     def most_tries(self) -> int:
-        """Number of values that are tried at most, both ends included."""
+        """Greatest number of tried values, both ends included."""
         return 2 + max(0, math.ceil(math.log2((self.high - self.low) / self.tolerance) - 1e-9))
 
     def bracket(self, answers: Mapping[float, bool | None]) -> Bracket:
         """Return the bracket that follows from the answers so far.
 
         Args:
-            answers: by value: True if it stood, False if it fell, None if the trial has no answer.
+            answers: for each tried value, True if the scene stood, False if it fell, None if the trial has no answer.
         """
         low, high = self.low, self.high
         missing = tuple(value for value in (low, high) if value not in answers)
@@ -88,7 +88,7 @@ class Bisection:
         return Bracket(low, high, (), "", stands)
 
     def search(self, stands: Callable[[float], bool]) -> Bracket:
-        """Ask ``stands`` until the search has ended; return the final bracket."""
+        """Call ``stands`` until the search has ended; return the final bracket."""
         answers: dict[float, bool | None] = {}
         while (bracket := self.bracket(answers)).next:
             answers |= {value: stands(value) for value in bracket.next}

@@ -1,7 +1,7 @@
-"""The two divisions of scenes: those on which profiles were tuned, and those held out.
+"""The two divisions of scenes: scenes on which profiles were tuned, and held-out scenes.
 
-Tuning can make a profile right on the scenes that it was tuned on. So reports show the success rate on the other scenes
-beside that on these.
+A tuned profile may be correct only on the scenes on which it was tuned. So reports show the success rate on held-out
+scenes beside the rate on tuned scenes.
 """
 
 from __future__ import annotations

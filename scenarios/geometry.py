@@ -1,9 +1,10 @@
 """Oriented boxes: how far one lies above another, and how far a rigid group must be lowered onto its support.
 
-A point a of the upper box lies straight above a point b of the lower one if a - b = (0, 0, h); the smallest such h is
-how far the upper box can sink. All differences a - b fill a zonotope: the difference of the centres plus the six half
-axes of both boxes, each times anything from -1 to 1. Its facets are normal to the cross products of two half axes
-(face on corner either way, edge on edge), so h is where the z axis enters it: the highest crossing of fifteen planes.
+A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The smallest such h is
+the distance by which the upper box can sink. All differences a - b fill a zonotope: the difference of the centres plus
+the six half axes of both boxes, each times a factor from -1 to 1. Its facets are normal to the cross products of two
+half axes (a face on a corner, or an edge on an edge). So h is the height at which the z axis enters the zonotope: the
+highest crossing with fifteen planes.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Boxes:
     center: FloatArray
     """Centres [m], shape (n, 3)."""
     half_axes: FloatArray
-    """From the centre to the middle of the faces +x, +y and +z [m], shape (n, 3, 3), one row an axis."""
+    """Vectors [m] from the centre to the middles of the faces +x, +y and +z, shape (n, 3, 3), one row an axis."""
 
     @classmethod
     def at(cls, sizes: npt.ArrayLike, positions: npt.ArrayLike, quaternions: npt.ArrayLike) -> Boxes:
@@ -73,7 +74,7 @@ class Boxes:
 
     @property
     def reach(self) -> FloatArray:
-        """Half the edge lengths [m] of the upright boxes around them, shape (n, 3)."""
+        """Half the edge lengths [m] of the axis-aligned bounding boxes, shape (n, 3)."""
         reach: FloatArray = np.abs(self.half_axes).sum(axis=1)
         return reach
 
@@ -114,16 +115,17 @@ def side_by_side(first: Boxes, second: Boxes) -> BoolArray:
 def resting_shift(
     group: Boxes, below: Boxes, *, neighbours: BoolArray | None = None, fixed: Boxes | None = None
 ) -> float:
-    """Return the shift along z [m] that lets a rigid group hang ``CLEARANCE`` above its support.
+    """Return the shift along z [m] that puts a rigid group ``CLEARANCE`` above its support.
 
-    The first box that meets the support decides.
+    The box that meets the support first decides.
 
     Args:
-        group: the boxes that are let go together, in their planned poses; those of a prebuilt stack touch each other.
-        below: the ACTUAL poses of what may carry them: the boxes of lower levels only. A neighbour of the same level
-            that is overlapped by a hair would otherwise lift a plank on top of itself. The ground always counts.
-        neighbours: which of the boxes ``below`` are planned beside which of the group, shape (m, n); they do not carry.
-        fixed: boxes that never move. They carry what is planned above them, and not what is beside or below them.
+        group: the boxes that are released together, in their planned poses; in a prebuilt stack they touch each other.
+        below: the boxes that may carry the group, in their actual poses: boxes of lower levels only, because a slightly
+            overlapped neighbour of the same level would lift a plank on top of itself. The ground always counts.
+        neighbours: mask of pairs, shape (m, n): True if a box ``below`` is planned beside a box of the group, so that
+            it does not carry that box.
+        fixed: boxes that never move. They carry boxes planned above them, but not boxes beside or below them.
     """
     clearance = vertical_clearance(group, below)
     if neighbours is not None:
@@ -135,10 +137,10 @@ def resting_shift(
 
 
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
-    """Return how far [m] a rigid group can sink until it first touches a fixed box below it; infinite without one.
+    """Return how far [m] a rigid group can sink until it first touches a fixed box below; infinite without such a box.
 
-    A box that would have to be raised by more than half its own height to come free is below the fixed box, as below a
-    ceiling. Placement noise on a slope overlaps by less than a millimetre.
+    A box that must be raised by more than half its own height to come free counts as below the fixed box, as under a
+    ceiling. Overlaps by placement noise on a slope are smaller than 1 mm.
     """
     clearance = vertical_clearance(group, fixed)
     is_above = clearance > -group.reach[:, None, 2]
@@ -146,7 +148,7 @@ def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
 
 
 def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
-    """Return where [m] the z axis enters each zonotope, shape (p,); infinite where it misses.
+    """Return the height [m] at which the z axis enters each zonotope, shape (p,); infinite if it misses.
 
     Args:
         center: centres [m], shape (p, 3).
@@ -156,7 +158,7 @@ def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
     length = np.sqrt((normal * normal).sum(axis=2))
     size = np.sqrt((half_axes * half_axes).sum(axis=2))
     parallel = length <= _PARALLEL * size[:, _FIRST] * size[:, _SECOND]
-    # Any direction bounds the zonotope truly, so "up" may stand in for the normal that parallel axes do not have.
+    # Every direction gives a valid bound, so "up" replaces the normal that parallel axes do not have.
     normal[parallel], length[parallel] = (0.0, 0.0, 1.0), 1.0
     normal[normal[..., 2] < 0] *= -1.0
 

@@ -2,7 +2,7 @@
 
 ``margin`` is the share by which the deciding quantity (a load, an offset, a coefficient of friction) lies on the safe
 side of its limit; a negative margin lies beyond it. No answer is claimed within 5 % of a limit, because a real drop has
-energy that statics ignores. Stacks that tip are built large enough to outlast the energy of placing a brick.
+energy that statics ignores. Stacks that tip are large enough that the energy of placing a brick does not tip them.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ def by_margin(margin: float, limit: str, *, falls_at: int, not_before_s: float =
     """Return the expectation for a scene with this margin: it stands, falls at a level, or is a study near the limit.
 
     Args:
-        margin: share of the limit; negative beyond it.
+        margin: distance from the limit, as a share of the limit; negative beyond it.
         limit: the deciding quantity, in words.
-        falls_at: level at which it falls beyond the limit.
+        falls_at: level at which a scene beyond the limit falls.
         not_before_s: earliest time [s] of the fall.
     """
     if abs(margin) < MIN_MARGIN - ROUNDING:

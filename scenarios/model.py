@@ -1,6 +1,6 @@
 """The data model of a scene: bricks, timed actions, and the outcome that theory demands.
 
-SI units, z up; quaternions are (w, x, y, z). Nothing here knows an engine.
+Units are SI, z is up, quaternions are (w, x, y, z). This module does not depend on an engine.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 CLEARANCE = 0.5e-3
-"""Gap [m] between a released brick and its actual support. Planned absolute heights would give a stack that sinks
-ever larger drops."""
+"""Gap [m] between a released brick and its actual support. With planned absolute heights, the drops would grow as the
+stack sinks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class Brick:
     mass: float
     """Mass [kg]."""
     position: Vector
-    """Centre [m]. The height is only a plan: see ``Place``."""
+    """Centre [m]. Its height is only planned: see ``Place``."""
     quaternion: Quaternion = UPRIGHT
     level: int = 1
     """Level of the stack that the brick belongs to, from 1."""
@@ -57,15 +57,15 @@ class Place:
     """Release bricks together, as one rigid group, a little above their actual support.
 
     The group keeps its planned x, y, orientation and relative heights. It is lowered until the first of its bricks is
-    ``height`` above the body that really lies below.
+    ``height`` above the body that is actually below.
     """
 
     time: float
     """Start of the action [s], from the start of the trial."""
     bricks: tuple[Brick, ...]
     height: float = CLEARANCE
-    """Release height [m] above the actual support. Zero sets the group down without a gap: a prebuilt stack, which may
-    have several levels. The harness asks a stability extension to judge it before the next engine step."""
+    """Release height [m] above the actual support. With zero, the group is placed without a gap: a prebuilt stack,
+    which may have several levels. The harness lets a stability extension judge it before the next engine step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +90,9 @@ class Push:
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """Pull a brick sideways by its centre of mass, with the force that it takes, then remove it.
+    """Pull a brick sideways by its centre of mass at a given velocity, with any force, then remove it.
 
-    The manipulator holds the brick from the start, so a monitor counts the brick as intact wherever it goes.
+    The manipulator holds the brick from the start, so a monitor counts the brick as intact at any position.
     """
 
     time: float
@@ -161,7 +161,8 @@ class Drive:
     spin: Vector = (0.0, 0.0, 0.0)
     """Angular velocity [rad/s]."""
     seconds: float = 0.0
-    """Duration [s] of the acceleration, which is uniform from the present velocities; 0: at once."""
+    """Duration [s] of the acceleration, which is uniform from the present velocities; with 0 the velocity changes at
+    once."""
     carries: bool = False
     """True if monitors expect bricks of higher levels to travel with the platform; False if they expect them in
     place."""
@@ -174,7 +175,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class MustMove:
-    """A brick that must move by theory, from one time on until it has gone some way."""
+    """A brick that must move by theory, from a given time until it has moved a given distance."""
 
     brick: int
     """The brick's index in the order of placement, from 0."""
@@ -183,7 +184,7 @@ class MustMove:
     way_m: float
     """Distance [m] that its centre must move, in a straight line."""
     takes_s: float | None
-    """Time [s] that it takes by theory; None if theory is silent."""
+    """Duration [s] of the motion by theory; None if theory gives none."""
 
 
 Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
@@ -226,7 +227,8 @@ class Scene:
     """Behaviour that an observer should look for."""
     pair: str = ""
     """Id shared by a scene that must stand and its partner that must fall, which differ only in the deciding quantity.
-    Only both together separate a stability test from a rule that freezes everything. Empty without a partner."""
+    Only both scenes together distinguish a stability test from a rule that freezes everything. Empty without a
+    partner."""
     planar: bool = False
     """True if every brick stays in the x-z plane, so that a planar engine can play the scene."""
     poured: bool = False
@@ -234,7 +236,7 @@ class Scene:
     watch_s: float = 5.0
     """Time [s] for which the trial continues after the last action."""
     must_move: tuple[MustMove, ...] = ()
-    """Bricks that must not sleep: the harness measures how long they do."""
+    """Bricks that must not sleep; the harness measures how long they do sleep."""
     size: float = 1.0
     """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows with it."""
     bricks: tuple[Brick, ...] = field(init=False)
@@ -263,7 +265,7 @@ class Scene:
 def pace_of(size: float) -> float:
     """Return the factor on all times of a scene whose lengths are ``size`` times as large.
 
-    Gravity stays, so a fall takes sqrt(``size``) times as long. Smaller bricks keep their times, because the frames of
-    an engine do not become shorter.
+    Gravity stays the same, so a fall takes sqrt(``size``) times as long. The factor is at least 1, because the frames
+    of an engine do not become shorter for small bricks.
     """
     return max(1.0, math.sqrt(size))

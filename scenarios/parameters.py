@@ -1,4 +1,4 @@
-"""Parameters of scenes: the ranges that a builder declares, and the variant id that values make.
+"""Parameters of scenes: the ranges that a builder declares, and the id of the variant with given values.
 
 A builder annotates each parameter with its range, ``courses: Annotated[int, Whole(1, 200)] = 8``. The decorator
 ``scenarios.scenario.scenario`` reads the ranges and checks every value before the builder runs.
@@ -15,7 +15,7 @@ Value: TypeAlias = float | int | str
 
 
 class Range(Protocol):
-    """The values that a parameter may take. Its text is the range as users read it."""
+    """The values that a parameter may take. ``str`` of a range is its text for users."""
 
     def check(self, name: str, value: object) -> Value:
         """Return ``value`` in the parameter's type.

@@ -5,10 +5,10 @@ standard deviations. A draw depends on the scene's variant, the seed and the bri
 the order of trials or earlier falls. It is computed from a hash through the inverse of the normal distribution, so that
 it is the same on every machine, with any library.
 
-A draw that pushes a brick into a neighbour or a fixed box is repeated, so that between planned neighbours that touch
-the noise only opens the joint: seed 0 alone builds it closed. In a row of touching bricks the errors add up, and a
-brick may need more than three standard deviations to find room: the shift grows with the number of draws. A brick that
-fits exactly between two fixed walls has no room for noise: such a scene is refused for every other seed.
+A draw that pushes a brick into a neighbour or a fixed box is repeated. So noise can only open a joint between planned
+neighbours that touch, and only seed 0 builds the joint closed. In a row of touching bricks the errors add up, and a
+brick may need more than three standard deviations to find room; therefore the shift grows with the number of draws. A
+brick that fits exactly between two fixed walls has no room for noise: such a scene is refused for every other seed.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class NoRoomError(ValueError):
 def with_placement_noise(scene: Scene, seed: int) -> Scene:
     """Return the scene with placement noise; the scene itself for seed 0.
 
-    A group moves as one rigid body, turning about its centroid. In a planar scene it moves along x only. A draw that
-    would overlap a brick that was laid before in the same level, or anything else that is planned beside the group, is
-    repeated.
+    A group moves as one rigid body, turning about its centroid. In a planar scene it moves along x only. A draw is
+    repeated if the group would overlap an earlier brick of the same level, or a brick or fixed box that is planned
+    beside the group.
 
     Raises:
         ValueError: if the seed is negative.
@@ -85,8 +85,8 @@ def _perturbed(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[B
 def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> BoolArray:
     """Return which laid bricks and fixed boxes each brick of a group must not overlap, shape (m, n).
 
-    Bricks of the same level count, and bricks planned beside it. Poured bricks lie where they fell, so they do not
-    count.
+    Bricks of the same level count, and bricks and fixed boxes planned beside the brick. In a poured scene only the
+    level counts, because bricks do not lie where they were planned.
     """
     levels = {brick.level for brick in group}
     same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)
@@ -105,7 +105,7 @@ def deviates(variant: str, seed: int, brick: int, draw: int = 0) -> tuple[float,
 
 
 def _deviate(random: bytes) -> float:
-    """Return the quantile of the cut normal distribution that eight random bytes pick."""
+    """Return the quantile of the cut normal distribution that eight random bytes select."""
     normal = NormalDist()
     tail = normal.cdf(-CUT)
     fraction = (int.from_bytes(random, "little") + 0.5) / 2**64

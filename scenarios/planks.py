@@ -21,14 +21,15 @@ THICKNESS = 7.8e-3
 MASS = 11.9e-3
 """Mean mass [kg]."""
 MU = 0.45
-"""Coulomb coefficient of every pair. It is OUR choice: reported values for pine on pine spread from 0.12 to 0.45, and
-only the upper end lets a card house stand whichever normal an engine reports at its ridge (see ``card_house``)."""
+"""Coulomb coefficient of every pair. The value is chosen: reported values for pine on pine spread from 0.12 to 0.45,
+and only near the upper end does a card house stand with any normal that an engine reports at its ridge (see
+``card_house``)."""
 GRAVITY = 9.81
 """Strength [m/s2] of the gravity of ``World``."""
 DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
 """Mean density [kg/m3]."""
 GAP = 2.0e-3
-"""Gap [m] between neighbours of one level: with 0.5 mm, placement noise pushes one plank into the next."""
+"""Gap [m] between neighbours of one level. With 0.5 mm, placement noise would push one plank into the next."""
 
 
 def lay(
@@ -41,7 +42,7 @@ def lay(
         y: centre along y [m].
         level: the level it belongs to, from 1.
         yaw: turn about z [rad].
-        bottom: height of its lower face [m]; by default that of a stack of flat planks.
+        bottom: height of the lower face [m]; by default as in a stack of flat planks.
         length: length [m] of a shortened plank; its mass shrinks in proportion.
     """
     under = (level - 1) * THICKNESS if bottom is None else bottom
@@ -53,11 +54,11 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
     """Return a plank on its short edge, leaning in the x-z plane.
 
     Args:
-        foot: where along x [m] the edge stands.
+        foot: position of the edge along x [m].
         theta: angle [rad] between the plank and the ground.
         toward: 1 if it leans toward +x, -1 toward -x.
         level: the level it belongs to, from 1.
-        bottom: height [m] on which the edge stands.
+        bottom: height of the edge [m].
     """
     along, across = (math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))
     x = foot + toward * (LENGTH * along[0] + THICKNESS * across[0]) / 2
@@ -94,7 +95,7 @@ def box(
         level: the level it belongs to, from 1.
         bottom: height of its lower face [m].
         yaw: turn about z [rad].
-        mass: [kg]; by default that of a box of the planks' wood.
+        mass: mass [kg]; by default that of a box of the planks' wood.
     """
     turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
     return Brick(size, math.prod(size) * DENSITY if mass is None else mass, (x, y, bottom + size[2] / 2), turn, level)

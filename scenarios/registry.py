@@ -1,4 +1,4 @@
-"""Scenarios by name. A new one is one file in ``scenarios/scenes`` and one entry in ``SCENARIOS``."""
+"""Scenarios by name. A new scenario is one file in ``scenarios/scenes`` and one entry in ``SCENARIOS``."""
 
 from __future__ import annotations
 
@@ -104,11 +104,11 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
 
 
 def build(name: str, **parameters: Value) -> Scene:
-    """Return the scene of scenario ``name`` with ``parameters``; defaults replace those left out.
+    """Return the scene of scenario ``name`` with ``parameters``; missing parameters take their defaults.
 
     Raises:
         UnknownNameError: if there is no such scenario, or it has no such parameter.
-        ValueError: if a parameter's value makes no scene; the message names the allowed values.
+        ValueError: if a parameter's value is not allowed; the message names the allowed values.
     """
     scenario = look_up("scenario", name, SCENARIOS)
     for parameter in parameters:
@@ -138,7 +138,7 @@ def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     """Return recorded parameters, completed by the defaults of parameters that were added later.
 
-    A default builds the scene as before, so that old records still compare with new ones.
+    With its default, a new parameter does not change the scene, so that old records can be compared with new records.
     """
     scenario = SCENARIOS.get(name)
     return {**(scenario.parameters if scenario else {}), **parameters}

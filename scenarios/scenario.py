@@ -3,8 +3,9 @@
     @scenario
     def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan: ...
 
-The builder's name is the scenario's id, its signature the parameters with defaults and ranges, the first line of its
-docstring the description. The scenario checks the values, calls the builder and adds ids and parameters to its plan.
+The builder's name is the scenario's id. Its signature gives the parameters with defaults and ranges. The first line of
+its docstring is the description. The scenario checks the values, calls the builder and adds ids and parameters to its
+plan.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ class Plan:
     expectation: Expectation
     look_for: str
     partner: Mapping[str, Value] | None = None
-    """Parameters, as far as they differ, of the scene that must stand and shares the id ``Scene.pair`` with this scene;
-    None if the scene has no partner."""
+    """Parameters that differ in the partner, which is the scene that must stand and shares the id ``Scene.pair``; None
+    if the scene has no partner."""
     planar: bool = False
     poured: bool = False
     watch_s: float = 5.0
@@ -49,11 +50,11 @@ class Scenario(Generic[P]):
     """A family of scenes, one for each choice of its parameters. Call it with parameters by name."""
 
     builder: Callable[P, Plan | Scene]
-    """The builder. It makes ids of its own if it returns a ``Scene``."""
+    """The builder. A builder that returns a ``Scene`` sets the ids itself."""
     defaults: Mapping[str, Value]
     """Defaults of the builder's own parameters, in the order of their declaration."""
     declared: Mapping[str, Range]
-    """The ranges that the builder declares. A parameter without one is checked by the builder."""
+    """The ranges that the builder declares. The builder checks parameters without a range."""
     is_static: bool = True
     """True if its scenes can be prebuilt and resized (parameters ``built`` and ``size``): bricks are only placed and
     removed, not poured, pushed or dropped."""
@@ -79,16 +80,15 @@ class Scenario(Generic[P]):
         return {**self.declared, **{name: allowed for name, (_, allowed) in self._shared().items()}}
 
     def variant(self, parameters: Mapping[str, Value]) -> str:
-        """Return the id of the variant that the builder's own parameters make."""
+        """Return the id of the variant with these values of the builder's own parameters."""
         return variant_of(self.name, self.defaults, parameters)
 
     def __call__(self, *args: P.args, **parameters: P.kwargs) -> Scene:
-        """Build the scene of ``parameters``; defaults replace those left out.
+        """Build the scene with ``parameters``; missing parameters take their defaults.
 
         Raises:
-            ValueError: if a value makes no scene (the message names the allowed values), or if a brick of a planar
-                scene
-                leaves the plane.
+            ValueError: if a value is not allowed (the message names the allowed values), or if a brick of a planar
+                scene leaves the plane.
         """
         checked: dict[str, Any] = {**self.defaults, **parameters}
         for name, allowed in self.declared.items():

@@ -1,4 +1,4 @@
-"""Public threads behind scenes of ``scenarios/examples``: where a stack was reported, and what it did there."""
+"""Public threads behind scenes of ``scenarios/examples``: the source of each scene, and the reported behaviour."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Thread:
     """Repository and number, such as ``bulletphysics/bullet3#3049``."""
     url: str
     reported: str
-    """What was seen there."""
+    """Behaviour that the thread reports."""
 
 
 @cache
@@ -30,7 +30,7 @@ def threads() -> Mapping[str, Thread]:
 
 
 def thread_of(parameters: Mapping[str, object]) -> Thread | None:
-    """Return the thread behind the scene with these parameters; None if it is of no thread, or was changed."""
+    """Return the thread behind the scene with these parameters; None without a thread, or if changed."""
     changed = [parameters.get(name, usual) != usual for name, usual in (("size", 1.0), ("mass", 1.0), ("yaw", 0.0))]
     file = parameters.get("file")
     return threads().get(Path(str(file)).stem) if file is not None and not any(changed) else None
