@@ -2,12 +2,13 @@
 
 Theory, by case:
 
-- ``support``: a block lies on a pillar for ``PAUSE_S``; then the pillar is taken. The block falls by s in
-  sqrt(2 s / g): 0.2 m in 0.202 s.
-- ``pair``: two blocks, one on the other, fall together. They touch and do not move against each other, and fall all the
-  same: 0.2 m in 0.202 s.
-- ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``; then a block drops on its end. The plank's mass m has
-  a lever arm of 0.05 m about the pillar's edge, the block's mass 3 m one of 0.10 m: the plank tips.
+- ``support``: a block lies on a pillar for ``PAUSE_S``; then the pillar is removed. The block falls by s
+  in sqrt(2 s / g): 0.2 m in 0.202 s.
+- ``pair``: two blocks, one on the other, fall together. They touch and do not move relative to each other, but both
+  fall: 0.2 m in 0.202 s.
+- ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``; then a block drops on its end. About the pillar's
+  edge, the plank's mass m has a lever arm of 0.05 m and the block's mass 3 m has a lever arm of 0.10 m, so the plank
+  tips.
 
 Look for: a body that hangs in the air, and a plank that carries a load beyond its balance.
 """
@@ -31,7 +32,7 @@ PILLAR = 0.4
 FALL = 0.2
 """Distance [m] that a falling body must have moved."""
 FALL_S = math.sqrt(2 * FALL / GRAVITY)
-"""Time [s] of that fall, from rest."""
+"""Time [s] of a fall by ``FALL``, from rest."""
 DROP = 1.0
 """Drop height [m] of the pair."""
 PLANK = (0.3, EDGE, 0.02)
@@ -39,7 +40,7 @@ PLANK = (0.3, EDGE, 0.02)
 STRIKER = 0.05
 """Edge of the striker [m], and its drop height [m]."""
 TIPPED = 0.01
-"""Motion [m] of its centre once it has tipped."""
+"""Distance [m] that the plank's centre has moved once the plank has tipped."""
 
 
 @dynamic_scenario
@@ -47,7 +48,7 @@ def asleep(*, case: Annotated[str, Choice("support", "pair", "striker")] = "supp
     """Bodies that have come to rest, or fall together, and must move.
 
     Args:
-        case: "support" that is taken, "pair" that falls, or "striker" on a balanced plank.
+        case: "support": a support is removed; "pair": two blocks fall; "striker": a block drops on a balanced plank.
     """
     return {"support": _support, "pair": _pair, "striker": _striker}[case]()
 

@@ -1,9 +1,9 @@
 """A column of cubes on a conveyor belt that starts and stops.
 
-Theory: while the belt accelerates at a, a column of n cubes of edge b on it is pushed back by m a at its middle, n b
-/ 2 high, and held by m g at b / 2 from its rear edge: it tips if a > g / n. It does not slide while a < mu g. So at
-half of g / n it is carried along and stands; at one and a half times it tips, if the start lasts long enough to carry
-the centre of mass beyond the edge.
+Theory, in the frame of the belt, which accelerates at a: the inertial force m a pushes a column of n cubes of edge b
+backward at its middle, n b / 2 high, and the weight m g acts b / 2 before its rear edge. So the column tips
+if a > g / n. It does not slide while a < mu g. At half of g / n the belt carries the column along, and it stands. At
+one and a half times g / n it tips, if the acceleration lasts long enough to move the centre of mass beyond the edge.
 
 Look for: a frozen column must travel with the belt, and must tip where a live column tips.
 """
@@ -20,7 +20,7 @@ from scenarios.scenario import Plan, dynamic_scenario
 EDGE = 0.04
 """Edge of a cube [m]."""
 BELT = (2.4, 0.2, 0.02)
-"""Edges of the belt [m]: longer than the way of the column."""
+"""Edges of the belt [m]. It is longer than the path of the column."""
 BOTTOM = 0.01
 """Height of the belt's lower face [m], clear of the ground."""
 PAUSE_S = 2.0
@@ -37,7 +37,7 @@ def belt_tower(*, start: Annotated[float, Real(0.1, 3.0)] = 1.5, levels: Annotat
     """A column of cubes on a conveyor belt that starts and stops.
 
     Args:
-        start: acceleration of the belt, in units of that at which the column tips.
+        start: acceleration of the belt, in units of g / n, at which the column tips.
         levels: number of cubes.
     """
     belt = Brick(BELT, 1.0, (0.0, 0.0, BOTTOM + BELT[2] / 2), moved=True)

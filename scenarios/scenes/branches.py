@@ -1,10 +1,10 @@
 """A trunk that splits: a plate on one trunk carries two, three or four columns, and one of them is loaded.
 
-Theory: plate and columns together (mass M) have their centre of mass above the trunk's middle, whose half width is a.
-A load p on the column that stands on the x axis, at r, tips all of it about the trunk's edge once p (r - a) > M a.
+Theory: plate and columns together (mass M) have their centre of mass above the middle of the trunk, whose half width is
+a. A load p on the column at x = r tips the whole stack about the trunk's edge if p (r - a) > M a.
 
-Look for: each branch alone stands on its plate, whatever its load; only all branches together, seen from the trunk,
-show that the stack tips. The columns are placed together, so that nothing tips before.
+Look for: each column alone stands on the plate, with any load. Only the moments of all columns about the trunk's edge
+show that the stack tips. The columns are placed together, so that nothing tips before the load is placed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 TRUNK = 6.0
-"""Height of the trunk in thicknesses of a plank: room to tip."""
+"""Height of the trunk in thicknesses of a plank, which leaves room to tip."""
 HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
 """Half the trunk's edge, radius of the columns' centres, their edge, and half the plate's edge, in plank lengths."""
 
@@ -30,8 +30,8 @@ def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, 
 
     Args:
         columns: 2, 3 or 4; two stand on a plank, more on a square plate.
-        margin: share by which the load is lighter than the limit; a negative one is heavier.
-        scale: size of everything over that of the standard plank.
+        margin: share by which the load is lighter than the limit; negative if the load is heavier.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, _ = plank_of(scale)
     edge, plate_edge, trunk_edge = COLUMN * length, 2 * HALF_PLATE * length, 2 * HALF_TRUNK * length

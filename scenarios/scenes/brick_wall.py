@@ -1,12 +1,12 @@
-"""A wall in running bond: planks along x, every joint is bridged, half planks close the ends of every other course.
+"""A wall in running bond: planks along x bridge every joint, with half planks at the ends of every other course.
 
-Theory: cut every joint between courses into pieces of half a plank, and let forces go through the middles of these
-pieces. A half plank has its one support straight below its load, a whole one has two at equal arms, and moments about
-its middle give both. All come out as pressure, nearly equal along a course: in equilibrium at any height. No force
-between neighbours of a course is needed, whether they touch or not.
+Theory: divide every joint between courses into pieces of half a plank, and let one force act in the middle of each
+piece. A half plank has one support straight below its load. A whole plank has two supports at equal arms, and moments
+about its middle give both forces. All these forces are pressures, nearly equal along a course, so the wall is in
+equilibrium at any height. Forces between neighbours of a course are not needed, whether the neighbours touch or not.
 
-What to look for: most planks have two supports and two loads. An engine that shares them badly opens the joints at the
-ends, where a half plank stands on one side of a whole one.
+Look for: most planks have two supports and two loads. An engine that distributes the loads badly opens the joints at
+the ends, where a half plank stands on one side of a whole plank.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ def brick_wall(
 
     Args:
         courses: number of courses.
-        width: whole planks in odd courses; even ones have one less, and a half plank at each end.
-        gap: between neighbours of a course [mm]; with 0 their faces touch.
+        width: number of whole planks in odd courses; even courses have one whole plank less, and a half plank at each
+            end.
+        gap: distance between neighbours of a course [mm]; at 0 their faces touch.
     """
     planks = [plank for level in range(1, courses + 1) for plank in _course(level, width, gap * 1e-3)]
     return Plan(

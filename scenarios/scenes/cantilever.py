@@ -1,11 +1,11 @@
-"""A cantilever: a beam on a pier, a counterweight on its inner end, a load on its outer end; then one is taken.
+"""A cantilever: a beam on a pier, a counterweight on its inner end, a load on its outer end; then a weight is removed.
 
-Theory: moments about the pier's edge, in a beam's mass m and length L: the beam holds with m L / 20, the counterweight
-of 2 m with 0.4 L, and the load p pulls with 0.3 L, so all of it stands while p < 2.83 m. Without the counterweight the
-beam carries no more than m / 6, and falls; without the load it stands all the better.
+Theory: moments about the pier's edge, with m and L the mass and the length of the beam. The beam holds with the moment
+0.05 m L and the counterweight with 2 m times 0.4 L; the load p pulls with 0.3 L p. So the stack stands while
+p < 2.83 m. Without the counterweight the beam carries at most m / 6, so it falls. Without the load it stands.
 
-Look for: the counterweight decides, though it does not lie above the load. A rule that looks only at bodies straight
-above their support lets the beam stand without its counterweight, or tips it while the counterweight is there.
+Look for: the counterweight decides, although it is not above or below the load. A rule that looks only at bodies
+straight above their support lets the beam stand without its counterweight, or tips it while the counterweight is there.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 PIER = 6.0
-"""Height of the pier in thicknesses of a plank: room to tip."""
+"""Height of the pier in thicknesses of a plank, which leaves room to tip."""
 COUNTERWEIGHT = 2.0
 """Mass of the counterweight over the mass of the beam."""
 BEAM_ARM, COUNTERWEIGHT_ARM, LOAD_ARM = -0.05, -0.4, 0.3
-"""Centres along x from the pier's edge, in lengths of the beam."""
+"""Positions of the centres along x, from the pier's edge, in lengths of the beam."""
 PIECE = 0.3
 """Length of counterweight and load, in lengths of the beam."""
 LIMIT = -(BEAM_ARM + COUNTERWEIGHT * COUNTERWEIGHT_ARM) / LOAD_ARM
-"""The load that balances everything, over the mass of the beam."""
+"""Mass of the load at the limit of balance, over the mass of the beam."""
 
 
 @scenario
@@ -40,12 +40,15 @@ def cantilever(
     """A beam that reaches beyond its pier, held by a counterweight; then load or counterweight is taken away.
 
     Args:
-        margin: share by which the load is lighter than the limit; a negative one is heavier.
-        taken: "nothing", "load" or "counterweight", two seconds after the load was laid.
-        scale: size of everything over that of the standard plank.
+        margin: share by which the load is lighter than the limit; negative if the load is heavier.
+        taken: weight that is removed two seconds after the load was placed: "nothing", "load" or "counterweight".
+        scale: factor on all lengths, relative to the standard plank.
     """
     if taken != "nothing" and margin <= 0:
-        raise ValueError(f"margin must be positive where something is taken, got {margin:g}: it has fallen before")
+        raise ValueError(
+            f"margin must be positive if something is taken, got {margin:g}: the beam would fall before; use a "
+            "positive margin, or taken = 'nothing'"
+        )
     length, width, thickness, mass = plank_of(scale)
     top, piece = PIER * thickness, (PIECE * length, width, thickness)
     bricks = [

@@ -1,13 +1,13 @@
 """The paper's card house: planks leaning in pairs (inverted Vs), storeys divided by flat planks.
 
 One storey is a single V. A house of n storeys has n Vs side by side on the ground, n - 1 above and so on; between the
-storeys a roof plank bridges each two neighbouring ridges. Levels count Vs and roofs in turn, so n storeys make 2 n - 1
-levels; the top has no roof. All of it lies in the x-z plane.
+storeys a roof plank bridges each pair of neighbouring ridges. Levels count Vs and roofs in turn, so n storeys make
+2 n - 1 levels; the top has no roof. All planks lie in the x-z plane.
 
 Layout. The ridges of a storey are so far apart that a roof plank covers both and overhangs by ``OVERHANG``. Over three
 ridges two roof planks must meet above the middle one, each on its own side of it, so they are moved outward until they
-leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four and
-more ridges whole planks do not fit: those between the outermost two are sawn off to leave the usual gap.
+leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four and more ridges whole
+planks do not fit, so the planks between the outermost two are shortened to leave the usual gap.
 
 Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
 ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
@@ -15,13 +15,15 @@ ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), whi
   (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the ridges
   together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
 - Two edges meet at the ridge, and most engines report a plank's face as the normal there (not Jolt and Havok, whose
-  normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta. This asks
-  for more, whatever the load: 0.325 at 72 deg.
-So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
-normal decides, and it is a study.
+  normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta. This
+  requires more friction, at any load: 0.325 at 72 deg.
 
-Both sides of a storey are placed together: a plank that loads only one half of a V needs a vertical force at its ridge,
-where theory has no single answer. The planks of a V keep a gap of ``RIDGE_GAP``, so that rounding cannot overlap them.
+So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
+normal decides, and the scene is a study.
+
+Both sides of a storey are placed together, because a plank that loads only one half of a V needs a vertical force at
+its ridge, where theory has no single answer. The planks of a V keep a gap of ``RIDGE_GAP``, so that rounding cannot
+make them overlap.
 
 Look for: feet that creep apart, and a ridge that drops. A V that stands with mu below its limit is a false stand.
 """
@@ -40,9 +42,9 @@ from scenarios.scenario import Plan, scenario
 RIDGE_GAP = 0.2e-3
 """Gap [m] between the two planks of a V at its ridge."""
 OVERHANG = 2.5e-3
-"""Overhang [m] of a roof plank beyond the outermost edges that carry it: more than the largest placement error."""
+"""Overhang [m] of a roof plank beyond the outermost edges that carry it, which exceeds the largest placement error."""
 MIN_FACTOR = 1.05
-"""Factor on friction, off its limit, beyond which the answer holds under placement noise."""
+"""Factor between the friction and its limit beyond which the answer holds under placement noise."""
 
 
 @scenario
@@ -56,10 +58,10 @@ def card_house(
     """Leaning pairs of planks under flat roofs: one storey is the inverted V.
 
     Args:
-        storeys: storeys of Vs, as many Vs on the ground.
+        storeys: number of storeys, and of Vs on the ground.
         theta: angle [deg] between a leaning plank and the ground.
         friction: Coulomb coefficient of every pair.
-        gap: between roof planks, and at least between the feet of two Vs [mm]; with 0 roof planks touch.
+        gap: distance between roof planks [mm], and least distance between the feet of two Vs; at 0 roof planks touch.
     """
     angle = math.radians(theta)
     return Plan(
@@ -106,7 +108,7 @@ def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
 
 
 def _roofs(ridges: int, spacing: float, level: int, bottom: float, gap: float) -> list[Brick]:
-    """Return the planks across each pair of neighbouring ridges: the outermost whole, the others shortened."""
+    """Return the planks across each pair of neighbouring ridges; only the outermost planks are whole."""
     middles, sawn = _row(ridges - 1, spacing), spacing - gap
     if ridges == 2:
         return [lay(0.0, level=level, bottom=bottom)]
@@ -133,5 +135,5 @@ def _inverted_v(x: float, theta: float, level: int, bottom: float) -> list[Brick
 
 
 def _row(count: int, pitch: float) -> list[float]:
-    """Return the middles [m] of ``count`` things side by side, symmetric about 0."""
+    """Return ``count`` positions [m] at a distance of ``pitch`` [m], symmetric about 0."""
     return [(index - (count - 1) / 2) * pitch for index in range(count)]

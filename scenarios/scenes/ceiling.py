@@ -1,7 +1,7 @@
 """A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
 
-Theory: the ceiling touches the topmost brick and can only push it down. Without the bricks below it the topmost one
-falls freely. Without the topmost one the others stand as before, under less load.
+Theory: the ceiling touches the topmost brick and can only push it down. Without the bricks below it, the topmost brick
+falls freely. Without the topmost brick, the others stand as before, under less load.
 
 The topmost brick is set on the column without a gap, because there is no room above it.
 
@@ -22,7 +22,7 @@ BRICK: Vector = (0.06, 0.06, 0.04)
 CEILING: Vector = (0.16, 0.16, 0.03)
 """Edges of the ceiling [m]."""
 PAUSE_S = 2.0
-"""Time from the last brick to the removal [s]: time to settle."""
+"""Time from the last brick to the removal [s], in which the stack settles."""
 
 
 @scenario
@@ -33,7 +33,7 @@ def ceiling(
 
     Args:
         bricks: number of bricks of the column.
-        taken: "upper", the brick that touches the ceiling, or "lower", all others.
+        taken: bricks that are removed: "upper", the brick that touches the ceiling, or "lower", all others.
     """
     column = [box(BRICK, 0.0, level=level, bottom=(level - 1) * BRICK[2]) for level in range(1, bricks + 1)]
     time = bricks - 1 + PAUSE_S

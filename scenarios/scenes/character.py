@@ -1,11 +1,12 @@
-"""A plank on a pedestal and a prop, on whose inner end somebody moves about; then the prop goes, then the character.
+"""A plank on a pedestal and a prop, with a character moving on its inner end; the prop is removed, then the character.
 
-Theory: moments about the pedestal's edge. Without the prop the plank stands thanks to the character, whose weight acts
-on the inner end. Without the character it stands if its own centre of mass is above the pedestal, and tips if it is
-beyond. The margin is the distance of that centre from the edge, inward, over half the plank's length.
+Theory: moments about the pedestal's edge. Without the prop, the plank stands because the character's weight acts on its
+inner end. Without the character, the plank stands if its own centre of mass is above the pedestal, and tips if the
+centre is beyond the edge. The margin is the distance of that centre from the edge, inward, over half the plank's
+length.
 
 The character is struck eight times a second, to the left and to the right in turn, at 0.05 m/s: friction stops it after
-v^2 / (2 mu g) = 0.28 mm. So it is never at rest for long, as a player's figure in a game.
+v^2 / (2 mu g) = 0.28 mm. So the character is never at rest for long, like a player's figure in a game.
 
 Look for: a stack that stood with the character's help must be judged again when the character leaves.
 """
@@ -19,7 +20,7 @@ from scenarios.planks import MU, box, plank_of
 from scenarios.scenario import Plan, dynamic_scenario
 
 PEDESTAL = 6.0
-"""Height of pedestal and prop in thicknesses of a plank: room to tip."""
+"""Height of pedestal and prop in thicknesses of a plank, which leaves room to tip."""
 PROP = 0.1
 """Length of the prop, in lengths of the plank."""
 CHARACTER, FIGURE = 2.0, 0.15
@@ -28,7 +29,8 @@ length."""
 STEP_S, SPEED = 0.125, 0.05
 """Time between two movements of the character [s], and its initial speed in each [m/s]."""
 ALONE_S, WITHOUT_PROP_S = 3.0, 3.0
-"""Time for which the character moves before the prop is removed, and from then until it is removed itself [s]."""
+"""Time [s] for which the character moves before the prop is removed, and time [s] from then to the removal of the
+character."""
 
 
 @dynamic_scenario
@@ -36,8 +38,8 @@ def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
     """A plank on a pedestal and a prop, on which a character moves about; then the prop goes, then the character.
 
     Args:
-        margin: by how much the plank's middle is inside the pedestal's edge, over half its length; negative: outside.
-        scale: size of everything over that of the standard plank.
+        margin: distance of the plank's middle inside the pedestal's edge, over half its length; negative if outside.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)
     top, x, edge = PEDESTAL * thickness, -margin * length / 2, FIGURE * length

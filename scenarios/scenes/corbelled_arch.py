@@ -1,14 +1,15 @@
-"""A corbelled arch: from two sides planks step inward, one a course, until a capstone bridges the gap.
+"""A corbelled arch: planks on two sides step inward, one a course, until a capstone bridges the gap.
 
 Theory: each side alone is a leaning tower of n planks and stands while n d < L (d: the step). The capstone adds half a
-plank's weight to each side, which acts at best at the outer end of what they share, o from the top plank's end, so at
-(n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about that one's inner edge give the largest step:
-d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push the sides apart by mu / 2 of its weight, (n - 1) t
-above that edge (t: thickness), which adds mu t to L. A known answer stands without that, or falls in spite of it.
-Upper parts are shorter and safer. Both sides are mirror images and come together.
+plank's weight to each side. This force acts at best at the outer end of the overlap, o from the top plank's end, so at
+(n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about the inner edge of the lowest plank give the
+largest step: d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push the sides apart by mu / 2 of its
+weight, (n - 1) t above that edge (t: thickness), which adds mu t to L. The answer counts as known if the arch stands
+without this friction, or falls in spite of it. Upper parts of a side are shorter, so they are safer. Both sides are
+mirror images and are placed together.
 
-Look for: only weight locks a corbelled arch. Beyond the limit both sides turn inward, about their
-lowest planks' edges, as soon as the capstone lies on them.
+Look for: only weight locks a corbelled arch. Beyond the limit both sides turn inward, about their lowest planks' edges,
+as soon as the capstone lies on them.
 """
 
 from __future__ import annotations
@@ -31,9 +32,10 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
 
     Args:
         courses: planks of each side.
-        margin: share by which the steps are smaller than the limit without friction; negative ones are larger than
-            that with friction. Some -1 / ``courses`` would let the sides fall before the capstone comes.
-        scale: size of everything over that of the standard plank.
+        margin: share by which the steps are smaller than the limit without friction; if negative, the steps are larger
+            than the limit with friction. Below about -1 / ``courses`` the sides would fall before the capstone is
+            placed.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, _ = plank_of(scale)
     help_of_friction = 0.0 if margin > 0 else MU * thickness / length

@@ -1,11 +1,12 @@
-"""A plank that is dropped from a height on a tower.
+"""A plank that is dropped from a height onto a tower.
 
-Theory: the drop supplies m g h. To tip k planks over the long edges of those below takes k m g (sqrt(e^2 + z^2) - z),
-with e = half a width and z = k t / 2; the topmost one alone needs least. While m g h is less than half of that nothing
-can tip, wherever the energy goes, and nothing slides, for it strikes the middle. Beyond that dynamics decide: a study.
+Theory: the drop supplies the energy m g h. To tip the upper k planks over a long edge of the plank below takes
+k m g (sqrt(e^2 + z^2) - z), with e = half a width and z = k t / 2; the topmost plank alone needs the least. While m g h
+is less than half of that, nothing can tip, wherever the energy goes, and nothing slides, because the plank strikes the
+middle. Beyond that, dynamics decide, and the scene is a study.
 
-Look for: a blow on a frozen brick must unfreeze the bodies that it can move, and no others; a stack that stands any
-blow is a false stand.
+Look for: a blow on a frozen brick must unfreeze the bodies that it can move, and no others; a stack that withstands
+every blow is a false stand.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from scenarios.scenario import Plan, dynamic_scenario
 PAUSE_S = 2.0
 """Time from the last plank to the drop [s]."""
 TIPS = math.hypot(WIDTH / 2, THICKNESS / 2) - THICKNESS / 2
-"""Energy that tips one plank over its long edge, over its weight [m]."""
+"""Energy that tips one plank over its long edge, over the weight of the plank [m]."""
 
 
 @dynamic_scenario

@@ -3,12 +3,12 @@
 Each plank's end meets the next one's side across a gap. The next level turns the other way round, so that every plank
 lies on one plank for most of its length and bridges the joint to the next plank with its end.
 
-Theory: on each of the four sides the planks are shifted along themselves by half a gap and half a width, left and right
-in turn: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line, the planks
-of two levels share 45.8 mm to either side of it: each side alone is in equilibrium, whatever its height. With no gap it
-is 11.7 mm of 46.8 mm.
+Theory: on each of the four sides the planks are shifted along their length, alternately left and right, by half a gap
+plus half a width: 12.7 mm. The centre of mass of any upper part of a side lies at most 12.7 mm from the middle line,
+and the planks of two levels overlap by 45.8 mm on either side of that line. So each side alone is in equilibrium at any
+height. Without a gap, the values are 11.7 mm and 46.8 mm.
 
-Look for: a merge at every plank, because its load can go two ways. Sinking comes first, then one side gives.
+Look for: every plank has two supports, and its load can pass to either. The stack sinks first; then one side gives way.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) ->
 
     Args:
         levels: number of levels, of four planks each.
-        gap: between a plank's end and the side of the next plank [mm]; with 0 they touch.
+        gap: distance between a plank's end and the side of the next plank [mm]; at 0 they touch.
     """
     planks = [plank for level in range(1, levels + 1) for plank in _pinwheel(level, gap * 1e-3)]
     return Plan(

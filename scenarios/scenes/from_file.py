@@ -1,29 +1,30 @@
-"""A user's own scene, without code: a TOML file of bricks, whose truth is exact statics of its content.
+"""A user's own scene, without code: a TOML file of bricks, for which exact statics gives the expected outcome.
 
     friction = 0.45
-    watch_s = 5.0                      # time of watching after the last brick, s, optional
+    watch_s = 5.0                      # duration of the trial after the last brick, s, optional
     [[brick]]
     size = [0.117, 0.0234, 0.0078]     # m
     position = [0.0, 0.0, 0.0039]      # of the centre, m; the ground is z = 0
     mass = 0.0119                      # kg
-    time = 0.0                         # when it is laid, s; bricks of one time come together
+    time = 0.0                         # time of placement, s; bricks with the same time are placed together
     yaw = 30.0                         # deg, optional; or quaternion = [w, x, y, z]
-    removed = 8.0                      # when it is taken, s, optional
+    removed = 8.0                      # time of removal, s, optional
     [[fixed]]                          # a box that never moves: a wall, a table, a ceiling; optional
     size = [0.02, 0.1, 0.1]
     position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
 
-Bricks must touch their support to a fifth of a millimetre, and must not overlap. Bricks of one time are then lowered
-or raised as one group until it touches exactly. The level follows from the bricks below: a brick on the ground is of
-level 1, any other brick is one level above the highest brick that it stands on or leans against. Bricks of one time
-that make up several levels are a prebuilt stack: they are set down without a gap, not dropped from ``CLEARANCE``.
+Bricks must touch their support to within 0.2 mm, and must not overlap. Bricks with the same time are then lowered or
+raised as one group until the group touches exactly. The level follows from the bricks below: a brick on the ground is
+of level 1, any other brick is one level above the highest brick that it stands on or leans against. Bricks with the
+same time that form several levels are a prebuilt stack: they are placed without a gap, not dropped from ``CLEARANCE``.
 
 ``size``, ``mass`` and ``yaw`` change the whole scene: a factor on lengths, the clearance included; a factor on masses;
-a turn about z. Statics does not depend on them, so no answer may. Falls take sqrt(``size``) times as long, so for a
-``size`` above 1 all times grow by that factor, including the time of watching.
+a turn about z. Statics does not depend on them, so the answer must not either. Falls take sqrt(``size``) times as long,
+so for a ``size`` above 1 all times grow by that factor, including ``watch_s``.
 
-Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. Where they differ, or
-no proof is found, the scene is a study. Statics ignores energy: keep the deciding quantity 5 % away from its limit.
+Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. If the two answers
+differ, or no proof is found, the scene is a study. Statics ignores energy: keep the deciding quantity 5 % away from its
+limit.
 """
 
 from __future__ import annotations
@@ -63,13 +64,14 @@ from scenarios.statics.truth import UndecidedError, first_fall
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MOST_FIXED = 200
-"""Most fixed boxes in a file."""
+"""Greatest number of fixed boxes in a file."""
 MOST = 200
-"""Most bricks in a file. The truth is computed whenever the scene is built; the largest take about a minute."""
+"""Greatest number of bricks in a file. Statics is solved whenever the scene is built, which takes about a minute for
+the largest scenes."""
 WATCH_S = 5.0
-"""Least and default time [s] for which a scene of size 1 is watched."""
+"""Least and default duration [s] of the trial after the last action, for a scene of size 1."""
 MOST_WATCH_S = 100 * 3600.0
-"""Longest time [s] for which it may be watched."""
+"""Greatest duration [s] of the trial after the last action."""
 SNAP = 0.2e-3
 """Gap or overlap [m] that counts as rounding in the file."""
 
@@ -86,12 +88,12 @@ def own_scene(
 
     Args:
         file: path of the file, or the name of a file in ``scenarios/examples``.
-        size: factor on all lengths; above 1 its square root is the factor on all times. Masses stay.
+        size: factor on all lengths; above 1 its square root is the factor on all times. Masses do not change.
         mass: factor on all masses.
         yaw: turn of the whole scene about the z axis [deg].
     """
     if not isinstance(file, str) or not file.endswith(".toml"):
-        raise ValueError(f"file must be a TOML file's name, got {file!r}")
+        raise ValueError(f"file must be the name of a file that ends in .toml, got {file!r}")
     path = Path(file) if Path(file).exists() else EXAMPLES / file
     try:
         text = path.read_text(encoding="utf-8")
@@ -110,7 +112,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"not valid TOML: {error}") from error
+        raise ValueError(f"not valid TOML, correct the syntax: {error}") from error
     for field in content:
         look_up("field", field, dict.fromkeys(("friction", "watch_s", "brick", "fixed")))
     tables = read_tables(content, "brick", least=1, most=MOST)
@@ -146,7 +148,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
 
 
 def _variant(text: str, parameters: Mapping[str, Value]) -> str:
-    """Return the id: name and content of the file, unless it is the default, then the changes of the whole scene."""
+    """Return the id: name and digest of a file other than the default, then the changes of the whole scene."""
     default = own_scene.defaults["file"]
     file = str(parameters["file"])
     name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
@@ -168,7 +170,7 @@ def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) ->
 
 
 def _room_below(boxes: Boxes, there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
-    """Return how far [m] boxes can sink together until one meets a placed brick, a fixed box or the ground."""
+    """Return how far [m] boxes can sink together until a box meets a placed brick, a fixed box or the ground."""
     room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
     return min(room, float(vertical_clearance(boxes, Boxes.of(there)).min(initial=math.inf)))
 
@@ -177,12 +179,12 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed
     """Return the bricks, in the order of placement, with their levels.
 
     Raises:
-        ValueError: if two overlap, or one touches nothing when it is placed.
+        ValueError: if two bricks overlap, or a brick touches nothing when it is placed.
     """
     try:
         patches = contact_patches(bricks, fixed)
     except ValueError as error:
-        raise ValueError(f"in the order of time, {error}") from error
+        raise ValueError(f"numbered in the order of time, {error}") from error
     touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
     for patch in patches:
         for one, other in ((patch.first, patch.second), (patch.second, patch.first)):
@@ -205,8 +207,8 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed
 def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[Brick]) -> str:
     room = _room_below(Boxes.of([brick]), there, fixed)
     return (
-        f"brick[{number}] touches nothing when it is laid: it floats {room * 1e3:.3f} mm above what lies "
-        f"below; set position z to {brick.position[2] - room:g}, or lay its support before it"
+        f"brick[{number}] touches nothing when it is laid: it floats {room * 1e3:.3f} mm above the "
+        f"body or ground below; set position z to {brick.position[2] - room:g}, or lay its support before it"
     )
 
 
@@ -229,7 +231,7 @@ def _actions(
 
 
 def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
-    """Return the placement of bricks of one time: a prebuilt stack without a gap, one level from ``clearance`` [m]."""
+    """Return the placement of a group: of several levels without a gap, of one level from ``clearance`` [m]."""
     is_prebuilt = len({brick.level for brick in group}) > 1
     return Place(time, group, 0.0 if is_prebuilt else clearance)
 
@@ -249,7 +251,7 @@ def _judged(scene: Scene) -> Expectation:
 
 
 def _due_s(scene: Scene) -> float:
-    """Return the time [s] of the removal with which a scene first falls; 0 if a placed brick makes it fall."""
+    """Return the time [s] of the removal after which a scene first falls; 0 if a placed brick makes it fall."""
     for index, action in enumerate(scene.actions):
         if isinstance(action, Remove):
             before, after = (replace(scene, actions=scene.actions[:end]) for end in (index, index + 1))

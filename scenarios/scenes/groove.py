@@ -1,20 +1,21 @@
 """A bar of square section in a tilted V-groove, whose two sides never move.
 
-Theory, for a bar of weight W in a groove that is tilted by t along its length and whose sides rise by a from the level
-(a = 45 deg, because the bar's section is square):
+Theory, for a bar of weight W in a groove that is tilted by t along its length and whose sides rise at the angle a from
+the horizontal (a = 45 deg, because the bar's section is square):
 
-- Across the groove the two normal forces N balance what presses on it, 2 N cos(a) = W cos(t).
+- Across the groove the two normal forces N balance the weight's component normal to it, 2 N cos(a) = W cos(t).
 - Along it friction must balance 2 mu N >= W sin(t).
 - So the bar stands if mu >= k = tan(t) cos(a): the groove makes friction 1 / cos(a) = 1.41 times as strong.
-- A bar that was pressed into the groove may stay wedged there by friction across it, which adds to N. At best that
-  lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below it no forces hold the bar.
+- A bar that was pressed into the groove may stay wedged there by friction across it, which adds to N. At best this
+  wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below it no forces hold the bar.
 
-An engine whose friction is a box, with an axis along neither side's slope, holds up to sqrt(2) times as much: DART
-always, Bullet and PhysX a bar at rest. So the default margin is 0.35; within 29 % beyond the limit the outcome depends
-on an engine's law of friction.
+An engine that replaces the friction cone by a box, with no axis along the slope of a side, holds up to sqrt(2) times as
+much: DART always does, Bullet and PhysX do for a bar at rest. So the default margin is 0.35; within 29 % beyond the
+limit the outcome depends on an engine's law of friction.
 
-Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges them into one, with a
-normal between them, sees a bar on a level floor, and lets it slide, or stand, at the wrong tilt.
+Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges them into one
+contact, with a normal between theirs, treats the bar as lying on a flat floor, and lets it slide or stand at the wrong
+tilt.
 """
 
 from __future__ import annotations
@@ -32,13 +33,13 @@ from scenarios.planks import DENSITY, one_a_second
 from scenarios.scenario import Plan, scenario
 
 RISE = math.radians(45)
-"""Angle [rad] by which a side of the groove rises from the level, across it."""
+"""Angle [rad] of a side of the groove to the horizontal, across the groove."""
 BAR: Vector = (0.10, 0.025, 0.025)
 """Edges of the bar [m]."""
 SIDE: Vector = (0.60, 0.04, 0.02)
-"""Edges of a side of the groove [m]; the second is across it."""
+"""Edges of a side of the groove [m]; the second is across the groove."""
 RELIEF = 0.005
-"""Distance [m] of the groove's sides from its deepest line: the bar's lower edge is free."""
+"""Distance [m] of the groove's sides from its deepest line, which leaves the bar's lower edge free."""
 ABOVE = 0.05
 """Height of the lower end of the deepest line [m]."""
 LIES_AT = 0.40
@@ -51,7 +52,8 @@ def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35)
 
     Args:
         tilt: angle [deg] of the groove's length to the ground.
-        margin: share by which the friction exceeds its limit; a negative margin is relative to a wedged bar's limit.
+        margin: share by which the friction exceeds its limit; a negative margin is relative to the limit of a wedged
+            bar.
     """
     angle = math.radians(tilt)
     limit = math.tan(angle) * math.cos(RISE)

@@ -1,12 +1,12 @@
-"""The harmonic overhang: planks at a table's edge, each as far out beyond the one below as it will go.
+"""The harmonic overhang: planks at a table's edge, each reaching as far beyond the plank below as it can.
 
-Theory: of n planks of length L the k-th from the top may reach L / (2 k) beyond the one below it (the lowest: beyond
-the table). Then the centre of mass of the upper k planks lies just above the edge that carries them, for every k at
-once; with all offsets shrunk by a share it keeps that share of L / 2 inside every edge, and enlarged it lies as far
-outside. Whatever is there before the last plank has room to spare.
+Theory: of n planks of length L, the k-th from the top may reach L / (2 k) beyond the plank below it (the lowest plank:
+beyond the table). Then the centre of mass of the upper k planks lies just above the edge that carries them, for every
+k. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge; if they are larger by s, it lies
+as far outside. Before the last plank is placed, the planks are farther from their limits.
 
-Look for: all joints give at once, so it tips as one or not at all; the tip reaches out by L (1 + 1/2 + 1/3 ...) / 2. A
-tower that settles by some tenths of a millimetre leans outward, and falls early.
+Look for: all joints reach their limit at once, so the planks tip together or not at all; the tip reaches out by
+L (1 + 1/2 + 1/3 ...) / 2. A tower that settles by some tenths of a millimetre leans outward, and falls early.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 TABLE = 6.0
-"""Height of the table in thicknesses of a plank: room to tip."""
+"""Height of the table in thicknesses of a plank, which leaves room to tip."""
 
 
 @scenario
@@ -29,8 +29,8 @@ def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margi
 
     Args:
         bricks: number of planks, without the table.
-        margin: share by which the offsets are smaller than the limit; negative ones are larger.
-        scale: size of everything over that of the standard plank.
+        margin: share by which the offsets are smaller than the limit; negative if they are larger.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, _ = plank_of(scale)
     tower = [box((length, width, TABLE * thickness), 0.0, level=1)]

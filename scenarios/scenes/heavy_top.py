@@ -1,11 +1,11 @@
 """A heavy cube on light ones: a column of two, or a pyramid with a heavy cap.
 
-Theory: weight only presses a stack together. A pyramid gives every cube's load to its two supports in equal halves, so
-that nothing turns, whatever the cap weighs. In a column the upper cube tips if its centre lies beyond the lower one's
-edge, that is, if it lies more than half an edge aside.
+Theory: weight only presses a stack together. In a pyramid every cube passes its load to its two supports in equal
+halves, so that nothing turns under a cap of any weight. In a column the upper cube tips if its centre lies beyond the
+edge of the lower cube, that is, more than half an edge aside.
 
-What to look for: iterative solvers pass a load on by one cube an iteration and in shares of the cubes' own masses, so
-that light cubes sink or are pressed out; a solver that is exact does not notice the ratio.
+Look for: iterative solvers pass a load on by one cube in each iteration and in shares of the cubes' own masses, so that
+light cubes sink or are pressed out. For an exact solver the ratio of masses makes no difference.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from scenarios.planks import MU, box, one_a_second
 from scenarios.scenario import Plan, scenario
 
 EDGE = 0.1
-"""Of every cube [m]."""
+"""Edge of every cube [m]."""
 MASS = 0.5
-"""Of a light cube [kg]: half the density of water."""
+"""Mass of a light cube [kg], which has half the density of water."""
 PITCH = 1.02 * EDGE
-"""From cube to cube in a row of the pyramid [m]: neighbours do not touch."""
+"""Distance between the middles of neighbours in a row of the pyramid [m]; neighbours do not touch."""
 
 
 @scenario
@@ -38,12 +38,12 @@ def heavy_top(
 
     Args:
         stack: "column" of two cubes, or "pyramid" of ``rows`` rows.
-        ratio: mass of the topmost cube over that of every other.
+        ratio: mass of the topmost cube over the mass of every other cube.
         aside: how far the topmost cube of a column lies off the middle, as a share of its edge.
-        rows: of the pyramid; 10 are 55 cubes.
+        rows: number of rows of the pyramid; 10 rows have 55 cubes.
     """
     if stack == "pyramid" and aside:
-        raise ValueError("aside is for a column: leave it out of a pyramid")
+        raise ValueError("aside is for a column: leave it out, or use stack = 'column'")
     cubes = [_cube(0.0, 1), _cube(aside * EDGE, 2)] if stack == "column" else _pyramid(rows)
     cubes[-1] = _cube(cubes[-1].position[0], cubes[-1].level, ratio)
     return Plan(

@@ -1,9 +1,9 @@
 """A tile on a ramp: the oldest test of friction.
 
-Theory: it slides if tan(theta) > mu, whatever its mass. The ramp is a heavy slab that stands on its lower edge and
-leans on a heavy block's edge; it needs less than two thirds of that friction itself (exact statics), for most of its
-weight presses on the ground and on the block's corner. On the lower half of the ramp the tile is lower than the ramp's
-middle, and lies on it all the same.
+Theory: the tile slides if tan(theta) > mu, at any mass. The ramp is a heavy slab that stands on its lower edge and
+leans on a heavy block's edge. The slab itself needs less than two thirds of that friction (exact statics), because most
+of its weight presses on the ground and on the block's corner. On the lower half of the ramp, the tile's centre is lower
+than the ramp's centre, although the tile lies on the ramp.
 
 Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks below
 it was frozen where it landed.
@@ -45,7 +45,7 @@ def incline(
 
     Args:
         theta: angle [deg] between ramp and ground.
-        margin: share by which the friction exceeds its limit; a negative margin falls short of it.
+        margin: share by which the friction exceeds its limit; negative if the friction is smaller.
         half: half of the ramp on which the tile lies: "upper" or "lower".
     """
     angle = math.radians(theta)

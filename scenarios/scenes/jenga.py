@@ -1,13 +1,14 @@
-"""Jenga: three planks a level, each level across the one below; then two are taken from a level, or from several.
+"""Jenga: three planks a level, each level across the level below; then two planks of one or more levels are removed.
 
-Theory: what lies above a robbed level has its centre of mass over the tower's middle. If the middle plank is left it
-lies half a width (11.7 mm) inside that plank's edges: it stands, however many levels are robbed so. If a side plank is
-left it lies half a width and the gap between planks (13.7 mm) beyond the nearest edge: it falls. With two planks left
-it stands either way, so the first of a level does no harm.
+Theory: the part above a robbed level has its centre of mass over the tower's middle. If the middle plank is left, that
+centre lies half a width (11.7 mm) inside the plank's edges, so the tower stands, with any number of such levels. If a
+side plank is left, the centre lies half a width and the gap between planks (13.7 mm) beyond the nearest edge, so the
+tower falls. With two planks left the tower stands in either case, so the first removal from a level does no harm.
 
 Planks are removed at once, or pulled out slowly along their length. A pulled plank drags the tower with mu times the
-load that it bears; the others hold it with mu times theirs, and they bear more: of three planks it bears a third, and a
-side plank beside the middle plank bears 11.7 / 25.4 of the middle plank's load, at most.
+load that it bears; the other planks of the level hold the tower with mu times their loads, which are larger: of three
+planks the pulled plank bears a third, and a side plank beside the middle plank bears at most 11.7 / 25.4 of the middle
+plank's load.
 
 Look for: whether, after the last removal, the tower turns over about the remaining plank, in one piece.
 """
@@ -26,11 +27,12 @@ from scenarios.scenario import Plan, scenario
 LOWEST = 2
 """Lowest level from which planks are removed."""
 TALL = 3
-"""Height of a robbed level's planks in thicknesses: room to fall."""
+"""Height of a robbed level's planks in thicknesses of a plank, which leaves room to fall."""
 PAUSE_S = 1.0
-"""Time from the last plank to the first removal, and from the end of a removal to the next [s]: time to settle."""
+"""Time from the last plank to the first removal, and from the end of a removal to the next [s], in which the stack
+settles."""
 WAY = 1.2 * LENGTH
-"""Length of a pull [m]: all the way out."""
+"""Length of a pull [m], which removes the plank completely."""
 
 
 @scenario
@@ -49,7 +51,7 @@ def jenga(
         left: remaining plank of the last robbed level, "middle" or "side"; lower robbed levels keep the middle plank.
         robbed: number of robbed levels, every other one from the second on.
         speed: speed of the pull [m/s]; with 0 planks are removed at once.
-        gap: between the planks of a level [mm]; with 0 their sides touch.
+        gap: distance between the planks of a level [mm]; at 0 their sides touch.
     """
     robbed = Whole(1, (levels - LOWEST + 1) // 2).check("robbed", robbed)
     robbed_levels = range(LOWEST, LOWEST + 2 * robbed, 2)

@@ -1,12 +1,13 @@
 """The paper's leaning tower: flat planks, each a constant offset d further along x.
 
 Theory: the n - 1 planks above the lowest have their centre of mass at n d / 2 from its middle and tip over its edge at
-L / 2, so n planks fall once n d > L (L: a plank's length). All upper parts are shorter and safer. At exactly n d = L
-the tower balances on an edge, and within 5 % of that the energy of laying a plank decides: no answer is claimed there.
-The default ratio L / d = 8.5 lies half-way: eight planks keep 3.4 mm inside the edge, nine reach 3.4 mm beyond it.
+L / 2, so n planks fall once n d > L (L: a plank's length). All upper parts are shorter, so they are safer. At
+exactly n d = L the tower balances on an edge, and within 5 % of that the energy of placing a plank decides, so the
+scene claims no answer there. The default ratio L / d = 8.5 lies half-way: with eight planks the centre of mass lies 3.4
+mm inside the edge, with nine 3.4 mm beyond it.
 
 Look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. A tower
-that stands at ten levels is a false stand; a tower that falls early slides or sinks.
+that stands at ten levels is a false stand; a tower that falls early has slid or sunk.
 """
 
 from __future__ import annotations
@@ -31,9 +32,9 @@ def leaning_tower(
     """Flat planks, each shifted along x by the same offset, until they topple.
 
     Args:
-        ratio: a plank's length over the offset; below 2 a plank falls off the one below.
+        ratio: a plank's length over the offset; below 2 a plank falls off the plank below.
         levels: number of planks.
-        scale: size of the planks over that of the standard plank.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)
     planks = [

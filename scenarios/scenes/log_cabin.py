@@ -1,9 +1,10 @@
 """A log cabin: two parallel planks a level, each level across the one below.
 
-Theory: a plank rests with both ends on the two below, symmetrically, and carries the next two at its ends alike. Half
-of everything above goes down through each plank, through the squares at its ends: it stands at any height.
+Theory: each plank rests with both ends on the two planks below and carries the next two planks at its ends,
+symmetrically. Half of the load above passes down through each plank, through the contact squares at its ends. So the
+cabin stands at any height.
 
-Look for: four thin columns of squares that must stay plumb; the whole rocks on a column that sank deeper.
+Look for: four thin columns of contact squares that must stay vertical; the cabin rocks if one column has sunk deeper.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scenarios.planks import LENGTH, MU, WIDTH, lay, one_a_second
 from scenarios.scenario import Plan, scenario
 
 APART = (LENGTH - WIDTH) / 2
-"""Distance from the cabin's middle to the middle of a plank [m]: ends and sides are flush."""
+"""Distance from the cabin's middle to the middle of a plank [m], at which ends and sides are flush."""
 
 
 @scenario

@@ -1,14 +1,13 @@
 """A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken away.
 
-Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if it is
-beyond. The neighbour touches its inner end, but cannot hold it. When the brick begins to turn about the edge, at angle
-w and with the edge as origin, a point (-a, z) of its inner end moves by (w z, w a): up, and away from the neighbour. So
-the neighbour never presses on it, and without pressure there is no friction. The margin is the distance of the centre
-of mass from the edge, inward, over half a brick's length.
+Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if the
+centre is beyond. The neighbour touches the brick's inner end, but cannot hold it. When the brick begins to turn about
+the edge, at angle w and with the edge as origin, a point (-a, z) of its inner end moves by (w z, w a): up, and away
+from the neighbour. So the neighbour never presses on it, and without pressure there is no friction. The margin is the
+distance of the centre of mass from the edge, inward, over half a brick's length.
 
 Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour and balance an
-overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need prestress, and nothing supplies
-it.
+overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need prestress, which nothing supplies.
 
 Look for: a brick that stays in the air without its counterweight is held by friction at an unloaded contact.
 """
@@ -24,13 +23,13 @@ from scenarios.planks import MU, box, plank_of
 from scenarios.scenario import Plan, scenario
 
 PEDESTAL = 6.0
-"""Height of the pedestal in thicknesses of a plank: room to tip."""
+"""Height of the pedestal in thicknesses of a plank, which leaves room to tip."""
 NEIGHBOUR, COUNTERWEIGHT = 10.0, 2.0
 """Masses of the neighbour and of the counterweight over that of the brick."""
 PIECE, INWARD = 0.3, 0.3
-"""Length of the counterweight, and its distance inward of the brick's middle, in lengths of a plank."""
+"""Length of the counterweight, and its distance from the brick's middle, inward, in lengths of a plank."""
 PAUSE_S = 2.0
-"""Time from the last brick to the removal [s]: time to settle."""
+"""Time from the last brick to the removal [s], in which the stack settles."""
 
 
 @scenario
@@ -38,9 +37,9 @@ def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: G
     """A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken.
 
     Args:
-        margin: distance of the brick's middle inside the pedestal's edge, over half its length; negative: outside.
-        gap: between the brick and its neighbour [mm]; with 0 they touch.
-        scale: size of everything over that of the standard plank.
+        margin: distance of the brick's middle inside the pedestal's edge, over half its length; negative if outside.
+        gap: distance between the brick and its neighbour [mm]; at 0 they touch.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)
     top, x = PEDESTAL * thickness, -margin * length / 2

@@ -1,10 +1,10 @@
 """A plank at rest on a fixed table, reaching beyond its edge: the simplest stack that tips.
 
-Theory: it tips if more than half of its length lies beyond the edge.
+Theory: the plank tips if more than half of its length lies beyond the edge.
 
-Look for: an engine that lets contacts sink in, or that keeps a contact point inside the edge, has a limit of
-its own, which a bisection of ``reach`` finds (study ``thresholds``). The plank is set down without a gap, so that no
-energy of a drop decides.
+Look for: an engine that lets contacts sink in, or that keeps a contact point inside the edge, has a different limit,
+which a bisection of ``reach`` finds (study ``thresholds``). The plank is placed without a gap, so that no energy of a
+drop affects the result.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scenarios.planks import LENGTH, MU, THICKNESS, WIDTH, box, lay
 from scenarios.scenario import Plan, dynamic_scenario
 
 TABLE = 6 * THICKNESS
-"""Height [m] of the table: room to tip."""
+"""Height [m] of the table, which leaves room to tip."""
 
 
 @dynamic_scenario

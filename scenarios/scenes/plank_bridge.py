@@ -1,12 +1,12 @@
 """A bridge: two planks reach out from piers toward each other, and a third lies on their tips.
 
-Theory: a plank of mass m has its middle 0.2 L behind the pier's edge and its tip 0.3 L before it. The middle plank
-shares 0.1 L with each, so half its mass k acts at best 0.2 L before the edge: all stands while k / 2 < m, by moments
-about either edge. Friction below the middle plank may push the others apart by mu k / 2, a thickness t above the edge,
-which takes mu t from its arm. A known answer stands without that, or falls in spite of it. The two outer planks come
-together, as mirror images.
+Theory: an outer plank of mass m has its middle 0.2 L behind the pier's edge and its tip 0.3 L before it. The middle
+plank, of mass k, overlaps each outer plank by 0.1 L, so half its weight acts at best 0.2 L before the edge. By moments
+about either edge, the bridge stands while k / 2 < m. Friction below the middle plank may push the outer planks apart by
+mu k / 2, a thickness t above the edge, which shortens that arm by mu t. The answer counts as known if the bridge stands
+without this friction, or falls in spite of it. The two outer planks are mirror images and are placed together.
 
-What to look for: both tip at once, and the middle plank drops between them. Each outer plank alone stands easily.
+Look for: both outer planks tip at once, and the middle plank drops between them. Each outer plank alone stands easily.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 PIER = 6.0
-"""Height of the piers in thicknesses of a plank: room to tip."""
+"""Height of the piers in thicknesses of a plank, which leaves room to tip."""
 BEHIND, SHARED, GAP = 0.2, 0.1, 0.4
 """Distance of an outer plank's middle behind its pier's edge, its overlap with the middle plank, and the gap between
 the tips, in lengths of a plank."""
 TIP = 0.5 - BEHIND
 ARM = TIP - SHARED
-"""Distance before the edge at which half the middle plank acts at best."""
+"""Distance before the edge at which half the middle plank's weight acts at best, in lengths of a plank."""
 
 
 @scenario
@@ -32,9 +32,9 @@ def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
     """Two planks that reach out from piers, and a third that lies on their tips.
 
     Args:
-        margin: share by which the middle plank is lighter than the limit without friction; a negative one is heavier
-            than that with friction.
-        scale: size of everything over that of the standard plank.
+        margin: share by which the middle plank is lighter than the limit without friction; if negative, it is heavier
+            than the limit with friction.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)
     limit = 2 * BEHIND / (ARM if margin > 0 else ARM - MU * thickness / length)

@@ -1,10 +1,10 @@
 """Flat planks straight above each other: the simplest stack.
 
 Theory: the centre of mass of any upper part lies over the middle of the plank that carries it, 58 mm from the nearest
-edge along x and 11.7 mm across. It stands at any height.
+edge along x and 11.7 mm across. The tower stands at any height.
 
-What to look for: sinking. Each level that sinks by a tenth of a millimetre shows at the top; then slow swaying, which
-a solver that does not converge over 26 contacts feeds until the tower topples.
+Look for: sinking, because the top shows the sum over all levels, even of a tenth of a millimetre each; then slow
+swaying, which grows until the tower topples if a solver does not converge over 26 contacts.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
     """Flat planks straight above each other, one a level.
 
     Args:
-        levels: number of planks. The default of 26 leaves a successor to level 25, which is timed.
+        levels: number of planks. With the default of 26, another plank follows level 25, at which frames are timed.
     """
     planks = [lay(0.0, level=level) for level in range(1, levels + 1)]
     return Plan(

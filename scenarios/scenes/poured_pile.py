@@ -2,7 +2,8 @@
 
 Theory: none, because dynamics decide where a brick comes to rest. Metrics: the time until the pile is at rest, how far
 it then sinks and creeps, the time of a frame, the number of bricks awake, and the height and slope of the pile. Its
-slope is at least atan(mu), which friction alone holds, because bricks also interlock; a pile that flows flat slips.
+slope is at least atan(mu), which friction alone holds, because bricks also interlock; in a flatter pile bricks have
+slipped.
 
 Planned heights are those of a pile in which each brick stays where it first touches.
 
@@ -25,11 +26,12 @@ from scenarios.scenario import Plan, dynamic_scenario
 SIZE = (LENGTH / 3, WIDTH, 2 * THICKNESS)
 """Edges of a brick [m], 5 : 3 : 2: a third of a plank, twice as thick."""
 PACE_S = 0.25
-"""Time between two bricks [s]: enough to fall and tumble, too little for the pile to sleep in between."""
+"""Time between two bricks [s], long enough for a brick to fall and tumble, too short for the pile to sleep in
+between."""
 SPREAD = LENGTH / 4
 """Standard deviation [m] of the release position, in x and in y: about as wide as a brick is long."""
 WATCH_S = 10.0
-"""Time for which the pile is watched after the last brick [s]."""
+"""Duration of the trial after the last brick [s]."""
 
 
 @dynamic_scenario
@@ -46,7 +48,7 @@ def poured_pile(
         bricks: number of bricks.
         height: release height [mm] above the pile.
         friction: Coulomb coefficient of every pair.
-        draw: number of the pile: all poses follow from this number alone.
+        draw: number of the pile, from which all random poses follow.
     """
     poured = _poured(bricks, random.Random(draw))
     return Plan(

@@ -1,7 +1,7 @@
 """A tower whose topmost plank is pressed steadily along its length.
 
-Theory: friction holds the plank while the force is below mu m g. Above, it slides off, and drags the tower below with
-mu m g, which the tower's own friction exceeds: only the pressed plank moves.
+Theory: friction holds the plank while the force is below mu m g. Under a larger force the plank slides off, and drags
+the tower below with mu m g. The tower's own friction exceeds this drag, so only the pressed plank moves.
 
 Look for: only the pressed plank may move, and it must move as soon as the force exceeds its friction.
 """
@@ -20,7 +20,7 @@ PAUSE_S = 2.0
 PRESS_S = 1.0
 """Duration of the press [s]: at 1.5 times the limit a plank slides by its thickness within 0.1 s."""
 MIN_FACTOR = 1.2
-"""Factor on either side of the limit beyond which the answer is known: near it, friction of some engines creeps."""
+"""Factor on either side of the limit beyond which the answer is known. Near the limit, planks creep in some engines."""
 
 
 @dynamic_scenario

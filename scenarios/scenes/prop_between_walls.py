@@ -1,10 +1,11 @@
 """A block on a prop between two fixed walls that it touches; then the prop is taken away.
 
-Theory: the walls touch the block and press on it with nothing, so their friction holds nothing: without its prop the
-block falls freely, whatever the friction. Its mirror image has a ledge at each wall, below the block's ends, and stands
-on them.
+Theory: the walls touch the block without pressure, so their friction carries no weight: without its prop the block
+falls freely, at any friction. The partner scene has a ledge at each wall, below the block's ends, on which the block
+stands.
 
-Forces that would hold the block do exist: rigid walls may squeeze it with any force. Nothing makes them do so.
+In theory forces that hold the block exist, because rigid walls may squeeze it with any force. But nothing causes such
+forces.
 
 Look for: a block that stays between the walls is held by prestress that nothing supplies.
 """
@@ -25,9 +26,9 @@ PROP: Vector = (0.08, 0.05, 0.12)
 WALL: Vector = (0.04, 0.10, 0.20)
 """Edges of a wall [m]."""
 LEDGE = 0.015
-"""Length of a ledge [m]: it ends 5 mm beside the prop."""
+"""Length of a ledge [m], which ends 5 mm beside the prop."""
 PAUSE_S = 2.0
-"""Time from the block to the removal [s]: time to settle."""
+"""Time from the block to the removal [s], in which the stack settles."""
 
 
 @scenario
@@ -39,7 +40,7 @@ def prop_between_walls(
     Args:
         carried: support of the block after the removal, "nothing" or "ledges".
         friction: Coulomb coefficient of every pair.
-        gap: between the block and either wall [mm]; with 0 they touch.
+        gap: distance between the block and either wall [mm]; at 0 they touch.
     """
     inner = BLOCK[0] / 2 + gap * 1e-3
     fixed = [box(WALL, side * (inner + WALL[0] / 2), level=1) for side in (-1, 1)]

@@ -2,8 +2,8 @@
 
 Theory: the pulled plank drags the bodies above with mu times their weight, at any speed. Pulled slowly, all of them
 travel along, because they rest on nothing else. Pulled fast, the drag lasts for T = L / v only: it moves the upper part
-by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then the upper part drops by a thickness, and statics does
-not decide how it lands: a study.
+by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then the upper part drops by a thickness. Statics does not
+decide how it lands, so the scene is a study.
 
 Look for: slowly pulled, the upper part travels with the plank; above some speed it stays behind and drops.
 """
@@ -20,7 +20,7 @@ from scenarios.scenario import Plan, dynamic_scenario
 PAUSE_S = 2.0
 """Time from the last plank to the pull [s]."""
 WAY = 1.2 * LENGTH
-"""Length of the pull [m]: all the way out."""
+"""Length of the pull [m], which removes the plank completely."""
 
 
 @dynamic_scenario

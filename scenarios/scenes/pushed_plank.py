@@ -1,10 +1,9 @@
 """A tower whose topmost plank is struck along its length.
 
 Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops it after s = (J / m)^2 / (2 mu g), and
-    drags
-the tower below with at most mu m g, which the tower's own friction exceeds: only the struck plank moves. It counts as
-out of place beyond its thickness: with s at half of that the stack stands, with s well above it the plank has slid, and
-beyond L / 2 it falls off.
+drags the tower below with at most mu m g, which the tower's own friction exceeds, so only the struck plank moves. The
+plank counts as out of place once it has moved by its thickness. With s at half a thickness the stack stands; with s
+well above a thickness the plank has slid; with s beyond L / 2 it falls off.
 
 Look for: only the struck plank may move. A frozen stack must react to the blow: the host names the brick that it
 strikes to the extension.

@@ -1,11 +1,11 @@
-"""A pyramid of planks in a plane: rows of n, n - 1, ... 1, each plank across the gap between two below.
+"""A pyramid of planks in a plane: rows of n, n - 1, ... 1, each plank across the gap between two planks below.
 
-Theory: give every plank's load to its two supports in equal halves, through the middles of what they share. Loads and
-supports then lie mirror-like about the plank's middle, so nothing turns, and all forces press: it stands at any height,
-whatever the gap between neighbours.
+Theory: let every plank pass its load to its two supports in equal halves, through the middles of their overlaps. Loads
+and supports are then symmetric about the plank's middle, so moments balance and all forces are pressures. The pyramid
+stands at any height, with any gap between neighbours.
 
-What to look for: gaps of half a plank, so each plank rests on its ends alone; an engine that shares a row's load
-unevenly lets the lowest row creep apart.
+Look for: with gaps of half a plank, each plank rests on its ends only. An engine that distributes a row's load unevenly
+lets the lowest row creep apart.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Rea
     """Rows of planks, each row one plank shorter and across the gaps of the one below.
 
     Args:
-        rows: number of rows, as many planks in the lowest.
-        gap: between neighbours of a row [mm], by default half a plank; with 0 they touch.
+        rows: number of rows, and of planks in the lowest row.
+        gap: distance between neighbours of a row [mm], by default half a plank; at 0 they touch.
     """
     pitch = LENGTH + gap * 1e-3
     planks = [

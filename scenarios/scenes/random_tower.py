@@ -1,14 +1,14 @@
-"""A tower of planks, each laid at random on the one below: its middle anywhere from end to end of that one.
+"""A tower of planks, each placed at random on the plank below, with its middle anywhere between that plank's ends.
 
-Theory: n planks stand if, for every plank, the centre of mass of all above it lies over it; the first n for which it
-does not is where the tower falls. Two always stand. The third tips the second if the offsets satisfy u2 + u3 / 2 > L /
-2 or < -L / 2, which has probability 1/8; on average such a tower falls at its 7.11th plank.
+Theory: n planks stand if, for every plank, the centre of mass of all planks above lies over it. The tower falls at the
+first n for which this does not hold. Two planks always stand. The third tips the second if the offsets satisfy
+u2 + u3 / 2 > L / 2 or < -L / 2, which has probability 1/8; on average such a tower falls at its 7.11th plank.
 
-One draw is one tower, so each has a known answer of its own, unless a centre of mass lies so near an edge that the
-energy of laying a plank may decide: k planks tip with k m g e^2 / (k t) (e: the distance, t: thickness), ten times
-the energy of laying one only if e > sqrt(10 t c), 6.2 mm (c: the height from which it is let go).
+Each draw is one tower with a known answer, unless a centre of mass lies so near an edge that the energy of placing a
+plank may decide. To tip k planks takes the energy k m g e^2 / (k t) (e: distance from the edge, t: thickness). It
+exceeds ten times the energy of placing a plank if e > sqrt(10 t c), 6.2 mm (c: release height).
 
-Look for: which joint gives. It need not be the topmost, and the fall must not come a plank early or late.
+Look for: which joint gives way. It need not be the topmost, and the fall must not come a plank early or late.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from scenarios.scenario import Plan, scenario
 MIN_DISTANCE = math.sqrt(10 * THICKNESS * CLEARANCE)
 """Least distance [m] of a centre of mass from an edge at which the answer is known."""
 MOST = 60
-"""Longest tower: fewer than one in a million grow so high."""
+"""Greatest number of planks: fewer than one tower in a million grows so high."""
 
 
 @scenario
@@ -35,7 +35,7 @@ def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated
     """Planks laid at random along x, each with its middle somewhere over the one below.
 
     Args:
-        draw: number of the tower: its offsets follow from this number alone.
+        draw: number of the tower, from which all its offsets follow.
         levels: number of planks.
     """
     middles = middles_of(draw)[:levels]
@@ -57,7 +57,7 @@ def middles_of(draw: int) -> list[float]:
 
 
 def room(middles: Sequence[float]) -> float:
-    """Return the least distance [m] of an upper part's centre of mass from the edges below; negative beyond one."""
+    """Return the least distance [m] of an upper part's centre of mass from the edges below; negative beyond an edge."""
     least, total = math.inf, 0.0
     for above, middle in enumerate(reversed(middles)):
         if above:

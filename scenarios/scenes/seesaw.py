@@ -1,11 +1,11 @@
 """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
 Theory: moments about the lower edge, in horizontal distances. A block of mass M that lies b beyond the edge tips the
-plank, of mass m and with its middle p before the edge, once M b > m p. Here M b = 4 m p: it tips. Between the edges the
-block presses on both, and all stands, as tan(15 deg) = 0.27 is less than the friction of 0.45.
+plank, of mass m and with its middle p before the edge, once M b > m p. Here M b = 4 m p, so the plank tips. A block
+between the edges presses on both, and the stack stands, because tan(15 deg) = 0.27 is less than the friction of 0.45.
 
-Look for: the block lies lower than the plank's middle, though it lies on the plank. A rule that takes the higher of two
-bodies for the carried one finds that the block carries the plank.
+Look for: the block lies on the plank, although its centre is lower than the plank's. A rule that takes the higher of
+two bodies as the carried body concludes that the block carries the plank.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ BLOCK: Vector = (0.05, 0.05, 0.03)
 MASS = 0.5
 """Mass [kg] of the block: three times the mass of the plank."""
 LOWER, UPPER = 0.09, 0.24
-"""Distance of the two edges from the plank's lower end, along the plank [m]."""
+"""Distances of the two edges from the plank's lower end, along the plank [m]."""
 LIES_AT = {"between": 0.15, "beyond": 0.03}
 """Distance of the block's middle from the plank's lower end, along the plank [m], by name."""
 HEIGHT = 0.12
-"""Height of the lower edge [m]: room to tip."""
+"""Height of the lower edge [m], which leaves room to tip."""
 SUPPORT: tuple[float, float] = (0.02, 0.08)
 """Edges of a support in x and y [m]."""
 
@@ -68,7 +68,7 @@ def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: i
         mass: [kg].
         along: distance of its middle from the plank's lower end, along the plank [m].
         above: height of its lower face above the plank's lower face [m].
-        level: the level it belongs to.
+        level: level of the box.
     """
     along, across = along - LOWER, above + size[2] / 2
     x = along * math.cos(TILT) - across * math.sin(TILT)

@@ -2,10 +2,10 @@
 
 Theory: with angle theta, friction mu and a ratio r of height over width
 
-- it slides if mu < tan(theta);
-- it tips if r > 1 / tan(theta): then its centre of mass lies beyond the lower edge.
+- the block slides if mu < tan(theta);
+- the block tips if r > 1 / tan(theta), because its centre of mass then lies beyond the lower edge.
 
-Look for: the least friction with which it holds, and the greatest ratio, are limits of the engine's own. A
+Look for: each engine has its own limits, the least friction and the greatest ratio with which the block holds. A
 bisection finds them (study ``thresholds``). Nothing is dropped, so that contact and friction alone decide.
 """
 

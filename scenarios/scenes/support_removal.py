@@ -3,13 +3,14 @@
 Theory: exact statics of the remaining bricks (``scenarios.statics.truth``). No closed form is needed, because in each
 case a brick has lost the support under one side of its centre of mass, or the partner that it leaned against.
 
-One cube on another drops straight down when the lower one is taken, upright and in its place seen from above.
+In the stack ``two_blocks``, the upper cube drops straight down when the lower cube is removed: it stays upright, and in
+place as seen from above.
 
 Flat stacks stand on tall pedestals, one below each of their lowest bricks, and a pedestal is removed: without it a
-brick falls far enough to be seen, not by a thickness onto the next one.
+brick falls far enough to be seen, not just by a thickness onto the next brick.
 
-Look for: engines whose bricks sleep may leave them hanging in the air when their support goes. Bricks that rested on it
-must fall, and no others.
+Look for: an engine may leave sleeping bricks hanging in the air when their support is removed. The bricks that rested
+on it must fall, and no others.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from scenarios.scenes.pyramid import pyramid
 from scenarios.scenes.shared.pedestals import lifted, pedestals
 
 PAUSE_S = 2.0
-"""Time from the last brick to the removal [s]: time to settle."""
+"""Time from the last brick to the removal [s], in which the stack settles."""
 EDGE = 0.2
 """Edge of a block [m]."""
 
@@ -41,7 +42,7 @@ class _Robbery:
     """A stack, and the bricks that may be removed."""
 
     build: Callable[..., Scene]
-    """Builder of the stack. It takes the ``gap`` between neighbours [mm], if they have one."""
+    """Builder of the stack. It takes the argument ``gap`` [mm] if ``has_gap``."""
     load: tuple[int, ...]
     """Bricks on top, which carry nothing, by their places in the order of placement."""
     support: int
@@ -74,14 +75,14 @@ def robbed_stack(
 
     Args:
         stack: a name of ``STACKS``.
-        taken: "load" or "support".
-        gap: between neighbours of a level [mm], of the stacks that have any; with 0 they touch.
-        pause: from the last brick to the removal [s]: after some seconds at rest an engine puts bricks to sleep.
+        taken: brick that is removed, "load" or "support".
+        gap: distance between neighbours of a level [mm], for stacks that have neighbours; at 0 they touch.
+        pause: time from the last brick to the removal [s]; after some seconds at rest an engine puts bricks to sleep.
     """
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
         with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
-        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours")
+        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours; leave it out")
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
     time = built.actions[-1].time + pause

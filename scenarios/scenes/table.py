@@ -1,11 +1,12 @@
 """A table: one plate on two, three or four legs, and a load beyond them.
 
-Theory: all legs reach to the same line x = a toward the load, and the plate's centre of mass lies at x = 0, so it tips
-about that line once the load p at a + q outweighs it: p q > m a. With two legs the table is a beam in the x-z plane;
-with three, two of them stand on the load's side; a load as far out on the other side would tip it sooner.
+Theory: toward the load, the foremost legs reach to the line x = a, and the centre of mass of the plate (mass m) lies at
+x = 0. So the table tips about that line if the moment of the load p at x = a + q is greater: p q > m a. With two legs
+the table is a beam in the x-z plane. With three legs, two stand on the load's side; a load as far out on the other side
+would tip the table sooner.
 
-Look for: the legs behind lift off while the front legs take everything. An engine that shares the load wrongly (a third
-to each leg, for instance) lifts no leg, and nothing falls.
+Look for: the rear legs lift off while the front legs take the whole load. An engine that shares the load wrongly (a
+third to each leg, for instance) lifts no leg, and nothing falls.
 """
 
 from __future__ import annotations
@@ -19,15 +20,16 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 HEIGHT = 3.0
-"""Height of the legs in thicknesses of a plank: room to tip, but too little for a leg to be knocked over."""
+"""Height of the legs in thicknesses of a plank, which leaves room to tip, but too little for a leg to be knocked
+over."""
 FOOT = 0.2
-"""Edge of a leg's square foot in lengths of the plate; with two legs, of its side along x."""
+"""Edge of a leg's square foot, in lengths of the plate; with two legs, its edge along x."""
 REACH = 0.22
 """a: distance of the foremost legs' ends from the plate's middle, in lengths of the plate."""
 ARM = 0.2
-"""q: distance of the load's middle beyond that, in lengths of the plate."""
+"""q: distance of the load's middle beyond those ends, in lengths of the plate."""
 LIMIT = REACH / ARM
-"""The load that balances the plate, over the plate's mass."""
+"""Mass of the load that balances the plate, over the plate's mass."""
 _FRONT, _BACK, _ASIDE = REACH - FOOT / 2, -0.3, 0.3
 LEGS = {
     2: ((_FRONT, 0.0), (_BACK, 0.0)),
@@ -42,9 +44,9 @@ def table(*, legs: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale:
     """A plate on legs, and a load that lies beyond them.
 
     Args:
-        legs: 2, 3 or 4; two carry a plank, more a square plate.
-        margin: share by which the load is lighter than the limit; a negative one is heavier.
-        scale: size of everything over that of the standard plank.
+        legs: number of legs, 2, 3 or 4; two legs carry a plank, more legs a square plate.
+        margin: share by which the load is lighter than the limit; negative if the load is heavier.
+        scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, _ = plank_of(scale)
     height, foot, depth = HEIGHT * thickness, FOOT * length, width if legs == 2 else length

@@ -4,7 +4,7 @@ Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 d
 
 - column of 10 planks, along them: it slides at atan(mu) = 24.228 deg;
 - column, across: it tips at atan(b / 10 t) = 16.699 deg;
-- V along: its four forces are determinate. Moments about both feet give the ridge's force (h, v), with
+- V along: its four forces are statically determinate. Moments about both feet give the ridge's force (h, v), with
   v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))) at a slope a. The
   ridge slips where v / h = mu if its normal is the bisector, which is horizontal: 2.117 deg. With the face of either
   plank as the normal, the limits are those of v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
@@ -12,8 +12,8 @@ Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 d
   4.714 deg;
 - card house along: its top V slips first, as the V alone.
 
-Look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures
-its angle, and that at which exact statics gives way with the normals of the engine's own contacts.
+Look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures the angle
+of the onset, and the angle at which exact statics finds no equilibrium with the engine's own contact normals.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ THETA = 72.0
 PLANKS = 10
 """Planks of the column."""
 AXES = {"along": (0.0, 1.0), "across": (-1.0, 0.0)}
-"""Axes of the tilt, by heading: the low end is at +x or at +y."""
+"""Axes of the tilt, by heading; the low end is at +x for "along", at +y for "across"."""
 REST_S = 2.0
 """Time [s] for which a stack rests before the tilt."""
 FAST, SLOW, LAST = 5.0, 0.1, 1.0
-"""Speeds [deg/s] of the tilt: up to the slow range, in it, and beyond it."""
+"""Speeds [deg/s] of the tilt below, in and above the slow range."""
 MARGIN = 1.0
 """Reach [deg] of the slow range below the least and beyond the greatest limit."""
 BEYOND = 5.0
@@ -50,11 +50,11 @@ class TiltLimits(NamedTuple):
     """The slopes [deg] at which a stack gives way."""
 
     exact: float
-    """With the bisector as the normal of a ridge."""
+    """Slope with the bisector as the normal of a ridge."""
     least: float
-    """With the worst face of a plank as the normal there."""
+    """Slope with the face of a plank as that normal, for the worse face."""
     greatest: float
-    """With the best one."""
+    """Slope with the face of a plank as that normal, for the better face."""
 
 
 @dynamic_scenario
@@ -93,7 +93,7 @@ def tilt_test(
 
 
 def tilted_bricks(stack: str) -> Sequence[Brick]:
-    """Return the bricks of a stack, ridges closed."""
+    """Return the bricks of a stack, with closed ridges."""
     if stack == "column":
         return [lay(0.0, level=level) for level in range(1, PLANKS + 1)]
     if stack == "v":
@@ -102,7 +102,7 @@ def tilted_bricks(stack: str) -> Sequence[Brick]:
 
 
 def tilt_limits(stack: str, heading: str) -> TiltLimits:
-    """Return the slopes [deg] at which a stack gives way: see the module."""
+    """Return the slopes [deg] at which a stack gives way: see the module docstring."""
     if heading == "across":
         bricks = tilted_bricks(stack)
         height = sum(brick.mass * brick.position[2] for brick in bricks) / sum(brick.mass for brick in bricks)

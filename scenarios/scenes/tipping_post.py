@@ -1,15 +1,15 @@
 """A tall post on its lower edge, leaning a little beyond its balance: it must fall, though slowly at first.
 
-Theory: a post of width b and height h balances on an edge at atan(b / h), 5.711 deg. With phi the angle of its centre
-of mass beyond the vertical above the edge, and R = sqrt(b^2 + h^2) / 2 its distance from it,
+Theory: a post of width b and height h balances on an edge at atan(b / h), 5.711 deg. With phi the angle of the centre
+of mass beyond the vertical above the edge, and R = sqrt(b^2 + h^2) / 2 the distance of the centre from the edge,
 
     phi'' = k sin(phi),    k = 3 g / (4 R)          (moment of inertia about the edge: m (b^2 + h^2) / 3)
     t(phi0 -> phi) = (K(m) - F(asin(cos(phi / 2) / cos(phi0 / 2)), m)) / sqrt(k),    m = cos(phi0 / 2)^2
 
-with the complete and the incomplete elliptic integral of the first kind. From 0.2 (0.05) deg beyond the balance it lies
-on the ground after 1.77 (2.14) s, and half a second after its release its centre moves at 22 (5.7) mm/s.
+with the complete and the incomplete elliptic integral of the first kind. Released 0.2 (0.05) deg beyond the balance,
+the post lies on the ground after 1.77 (2.14) s; 0.5 s after its release its centre moves at 22 (5.7) mm/s.
 
-Look for: an engine that puts slow bodies to sleep lets the post stand where nothing can.
+Look for: an engine that puts slow bodies to sleep lets the post stand at an angle at which it cannot stand.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from scenarios.scenes.shared.prebuilt import WITHIN
 WIDTH, HEIGHT = 0.1, 1.0
 """Edges [m] of the post."""
 BALANCE = math.degrees(math.atan(WIDTH / HEIGHT))
-"""Angle [deg] off the vertical at which it balances on an edge."""
+"""Angle [deg] off the vertical at which the post balances on an edge."""
 FALLEN = 15.0
-"""Angle [deg] by which a brick has fallen."""
+"""Angle [deg] of rotation from which a brick counts as fallen."""
 FRICTION = 0.9
-"""Enough that the foot does not slip before the post has fallen."""
+"""Coulomb coefficient, high enough that the foot does not slip before the post has fallen."""
 
 
 @dynamic_scenario

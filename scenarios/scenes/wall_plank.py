@@ -1,12 +1,14 @@
 """A plank that leans against a wall, its foot on the ground: two, three or four bodies hold it.
 
 Theory, with the foot at the origin, the upper contact at (X, Y) and the centre of mass at x_c. Both contacts are about
-to slip at the limit, so the wall pushes with N = mu n and carries mu N, where n is what the ground carries:
-n (1 + mu^2) = weight. Moments about the foot: x_c (1 + mu^2) = mu Y + mu^2 X. For a thin plank that is tan(theta) =
-(1 - mu^2) / (2 mu). An edge meets an unambiguous face at either end: every engine and convention agrees on the normals.
+to slip at the limit, so the wall pushes with N = mu n and carries mu N, where n is the ground's normal force:
+n (1 + mu^2) = weight. Moments about the foot: x_c (1 + mu^2) = mu Y + mu^2 X. For a thin plank that is
+tan(theta) = (1 - mu^2) / (2 mu). An edge meets an unambiguous face at either end: every engine and convention agrees on
+the normals.
 
-The wall may be split down the middle, so that a half of it holds each corner of the plank, and the ground too, into two
-tiles. That changes nothing in theory, but more than two bodies hold the plank, and the paper's rule allows two.
+The wall may be split vertically, so that each half holds one corner of the plank, and the ground may be split into two
+tiles. In theory this changes nothing, but more than two bodies then hold the plank, and the paper's rule allows only
+two.
 
 Look for: the foot slips, and the plank slides down the wall; a plank that stays below the limit is a false stand.
 """
@@ -23,11 +25,11 @@ from scenarios.planks import LENGTH, MASS, THICKNESS, box, lean, one_a_second
 from scenarios.scenario import Plan, scenario
 
 WALL = (0.08, 0.08, 0.16)
-"""Edges of the wall [m]; each half has half its depth, less half the gap between them."""
+"""Edges of the wall [m]; a half has half this depth, less half the gap between the halves."""
 TILE = (0.06, 0.08, THICKNESS)
 """Edges of the ground's two tiles together [m]."""
 HEAVY = 100 * MASS
-"""Mass [kg] of the wall, and of the tiles, so that they stay where they are."""
+"""Mass [kg] of the wall, and of the tiles, large enough that they do not move."""
 
 
 @scenario
@@ -41,10 +43,11 @@ def wall_plank(
     """A plank that leans against a wall.
 
     Args:
-        held_by: bodies that hold the plank: 2, ground and wall; 3, with the wall in halves; 4, the ground too.
+        held_by: number of bodies that hold the plank: 2, ground and wall; 3, the wall in halves; 4, the ground in
+            halves too.
         theta: angle [deg] between plank and ground.
-        margin: share by which the friction exceeds its limit; a negative margin falls short of it.
-        gap: between the halves of the wall, and of the ground [mm]; with 0 they touch.
+        margin: share by which the friction exceeds its limit; negative if the friction is smaller.
+        gap: distance between the halves of the wall, and of the ground [mm]; at 0 they touch.
     """
     limit = least_friction(math.radians(theta))
     return Plan(
@@ -65,7 +68,7 @@ def least_friction(theta: float) -> float:
 
 
 def _group(held_by: int, theta: float, gap: float) -> list[Brick]:
-    """Return the plank and its supports, placed together because placement noise would part plank and wall."""
+    """Return the plank and its supports, placed together because placement noise would separate plank and wall."""
     floor = TILE[2] if held_by == 4 else 0.0
     plank = lean(0.0, theta=theta, toward=1, level=1, bottom=floor)
     wall = _in_halves(WALL, LENGTH * math.cos(theta) + WALL[0] / 2, gap if held_by >= 3 else None)

@@ -65,7 +65,7 @@ def test_an_unknown_parameter_names_its_nearest_match():
         ("table", {"legs": 5}, "legs must be a whole number from 2 to 4"),
         ("incline", {"margin": 0.6}, "margin must be a number from -0.5 to 0.5"),
         ("jenga", {"left": "midle"}, "left must be one of middle, side, got 'midle'"),
-        ("cantilever", {"taken": "load", "margin": -0.3}, "margin must be positive where something is taken"),
+        ("cantilever", {"taken": "load", "margin": -0.3}, "margin must be positive if something is taken"),
         ("corbelled_arch", {"margin": -0.4}, "margin must be above -0.124 with 5 courses"),
         ("card_house", {"friction": -0.1}, "friction must be a number"),
     ],

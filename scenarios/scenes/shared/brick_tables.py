@@ -22,18 +22,18 @@ _UNIT = 1e-6
 
 
 def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
-    """Return the tables ``[[name]]``, after checking that there are ``least`` to ``most``."""
+    """Return the tables ``[[name]]``, of which there must be ``least`` to ``most``."""
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:
-        raise ValueError(f"there must be {least} to {most} tables [[{name}]]")
+        raise ValueError(f"there must be {least} to {most} tables [[{name}]]: add or remove some")
     return list(tables)
 
 
 def read_number(name: str, value: object, least: float, most: float) -> float:
     """Return the number of the required field ``name``."""
     if value is None:
-        raise ValueError(f"{name} is missing")
+        raise ValueError(f"{name} is missing: add this field")
     return Real(least, most).check(name, value)
 
 

@@ -16,14 +16,14 @@ def pedestals(scene: Scene, narrower: float) -> tuple[Brick, ...]:
 
     Args:
         scene: the scene before it is raised.
-        narrower: difference [m] between a brick's and its pedestal's edges in x and y. Where bricks touch, pedestals
-            must not: a brick that has moved by a micrometre would rest on its neighbour's pedestal.
+        narrower: difference [m] between a brick's and its pedestal's edges in x and y. Pedestals must not touch where
+            bricks do, because a brick that has moved by a micrometre would rest on its neighbour's pedestal.
     """
     return tuple(_pedestal(brick, narrower) for brick in scene.bricks if brick.level == 1)
 
 
 def lifted(brick: Brick) -> Brick:
-    """Return a brick of the scene in its place on the pedestals, one level higher."""
+    """Return a brick of the scene raised by the height of a pedestal, one level higher."""
     x, y, z = brick.position
     return replace(brick, position=(x, y, z + PEDESTAL), level=brick.level + 1)
 

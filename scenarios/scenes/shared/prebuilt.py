@@ -1,7 +1,8 @@
 """Prebuilt stacks: any scene of statics with all bricks in place when the simulation starts.
 
-``at_once`` merges all ``Place`` actions into one at time 0 with height 0: planned geometry, levels touch without a gap,
-and so do planks that lean against each other. Removals keep their time after the last placement. The cases:
+``at_once`` merges all ``Place`` actions into one at time 0 with height 0: bricks keep their planned geometry, in which
+levels, and planks that lean against each other, touch without a gap. Removals keep their time after the last placement.
+The cases:
 
 1. A scene that must fall at level k while it is built: its first k levels. They must fall at once, within
    ``WITHIN`` times ``falling.fall_time``, so that a stack that is frozen at first and falls later counts as a false
@@ -9,14 +10,14 @@ and so do planks that lean against each other. Removals keep their time after th
 2. A scene that must fall when a brick is removed: all levels. They must stand until then.
 3. A scene that must stand: all levels. They must stand for ``STANDS_S`` and fall when one more brick is removed.
 
-``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats them as case 3. So no scene is statics
-alone: a body that a policy freezes before the first step must also come down. Scenes of case 1 and 3 from the two sides
-of a pair are a pair.
+``at_once_below`` takes the first k - 1 levels of a scene of case 1, and treats them as case 3. So no scene tests
+statics alone: a body that a policy freezes before the first step must also fall later. A scene of case 1 and a scene of
+case 3 form a pair if they come from the two sides of a pair.
 
-The removed brick is the first, level by level from the lowest, without which exact statics finds no equilibrium
-under either ridge convention, and whose loss can be seen: a brick loses all of its support, or the support was
-``TALL`` times as tall as the brick is thin. Where no brick is (flat planks with two supports each), the stack stands on
-pedestals, one of which is taken.
+The removed brick is the first, level by level from the lowest, without which exact statics finds no equilibrium under
+either ridge convention, and whose loss can be seen: a brick loses all of its support, or the support was ``TALL`` times
+as tall as the brick is thin. If there is no such brick (flat planks with two supports each), the stack stands on
+pedestals, and one pedestal is removed.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ STANDS_S = 3.0
 WITHIN = 3.0
 """Allowed time of a fall over ``fall_time``: engines may tip about a softer edge, and show it a frame later."""
 TALL = 3.0
-"""Height of a support, in least edges of the brick on it, above which its loss is seen: with one end on the ground
-the brick's centre has sunk by more than half of that edge."""
+"""Height of a support, over the least edge of the brick on it, above which its loss is visible: with one end on the
+ground, the brick's centre has then sunk by more than half of that edge."""
 _UPWARD = 0.1
 """Vertical component of the normal above which a contact bears load."""
 
@@ -66,7 +67,7 @@ def at_once_below(scene: Scene) -> Scene:
     """Return the prebuilt levels below the level at which a scene must fall.
 
     Raises:
-        ValueError: as ``at_once``; or if the scene has no such level, or it is the first.
+        ValueError: as ``at_once``; or if the scene has no such level, or this level is the first.
     """
     _check(scene)
     scene = closed(scene)
@@ -90,7 +91,7 @@ def _check(scene: Scene) -> None:
 
 
 def closed(scene: Scene) -> Scene:
-    """Return the scene with ridges closed, because a plan leaves a gap between planks that lean against each other."""
+    """Return the scene with closed ridges, because a plan leaves a gap between planks that lean against each other."""
     corners = Boxes.of(scene.bricks).corners
     shift = np.zeros((len(scene.bricks), 3))
     for patch in contact_patches(scene.bricks):
@@ -132,7 +133,7 @@ def _merged(scene: Scene, built: str) -> Scene:
 
 
 def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
-    """Return the scene of bricks that must fall at once."""
+    """Return the scene of prebuilt bricks that must fall at once."""
     seconds = fall_time(bricks, scene.world)
     within = round(WITHIN * seconds, 3)
     theory = f"{scene.expectation.theory}; within {within:.2f} s, as its mechanism takes {seconds:.2f} s from rest"
@@ -196,7 +197,7 @@ def _seen_without(
 
 
 def _falls(scene: Scene, gone: set[int], borne: Sequence[int]) -> bool:
-    """Return whether one of ``borne`` moves without the bricks ``gone``, for either ridge normal."""
+    """Return whether a brick of ``borne`` moves without the bricks ``gone``, under both ridge conventions."""
     kept = [index for index in range(len(scene.bricks)) if index not in gone]
     for ridge in ("bisector", "face"):
         statics = equilibrium(_without(scene, gone), scene.world, ridge=ridge)

@@ -1,10 +1,10 @@
 """Transforms of a whole scene that do not change statics: its size, its mass and its direction.
 
-``resized`` enlarges a scene of statics. Gravity stays, so that with the factor L
+``resized`` enlarges a scene of statics. Gravity stays the same, so with the factor L
 
-- lengths grow by L: bricks, gaps, fixed boxes, the clearance from which bricks are let go, and placement noise;
+- lengths grow by L: bricks, gaps, fixed boxes, the clearance from which bricks are released, and placement noise;
 - masses grow by L^3, because the density stays;
-- times grow by max(1, sqrt(L)): the pace of placing, removals, limits of falls and the time of watching.
+- times grow by max(1, sqrt(L)): times of placements and removals, limits of falls, and ``watch_s``.
 """
 
 from __future__ import annotations
@@ -78,4 +78,4 @@ def _resized_action(action: Action, size: float, pace: float) -> Action:
         return Place(action.time * pace, bricks, action.height * size)
     if isinstance(action, Remove):
         return replace(action, time=action.time * pace)
-    raise ValueError(f"a {type(action).__name__} has one size only: leave out size")
+    raise ValueError(f"a scene with {type(action).__name__} has one size only: leave out size")
