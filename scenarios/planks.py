@@ -40,7 +40,7 @@ def lay(
     Args:
         x: centre along x [m].
         y: centre along y [m].
-        level: the level it belongs to, from 1.
+        level: level of the brick, from 1.
         yaw: turn about z [rad].
         bottom: height of the lower face [m]; by default as in a stack of flat planks.
         length: length [m] of a shortened plank; its mass shrinks in proportion.
@@ -57,7 +57,7 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
         foot: position of the edge along x [m].
         theta: angle [rad] between the plank and the ground.
         toward: 1 if it leans toward +x, -1 toward -x.
-        level: the level it belongs to, from 1.
+        level: level of the brick, from 1.
         bottom: height of the edge [m].
     """
     along, across = (math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))
@@ -92,7 +92,7 @@ def box(
         size: edge lengths [m] along its own x, y and z.
         x: centre along x [m].
         y: centre along y [m].
-        level: the level it belongs to, from 1.
+        level: level of the brick, from 1.
         bottom: height of its lower face [m].
         yaw: turn about z [rad].
         mass: mass [kg]; by default that of a box of the planks' wood.

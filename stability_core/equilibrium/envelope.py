@@ -1,8 +1,8 @@
 """Cholesky factors of the sparse matrices of a stack, kept in an envelope (skyline) of their rows.
 
 A row is stored from its first entry to its diagonal. In reverse Cuthill-McKee order the rows of a column or a wall of n
-bodies have bounded length, so that a factorisation costs O(n). For a pile whose widest layer has w bodies it costs O(n
-w^2).
+bodies have bounded length, so that a factorisation costs O(n). For a pile whose widest layer has w bodies it
+costs O(n w^2).
 """
 
 from __future__ import annotations
