@@ -80,7 +80,7 @@ class BulletSimulation(SubstepSimulation):
         self._client = self._engine.client
         self._handles = self._engine.handles
         self._has_old_gravity: set[int] = set()
-        self._islands: Sequence[Mapping[str, float]] = ()  # what the solver reports of the latest step
+        self._islands: Sequence[Mapping[str, float]] = ()  # the solver's report on the latest step
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
 

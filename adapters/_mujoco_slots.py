@@ -23,7 +23,7 @@ CONTACT_STEPS = "contact_steps"
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3
 """Mass [kg] of a moved body, because MuJoCo's mocap bodies have no velocity in contacts. With 1e6 kg a tower of planks
-on it sank at one step per frame. The adapter sets its pose before each step, so that a load does not shift it."""
+on the body sank at one step per frame. The adapter sets the body's pose before each step, so that no load shifts it."""
 
 _NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
 """Collision masks ``contype`` and ``conaffinity``. Two geoms collide if the type of one geom and the affinity of the

@@ -24,7 +24,7 @@ def knows(knob: str) -> bool:
 
 
 class RapierWorld:
-    """A world, with the handles, views and colliders of its bodies. Access to the view of a removed body raises."""
+    """A world, with the handles, views and colliders of its bodies. A view of a removed body raises an error."""
 
     def __init__(self, world: World, profile: Profile) -> None:
         self.world = rapier3d.PhysicsWorld(gravity=world.gravity)

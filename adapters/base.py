@@ -61,7 +61,7 @@ class Simulation(EngineHooks):
         self._port = self.port_type(self)
         self._is_observed = False
         self.own_step_s: float | None = None
-        """Time [s] of the engine's own step in the latest frame; None where the time of ``step`` is the engine's."""
+        """Duration [s] of the engine's own steps in the latest frame; None if it is the duration of ``step``."""
         self._open()
 
     @classmethod
@@ -113,7 +113,7 @@ class Simulation(EngineHooks):
         """Remove a body from the world.
 
         Raises:
-            KeyError: if there is no such body.
+            KeyError: if no body has this id.
         """
         self.bodies.check_known((body,))
         self._end_force(body)
@@ -125,7 +125,7 @@ class Simulation(EngineHooks):
         """Apply an impulse [N s] at the centre of mass of a live body; a frozen or moved body is not affected.
 
         Raises:
-            KeyError: if there is no such body.
+            KeyError: if no body has this id.
             ValueError: if the impulse is not finite, or leaves the plane of a planar engine.
         """
         self.bodies.check_known((body,))
@@ -140,7 +140,7 @@ class Simulation(EngineHooks):
         The force does not affect a moved body, and affects a frozen body only after it is unfrozen.
 
         Raises:
-            KeyError: if there is no such body.
+            KeyError: if no body has this id.
             ValueError: if the force is not finite, or leaves the plane of a planar engine.
         """
         self.bodies.check_known((body,))
@@ -155,13 +155,13 @@ class Simulation(EngineHooks):
         """Move a host-driven body at a velocity [m/s] and a spin [rad/s], in every step until the next call.
 
         Raises:
-            KeyError: if there is no such body, or it was not spawned with ``Brick.moved``.
+            KeyError: if no body has this id, or it was not spawned with ``Brick.moved``.
             ValueError: if the velocities are not finite, or leave the plane of a planar engine.
         """
         if body not in self.bodies.moved:
             raise KeyError(f"body {body} is not moved by the host: spawn it as Brick(..., moved=True)")
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
-            raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s")
+            raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s; check for NaN")
         if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
             raise ValueError(
                 f"{self.engine} is planar: drive bodies in the x-z plane, got {linear} m/s, {angular} rad/s"
@@ -183,7 +183,7 @@ class Simulation(EngineHooks):
         """Set a body's pose and stop it.
 
         Raises:
-            KeyError: if there is no such body.
+            KeyError: if no body has this id.
             ValueError: if the pose is not finite, or leaves the plane of a planar engine.
         """
         self.bodies.check_known((body,))
@@ -198,10 +198,7 @@ class Simulation(EngineHooks):
         self._step(seconds)
 
     def solver_iterations(self) -> int | None:
-        """Return the iterations that the solver used in the latest engine step, of the island that took most.
-
-        None where the engine does not report them.
-        """
+        """Return the solver's iterations in the latest engine step, the greatest of all islands; None if unknown."""
         return self._solver_iterations()
 
     def find_contacts(self) -> None:
@@ -260,10 +257,7 @@ class Simulation(EngineHooks):
     # -- for adapters ------------------------------------------------------------------------------
 
     def _fixed_boxes(self) -> Iterator[tuple[int, Brick]]:
-        """Yield the ground and the fixed boxes, with their contact ids, for an adapter that opens its world.
-
-        The size of the ground grows with that of the scene.
-        """
+        """Yield the ground, whose size grows with the scene, and the fixed boxes, each with its id in contacts."""
         middle = self.scale * self.info.profile.offset
         yield GROUND, ground_box((*self.expected, *self.world.fixed), self.scale, middle)
         for index, box in enumerate(self.world.fixed):

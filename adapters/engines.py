@@ -17,7 +17,7 @@ class EngineEntry(Protocol):
 
     @property
     def module(self) -> str:
-        """Module that a process loads before it plays trials of the engine."""
+        """Name of the module that a process imports before it runs trials of the engine."""
         ...
 
     @property

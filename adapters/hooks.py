@@ -121,9 +121,9 @@ class EngineHooks(ABC):
         """Advance the world by one frame of ``seconds``. ``SubstepSimulation`` implements it by hooks for substeps."""
 
     def _solver_iterations(self) -> int | None:
-        """Return the iterations that the solver used in the latest engine step, of the island that took most.
+        """Return the solver's iterations in the latest engine step, the greatest of all islands; None if unknown.
 
-        Called after a step. None where the engine does not report them; many run a fixed number.
+        Called after a step. Override it for an engine that reports its iterations; many engines run a fixed number.
         """
         return None
 

@@ -35,7 +35,7 @@ NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 
 
 class EnginePort:
-    """The core's whole view of a simulation: contacts, masses, sleep, wake."""
+    """The core's view of a simulation: it reads contacts and masses, and freezes and unfreezes bodies."""
 
     def __init__(self, engine: EngineHooks) -> None:
         self._engine = engine

@@ -7,14 +7,14 @@ A file has up to three tables::
 
     [profiles.NAME]          # default, game, tuned, and any other
     description = "in a few words"
-    substeps = 4             # engine steps a frame
-    frame_s = 0.02           # length of a frame [s]; 1/60 if left out
-    scale = 10               # lengths in the engine's world over those of the scene; 1 if left out
+    substeps = 4             # engine steps per frame
+    frame_s = 0.02           # length of a frame [s]; 1/60 by default
+    scale = 10               # lengths in the engine's world over those of the scene; 1 by default
     tuned_by = "who, on which scenes"
     shared = ["SET"]
     knobs.KNOB = { value = 60, reason = "...", follows_world = true }
 
-    [sleeping.off]           # knobs added while the engine's own sleeping is off, native or raised
+    [sleeping.off]           # knobs added in a mode of the engine's own sleeping: off, native or raised
     KNOB = { value = false, reason = "..." }
 """
 
@@ -131,7 +131,7 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
 def _substeps(where: str, table: Mapping[str, Any]) -> int:
     substeps = table.get("substeps")
     if type(substeps) is not int or substeps < 1:
-        raise ProfileFileError(f"{where}.substeps must be a whole number of engine steps a frame, got {substeps!r}")
+        raise ProfileFileError(f"{where}.substeps must be a whole number of steps per frame, from 1, got {substeps!r}")
     return substeps
 
 

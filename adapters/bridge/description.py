@@ -39,7 +39,7 @@ def described(hello: Mapping[str, Any]) -> Description:
     if hello.get("protocol") != PROTOCOL:
         raise ProtocolError(
             f"hello: 'protocol' must be {PROTOCOL}, got {hello.get('protocol')!r}; "
-            f"let the engine answer by version {PROTOCOL} of docs/bridge.md"
+            f"implement version {PROTOCOL} of the protocol in docs/bridge.md"
         )
     return Description(
         _text(hello, "engine"),
@@ -61,7 +61,7 @@ def _detection(said: object) -> Detection:
 
 def _capabilities(said: Any) -> Capabilities:
     if not isinstance(said, dict):
-        raise ProtocolError(f"hello: 'capabilities' must be an object, got {said!r}")
+        raise ProtocolError(f"hello: 'capabilities' must be a JSON object, got {said!r}")
     said = _UNLESS_SAID | said
     known = {field.name: field for field in fields(Capabilities)}
     for name, value in said.items():

@@ -61,7 +61,7 @@ class ExternalEntry:
 
     @property
     def module(self) -> str:
-        """Module that a process loads before it plays trials of the engine."""
+        """Name of the module that a process imports before it runs trials of the engine."""
         return BridgeSimulation.__module__
 
     @property
@@ -193,7 +193,7 @@ def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
             f"{where}: 'command' must be a list of texts, such as ['program', 'argument'], got {command!r}"
         )
     if profiles is not None and not isinstance(profiles, str):
-        raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, got {profiles!r}")
+        raise EnginesFileError(f"{where}: 'profiles' must be the name of a file, such as 'NAME.toml', got {profiles!r}")
     if type(timeout_s) not in (int, float) or not 0.0 < timeout_s < float("inf"):
         raise EnginesFileError(f"{where}: 'timeout_s' must be a time in seconds, more than 0, got {timeout_s!r}")
     folder = path.parent.absolute()

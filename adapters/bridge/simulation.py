@@ -1,8 +1,8 @@
 """A world of an engine in a separate process, with one message per frame.
 
 The simulation collects the host's changes between two frames (bodies spawned, frozen, pushed and so on) and sends them
-with the next step. Until then it predicts the states: a pushed body has its new velocity, a moved one its new pose. The
-state of a frozen body is the last one before its freeze; no message requests it again.
+with the next step. Until then it predicts the states: a pushed body has its new velocity, a moved body its new pose.
+The state of a frozen body is the latest state before its freeze; no message requests it again.
 
 ``find_contacts`` starts a second process, opens a world in it with the same bodies, weightless and at rest, and reads
 the contacts of one very short step, so that the world itself does not change.

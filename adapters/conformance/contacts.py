@@ -71,7 +71,7 @@ def reports_a_resting_brick(rig: Rig) -> None:
         expected = {(min(below, body), max(below, body))}
         require(pairs(mine) == expected, f"a brick on {below} touches {pairs(mine)}, must be {expected}")
         upward = np.where(mine.body_b == body, mine.normal[:, 2], -mine.normal[:, 2])
-        require_between(0.99, upward.min(), 1.0 + 1e-6, "upward part of the normal that points to the upper brick")
+        require_between(0.99, upward.min(), 1.0 + 1e-6, "upward component of the normal to the upper brick")
         x, y, z, *_ = pose(simulation, body)
         along, across = mine.point[:, 0] - x, mine.point[:, 1] - y
         for name, offsets, half in (("x", along, LENGTH / 2), ("y", across, WIDTH / 2)):
@@ -98,7 +98,7 @@ def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
     for frame in range(frames(simulation, 1.0)):
         simulation.step(simulation.info.frame_s)
         contacts = simulation.port.contacts()
-        require((support, body) in pairs(contacts), f"frame {frame} of a brick at rest has no contact with its support")
+        require((support, body) in pairs(contacts), f"frame {frame}: a brick at rest must touch its support")
         speed = np.linalg.norm(contacts.relative_velocity, axis=1).max()
         # Velocities that include the gravity of a step would be g dt = 160 mm/s.
         require_between(0.0, speed, 1e-2, "relative velocity [m/s] reported for a brick at rest")
@@ -165,7 +165,7 @@ def reports_every_pair(rig: Rig) -> None:
     expected = {(left, bridge), (right, bridge), (bridge, rider), (GROUND, grounded)}
     contacts = simulation.port.contacts()
     _require_well_formed(simulation, contacts)
-    require(pairs(contacts) == expected, f"pairs {sorted(pairs(contacts))}, must be {sorted(expected)}")
+    require(pairs(contacts) == expected, f"pairs are {sorted(pairs(contacts))}, must be {sorted(expected)}")
     simulation.port.sleep([bridge, grounded])
     for _ in range(3):
         simulation.step(simulation.info.frame_s)

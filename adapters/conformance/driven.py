@@ -52,9 +52,9 @@ def goes_where_it_is_driven(rig: Rig) -> None:
     planned = np.array((0.05 * seconds, 0.0, TOP - 0.01 + 0.1 * seconds, math.cos(half), 0.0, math.sin(half), 0.0))
     # 10 um and 0.6 mrad: single precision over a hundred steps, and an engine's approximation for small rotations.
     require_between(
-        0.0, np.abs(pose(simulation, platform) - planned).max(), 3e-4, "error of the pose of a driven platform"
+        0.0, np.abs(pose(simulation, platform) - planned).max(), 3e-4, "error [m, quaternion] of a platform's pose"
     )
-    require_between(0.0, np.abs(velocity(simulation, platform)).max(), 1e-5, "speed of a platform that was stopped")
+    require_between(0.0, np.abs(velocity(simulation, platform)).max(), 1e-5, "speed [m/s, rad/s] of a stopped platform")
 
 
 def carries_what_lies_on_it(rig: Rig) -> None:
@@ -88,16 +88,22 @@ def shows_what_it_moves_below_frozen_bricks(rig: Rig) -> None:
     simulation.step(simulation.info.frame_s)
     contacts = simulation.port.contacts()
     require(
-        pairs(contacts) == {(platform, body)}, f"a platform that turns below a frozen brick lists {pairs(contacts)}"
+        pairs(contacts) == {(platform, body)},
+        f"a platform that turns below a frozen brick has the pairs {pairs(contacts)}, must be {(platform, body)}",
     )
     speed = np.abs(contacts.relative_velocity[:, 2])
-    require_between(0.95, speed.max() / (0.1 * LENGTH / 2), 1.05, "speed of a turning platform below a brick's ends")
+    require_between(
+        0.95,
+        speed.max() / (0.1 * LENGTH / 2),
+        1.05,
+        "speed of a turning platform below a brick's ends, over the planned speed",
+    )
     start = pose(simulation, platform)[2]
     simulation.drive(platform, (0.0, 0.0, 5e-3))
     seconds = frames(simulation, 0.05) * simulation.info.frame_s
     advance(simulation, 0.05)
     rise = pose(simulation, platform)[2] - start
-    require_between(0.9, rise / (5e-3 * seconds), 1.1, "share of its way that a platform goes below a frozen brick")
+    require_between(0.9, rise / (5e-3 * seconds), 1.1, "rise of a platform below a frozen brick, over the planned rise")
     simulation.port.wake([body])
     simulation.drive(platform, STILL)
     simulation.step(simulation.info.frame_s)
@@ -139,7 +145,7 @@ def reports_moved_bodies(rig: Rig) -> None:
     require(masses.body.tolist() == [platform, body], f"masses list {masses.body}, must list {[platform, body]}")
     require(bool(np.isinf(masses.mass[0])), f"the mass of a moved body is reported as {masses.mass[0]}, must be inf")
     contacts = simulation.port.contacts()
-    require(pairs(contacts) == {(platform, body)}, f"a brick on a platform has the pairs {pairs(contacts)}")
+    require(pairs(contacts) == {(platform, body)}, f"the pairs are {pairs(contacts)}, must be {platform, body}")
     simulation.drive(platform, (0.05, 0.0, 0.0))
     simulation.step(simulation.info.frame_s)
     mine = touching(simulation.port.contacts(), body)

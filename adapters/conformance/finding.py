@@ -31,7 +31,7 @@ NEAR_ENOUGH = 0.1e-3
 CORNER = 1e-3
 """Distance [m] within which a corner of a contact area must be reported, and beyond which no point may lie."""
 SAME_DIRECTION = math.radians(1.0)
-"""Greatest angle [rad] between a normal and the ideal one."""
+"""Greatest angle [rad] between a normal and the ideal normal."""
 SAME_PLACE = 0.1e-3
 """Greatest distance [m] between the bricks of a tower with calls of ``find_contacts`` and of a tower without."""
 TOP = 0.02

@@ -190,7 +190,7 @@ def _require_seated(simulation: Simulation, body: int, where: str) -> None:
     require(seated_since is not None, f"a brick placed {where} is not at rest after 1.4 s, must be: {state}")
     require(
         seated_since is not None and seated_since <= limit,
-        f"a brick placed {where} stays at rest from frame {seated_since} on, must from frame {limit} (0.7 s) at latest",
+        f"a brick placed {where} stays at rest from frame {seated_since} on, must from frame {limit} (0.7 s) or before",
     )
 
 

@@ -81,7 +81,7 @@ class Bodies:
         return removed
 
     def check_known(self, bodies: Iterable[int]) -> None:
-        """Raise ``KeyError`` if one of the bodies is not in the world."""
+        """Raise ``KeyError`` unless all ``bodies`` are in the world."""
         unknown = [body for body in bodies if body not in self.bricks]
         if unknown:
             raise KeyError(

