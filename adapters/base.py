@@ -80,7 +80,7 @@ class Simulation(EngineHooks):
 
     @property
     def scale(self) -> float:
-        """Factor on an adapter's own lengths [m], such as its ground's: the profile's scale."""
+        """Factor on an adapter's own lengths, for example those of its ground: the profile's scale."""
         return self.info.profile.scale
 
     @property

@@ -52,7 +52,7 @@ class EngineHooks(ABC):
     def _open(self) -> None:
         """Open the engine's world with the settings of ``info``, the ground and the fixed boxes, but no body.
 
-        Called once, at the end of the constructor, when ``info``, ``world``, ``bodies`` and ``expected`` are set. An
+        The constructor calls it once, at its end, when ``info``, ``world``, ``bodies`` and ``expected`` are set. An
         adapter has no constructor of its own, and creates its attributes here.
 
         Raises:
@@ -69,18 +69,20 @@ class EngineHooks(ABC):
     def _spawn(self, body: int, brick: Brick) -> None:
         """Add a live body at rest.
 
-        Called at any time between steps. ``body`` is a new id, one above the latest; it is not in ``bodies`` yet.
+        The call may come at any time between steps. ``body`` is a new id, one above the latest id, and is not in
+        ``bodies`` yet.
         """
 
     @abstractmethod
     def _spawn_moved(self, body: int, brick: Brick) -> None:
-        """Add a body that only ``_drive`` moves. The conditions of ``_spawn`` hold."""
+        """Add a body that only ``_drive`` moves, under the conditions of ``_spawn``."""
 
     @abstractmethod
     def _remove(self, body: int) -> None:
         """Remove a live, frozen or moved body, which is still in ``bodies``.
 
-        Called at any time between steps. ``_contacts`` may be called before the next step and must no longer list it.
+        The call may come at any time between steps. ``_contacts`` must not list the body from then on, even before the
+        next step.
         """
 
     @abstractmethod
@@ -91,27 +93,27 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _push(self, body: int, impulse: Vector) -> None:
-        """Apply an impulse [N s] at the centre of mass of a live body. Called at any time between steps."""
+        """Apply an impulse [N s] at the centre of mass of a live body, at any time between steps."""
 
     @abstractmethod
     def _press(self, body: int, force: Vector) -> None:
         """Apply a force [N] at the centre of mass of a live body in the next substep.
 
-        Called before each substep while the force is not zero, and once with zero when the force ends.
+        The call comes before each substep while the force is not zero, and once with zero when the force ends.
         """
 
     @abstractmethod
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:
         """Give a moved body these velocities [m/s], [rad/s] in the next substep of ``seconds``.
 
-        Called before each substep for every moved body, also while its velocities are zero.
+        The call comes before each substep for every moved body, also while the body's velocities are zero.
         """
 
     @abstractmethod
     def _set_gravity(self, gravity: Vector) -> None:
         """Set gravity [m/s2] from the next step on, also for bodies that are unfrozen later.
 
-        Called at any time between steps. During the call ``world`` still has the former gravity.
+        The call may come at any time between steps. During the call ``world`` still has the former gravity.
         """
 
     # -- time --------------------------------------------------------------------------------------
@@ -123,7 +125,7 @@ class EngineHooks(ABC):
     def _solver_iterations(self) -> int | None:
         """Return the solver's iterations in the latest engine step, the greatest of all islands; None if unknown.
 
-        Called after a step. Override it for an engine that reports its iterations; many engines run a fixed number.
+        The call comes after a step. Override it for an engine that reports its iterations; many run a fixed number.
         """
         return None
 
@@ -150,22 +152,22 @@ class EngineHooks(ABC):
     def _freeze(self, body: int) -> None:
         """Stop a live body and hold it, so that nothing moves it by a single bit until ``_unfreeze`` or ``_move``.
 
-        Called at any time between steps, one body at a time; the body is still in ``bodies.live``.
+        The call may come at any time between steps, for one body at a time, which is still in ``bodies.live``.
         """
 
     @abstractmethod
     def _unfreeze(self, body: int) -> None:
         """Make a frozen body live again, at rest, with its own mass and under the present gravity.
 
-        Called at any time between steps, one body at a time; the body is still in ``bodies.frozen``.
+        The call may come at any time between steps, for one body at a time, which is still in ``bodies.frozen``.
         """
 
     @abstractmethod
     def _contacts(self) -> Contacts:
-        """Return every contact of the latest step that touches a live body, and none with a removed one.
+        """Return every contact of the latest step that touches a live body and no removed body.
 
-        Called between steps while a body is live, also before the first step and after bodies were frozen, unfrozen,
-        moved or removed. Normals point from a to b. The id of the ground is ``GROUND``, that of a fixed box
+        The call comes between steps while a body is live, also before the first step and after bodies were frozen,
+        unfrozen, moved or removed. Normals point from a to b. The id of the ground is ``GROUND``, that of a fixed box
         ``contact_completion.fixed_id``. Unknown values are NaN. The arrays may be views until the next step.
         """
 
@@ -173,15 +175,15 @@ class EngineHooks(ABC):
     def _find_contacts(self) -> Contacts:
         """Return the contacts that the engine detects at the present poses, without a change of the simulation.
 
-        Called between steps while a body is live. Contacts between two frozen bodies may be listed. The caller ignores
-        relative velocities and forces.
+        The call comes between steps while a body is live. The result may include contacts between two frozen bodies.
+        The caller ignores relative velocities and forces.
         """
 
     # -- the end -----------------------------------------------------------------------------------
 
     @abstractmethod
     def _close(self) -> None:
-        """Free the engine's memory. Called once; no other hook is called afterwards."""
+        """Free the engine's memory. This is the last call of a hook."""
 
     # -- for adapters and the port -----------------------------------------------------------------
 

@@ -39,7 +39,7 @@ Knobs = Mapping[str, Knob]
 
 
 class ProfileFileError(ValueError):
-    """A file of profiles is invalid; the message names the file, the entry and the fix."""
+    """Error for an invalid file of profiles; the message names the file, the entry and the fix."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ _MOST_HZ = 10_000.0
 
 
 class ProfileError(ValueError):
-    """A variation of a profile is invalid; the message names the fix."""
+    """Error for an invalid variation of a profile; the message names the fix."""
 
 
 def base_name(profile: str) -> str:

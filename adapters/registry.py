@@ -15,7 +15,7 @@ from scenarios.model import Brick, World
 
 
 class EngineNotInstalledError(ImportError):
-    """An engine's package is not installed; the message names the command that installs it."""
+    """Error for an engine whose package is not installed; the message names the command that installs it."""
 
 
 def _load(name: str) -> type[Simulation]:

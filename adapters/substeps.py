@@ -60,25 +60,28 @@ class SubstepSimulation(Simulation):
     # -- hooks, in the order in which a frame calls them -------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
-        """Prepare a frame of substeps of ``substep_s`` seconds. Called once, before the first substep."""
+        """Prepare a frame of substeps of ``substep_s`` seconds. ``_step`` calls it once, before the first substep."""
 
     def _record_ended_substep(self) -> None:
-        """Record the data of the ended substep for ``_contacts``. Called after each substep except the last."""
+        """Record the data of the ended substep for ``_contacts``.
+
+        ``_step`` calls it after each substep except the last, if the port is in use and a body is live.
+        """
         if self.reads_forces:
             self._earlier_forces.append(self._forces_of_substep())
 
     def _forces_of_substep(self) -> SubstepForces:
         """Return the contact forces of the ended substep, for pairs that touch a live body.
 
-        Called only if ``reads_forces`` is true, so that an engine without forces need not override it. The arrays must
-        be copies.
+        The class calls it only if ``reads_forces`` is true, so that an engine without forces need not override it. The
+        arrays must be copies.
         """
         raise NotImplementedError(
             f"{self.engine}: its capabilities say that it reports forces; implement _forces_of_substep in its adapter"
         )
 
     def _record_motions(self, bodies: IntArray) -> None:
-        """Record the motions of ``bodies`` (k,) before the next substep. Called before each substep."""
+        """Record the motions of ``bodies`` (k,) before a substep, if the port is in use and a body is live."""
         self._recorded.append(self._motions_now(bodies))
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -90,7 +93,7 @@ class SubstepSimulation(Simulation):
         """Make one step of ``_substep_s`` seconds. The forces and the velocities of moved bodies are already set."""
 
     def _end_frame(self) -> None:
-        """Finish a frame. Called once, after the last substep, when ``_before`` is set."""
+        """Finish a frame. ``_step`` calls it once, after the last substep, when ``_before`` is set."""
 
     # -- for _contacts -----------------------------------------------------------------------------
 

@@ -41,7 +41,7 @@ _BUILT_IN = frozenset(ENGINES)
 
 
 class EnginesFileError(ValueError):
-    """A file of engines is invalid; the message names the file, the entry and the fix."""
+    """Error for an invalid file of engines; the message names the file, the entry and the fix."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ WEIGHTLESS: Vector = (0.0, 0.0, 0.0)
 
 
 class ConformanceError(AssertionError):
-    """An adapter breaks the contract; the message states the measured and the required value."""
+    """Error for an adapter that breaks the contract; the message states the measured and the required value."""
 
 
 def require(holds: bool, message: str) -> None:
