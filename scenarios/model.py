@@ -26,7 +26,7 @@ class World:
     """Properties that all bricks of a scene share. The ground's upper face is z = 0."""
 
     friction: float = 0.45
-    """Coulomb coefficient of every pair: brick on brick, on ground and on fixed boxes alike."""
+    """Coulomb coefficient of every pair: brick on brick, on ground and on fixed boxes."""
     gravity: Vector = (0.0, 0.0, -9.81)
     """Gravitational acceleration [m/s2]."""
     fixed: tuple[Brick, ...] = ()
@@ -182,7 +182,7 @@ class MustMove:
     from_s: float
     """Start of the motion [s]."""
     way_m: float
-    """Distance [m] that its centre must move, in a straight line."""
+    """Distance [m] that the brick's centre must move, in a straight line."""
     takes_s: float | None
     """Duration [s] of the motion by theory; None if theory gives none."""
 
@@ -202,7 +202,8 @@ class Expectation:
     not_before_s: float = 0.0
     """Earliest time [s] of the fall: a scene from which a brick is removed must stand until then."""
     within_s: float | None = None
-    """Time [s] after ``not_before_s`` within which it must fall; a later fall counts as standing. None: no limit."""
+    """Time [s] after ``not_before_s`` within which the scene must fall; a later fall counts as standing. None for no
+    limit."""
 
     def __str__(self) -> str:
         if self.outcome != "fall":

@@ -36,7 +36,7 @@ class Whole:
         """Return ``value`` as an integer.
 
         Raises:
-            ValueError: if ``value`` is anything else; the message names the range.
+            ValueError: if ``value`` is no whole number in the range; the message names the range.
         """
         if _is_number(value) and self.least <= value <= self.most and value % 1 == 0:
             return int(value)
@@ -57,7 +57,7 @@ class Real:
         """Return ``value`` as a float.
 
         Raises:
-            ValueError: if ``value`` is anything else, NaN included; the message names the range.
+            ValueError: if ``value`` is no number in the range, or NaN; the message names the range.
         """
         if _is_number(value) and self.least <= value <= self.most:
             return float(value)
@@ -79,7 +79,7 @@ class Choice:
         """Return ``value`` as one of the words.
 
         Raises:
-            ValueError: if ``value`` is anything else; the message names all words.
+            ValueError: if ``value`` is none of the words; the message names all words.
         """
         for word in self.words:
             if value == word:

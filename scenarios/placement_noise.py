@@ -31,7 +31,7 @@ TURN = math.radians(0.3)
 CUT = 3.0
 """Cut of the distributions [standard deviations]."""
 _DRAWS = 500
-"""Draws after which placement fails. Between planks 2 mm apart the first draw nearly always succeeds."""
+"""Number of draws after which placement fails. Between planks 2 mm apart the first draw nearly always succeeds."""
 _WIDENED = 25
 """Number of draws after which the shift grows by one standard deviation, each time."""
 

@@ -130,7 +130,7 @@ def build(name: str, **parameters: Value) -> Scene:
 
 @lru_cache(maxsize=256, typed=True)
 def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene:
-    """Return a prebuilt scene; cached, because exact statics searches for the brick to remove."""
+    """Return a prebuilt scene; cached, because the search for the brick to remove solves statics many times."""
     scene = scenario(**parameters)
     return at_once(scene) if built == AT_ONCE else at_once_below(scene)
 

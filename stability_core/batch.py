@@ -56,7 +56,7 @@ class Batch:
         self.deferred = NOBODY
 
     def wake(self, reasons: Mapping[int, str]) -> None:
-        """Unfreeze bodies, each for its reason, without the bodies on them."""
+        """Unfreeze the bodies named in ``reasons``, by row, but not the bodies on them."""
         self.woken.update(reasons)
         for row in reasons:
             unfreeze(self._world, row)
@@ -117,7 +117,7 @@ class Batch:
         return Change(frozen, woken, asleep | awake if woken else asleep, later)
 
     def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
-        """Return reasons by body id, by rising id, from reasons by row."""
+        """Return the ``reasons``, which are by row, by body id, in rising order of the ids."""
         if not reasons:
             return {}
         ids = self._world.ids

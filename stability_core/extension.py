@@ -1,4 +1,4 @@
-"""The extension: once a frame, freeze statically stable bodies and unfreeze those that no longer balance."""
+"""The extension: once a frame, freeze statically stable bodies, and unfreeze bodies that no longer balance."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class StabilityExtension:
         """Reason of each body's last freezing or unfreezing."""
         self.dropped = 0
         """Number of contact and mass rows dropped so far, because they name a body removed in this frame or the
-        last."""
+        previous frame."""
 
     @property
     def frozen(self) -> IntArray:
@@ -222,7 +222,7 @@ class StabilityExtension:
         return self._settle(contacts, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
-        """Judge bodies in place by statics, at once: freeze those that stand, without waiting for their rest.
+        """Judge bodies in place by statics at once, and freeze the bodies that stand, without waiting for their rest.
 
         Use this method for stacks that exist when the simulation starts, or that are placed as a whole. Call it before
         the first step, with an engine that lists the contacts of the present poses. Bodies that cannot stand, move, or
@@ -300,7 +300,7 @@ class StabilityExtension:
             self._is_pending = True
 
     def _without_removed(self, contacts: Contacts, masses: Masses) -> tuple[Contacts, Masses]:
-        """Return the port's arrays without the rows of bodies removed in this frame or the last; count those rows.
+        """Return the port's arrays without the rows of recently removed bodies; count the dropped rows.
 
         Raises:
             ValueError: if arrays do not fit together.
@@ -348,7 +348,7 @@ class StabilityExtension:
         return self._send(batch)
 
     def _send(self, batch: Batch) -> Change:
-        """Send a batch to the engine and note its reasons; if the engine raises, the next update tries again."""
+        """Send a batch to the engine and record its reasons; if the engine raises, the next update tries again."""
         try:
             change = batch.hand_over(self.port)
         except BaseException:

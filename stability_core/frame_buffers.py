@@ -22,9 +22,14 @@ FRAME_S = 1 / 60
 the true contact area as at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
-"""Rows of ``FrameBuffers.worklist``: frozen bodies hit by an impact; live bodies due for the flat and for the leaning
-test; live bodies that newly lie on the stack, and those that no longer do; kinematic bodies that began to move, and
-frozen bodies that one of them moves; frozen bodies on which a push has changed."""
+"""Rows of ``FrameBuffers.worklist``:
+
+- STRUCK: frozen bodies hit by an impact;
+- AT_REST, LEANING: live bodies due for the flat test, and for the leaning test;
+- LYING, GONE: live bodies that newly lie on the stack, and live bodies that no longer lie on it;
+- MOVED: kinematic bodies that began to move, and frozen bodies that a kinematic body moves;
+- PUSHED: frozen bodies on which a push has changed.
+"""
 STOOD, LENGTH, NOW, HAS_FORCES = range(4)
 """Entries of ``FrameBuffers.clock``."""
 

@@ -99,7 +99,7 @@ def holds_on_pivot(
 
 @compiled
 def leans_stably(graph: Graph, body: int, gravity: float) -> bool:
-    """Return the result of the paper's leaning test for a body with its stack data; False unless two contacts lean.
+    """Return the result of the paper's leaning test for a body with its stack data; False without exactly two patches.
 
     Args:
         graph: the stack.

@@ -36,7 +36,7 @@ NEGLIGIBLE = 1e-3
 """Share of a patch's area below which a vertex is dropped, because the points of several frames scatter and each vertex
 costs time."""
 _LOAD, _FILED = -1, -2
-"""Kinds beside SUPPORT and LEAN: the other body stands on this one; the contact is already in a patch."""
+"""Further kinds of contacts: the other body stands on this body; the contact is already in a patch."""
 
 
 @compiled

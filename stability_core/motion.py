@@ -16,8 +16,7 @@ from stability_core.stack import ABSENT, DOUBTED, FALLS, FROZEN, LIVE, NOT_REFUS
 def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
     """Read mass and centre of the live bodies; a speed is the difference of two centres over ``dt``.
 
-    A new body has no speed yet and counts as infinitely fast. Kinematic bodies are followed by
-    ``kinematic.follow_host``.
+    A new body has no speed yet and counts as infinitely fast. ``kinematic.follow_host`` updates kinematic bodies.
 
     Returns:
         Number of frozen bodies in the list.

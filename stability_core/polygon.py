@@ -50,7 +50,7 @@ def _outer_rows(points: FloatArray) -> IntArray:
 
 @compiled
 def _ranked_in_plan(points: FloatArray) -> IntArray:
-    """Return the rows by x, then y, without repetitions; of many points only possible corners of the hull."""
+    """Return the rows by x, then y, without repetitions; of many points, only possible corners of the hull."""
     if len(points) > MANY:
         rows = _outer_rows(points)
         rows = rows[np.argsort(points[rows, 1], kind="mergesort")]

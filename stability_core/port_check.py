@@ -27,11 +27,12 @@ APART = 0.1
 """Least separation of a body's contacts with the ground at which the body cannot rest there, over the distance from its
 centre to the contacts."""
 STOPPED = 1e-3
-"""Share of its size that a body at rest may move per frame."""
+"""Greatest motion of a body at rest in one frame, over its size."""
 SAME = 1e-6
-"""Share of its size, or of its mass, by which a frozen body may change: a rounding of single precision."""
+"""Greatest change of a frozen body's position over its size, or of its mass over its mass: a rounding error of single
+precision."""
 ASLEEP = 10
-"""Frames for which a body is frozen in the check: in free fall it would move by 14 cm."""
+"""Number of frames for which the check freezes a body; in free fall the body would move by 14 cm."""
 
 Step: TypeAlias = Callable[[], object]
 

@@ -14,7 +14,7 @@ from stability_core.port import GROUND, Contacts, Masses
 
 _FRAME_S = 1 / 60
 _RESTING_FRAMES = 90
-"""Enough frames for every body to freeze, also those in doubt."""
+"""Number of frames after which every body is frozen, also bodies in doubt."""
 _HALF = 0.05
 """Half the edge of the cubes [m]."""
 _UP, _ASIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)

@@ -1,8 +1,8 @@
 """The stack as a graph in two flat tables: bodies, and the contact patches that join them.
 
-A patch joins an upper body to its support or leaning partner. Patches hang in two linked lists, one of each body's
-supports and one of its loads, so that a change costs as much as the touched bodies, at any height. Frozen pairs keep
-the patch of their freezing, because engines drop such contacts.
+A patch joins an upper body to its support or leaning partner. Each body has two linked lists of patches, one of its
+supports and one of its loads, so that the cost of a change depends only on the bodies touched, not on the height of the
+stack. Frozen pairs keep the patch of their freezing, because engines drop such contacts.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ ABSENT, LIVE, FROZEN, FIXED, MOVING = range(5)
 """A body's ``state``; FIXED and MOVING are for kinematic bodies."""
 SUPPORT, LEAN = 0, 1
 PROVEN, IN_DOUBT, NOTED = 0, 1, 2
-"""A body's ``doubt``: NOTED once its surroundings are recorded, so that any change is seen."""
+"""A body's ``doubt``: NOTED once its surroundings are recorded, so that any change is detected."""
 NOT_REFUSED, TOPPLES, FALLS, DOUBTED = 0, 1, 2, 3
 """A body's ``refusal``: the policy's reason for the last refusal to freeze the body."""
 NONE = -1
@@ -26,7 +26,7 @@ NONE = -1
 FEW = 16
 """Number of ids up to which an insertion sort is fastest."""
 MAX_VERTICES = 16
-"""Vertices kept per contact patch; box on box has at most 8 per frame."""
+"""Greatest number of vertices kept per contact patch; a box on a box has at most 8 per frame."""
 
 Bodies: TypeAlias = Any
 """Structured array of ``BODY``, one row per body: see ``rows``. In the kernels a body's number is its row."""
@@ -42,7 +42,7 @@ BODY = np.dtype(
         ("blow", "f8"),  # slide that the blows of the latest frame would cause [m]
         ("slid", "f8"),  # sum of such slides since it was frozen [m]; infinite for a hard blow
         ("center", "f8", (3,)),  # centre of mass [m]: C_obj of Eq. 1
-        ("size", "f8"),  # from the centre of mass to the farthest contact point seen so far [m]
+        ("size", "f8"),  # distance from the centre of mass to the farthest contact point so far [m]
         ("least_load", "f8"),  # of a kinematic body: size of the smallest body that has touched it [m]
         ("swept", "f8"),  # of a kinematic body: path of its surface below frozen bodies since it was still [m]
         ("sweep", "f8"),  # of a kinematic body: greatest speed of that surface in this frame [m/s]
@@ -68,7 +68,7 @@ BODY = np.dtype(
         ("lean_s", "f8"),  # at rest by the rule for leaning
         ("load_s", "f8"),  # slow enough to lie on its support
         ("unsettled", "?"),  # woken, and since then neither moving nor calm for ``calm_s``
-        ("idle_s", "f8"),  # at rest by the strict rule, whatever it touches
+        ("idle_s", "f8"),  # at rest by the strict rule, with any or no contacts
         ("is_resting", "?"),  # at rest for as long as freezing requires
         ("wakes", "i8"),  # number of wakes since it was last in flight
         ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies below it, in this frame

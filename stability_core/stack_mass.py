@@ -127,7 +127,7 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
 def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
     """Return m_stack [kg] and C_stack: x, y, z [m], of a body with all its loads (Eqs 2 and 1).
 
-    The paper's equations for one body above are used for every body on this one (split branch):
+    The paper's equations for one body above are applied to every body above (split branch):
 
     m_stack = m_obj + sum m_above,    C_stack = (C_obj m_obj + sum C_above m_above) / m_stack
     """

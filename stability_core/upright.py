@@ -1,4 +1,4 @@
-"""The upright frame, in which gravity points down the z axis; the kernels use no other.
+"""The upright frame, in which gravity points down the z axis; the kernels use no other frame.
 
 The port uses the coordinates of its world. Points, normals, centres and velocities are turned at the boundary; for
 gravity (0, 0, -g) both frames are the same and nothing is turned.

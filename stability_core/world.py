@@ -113,7 +113,7 @@ class World:
         return due, kept, row
 
     def frozen_listed(self, masses: Masses) -> list[tuple[int, float, float]]:
-        """Return the listed frozen bodies: row, mass [kg], and distance [m] from the frozen place."""
+        """Return the listed frozen bodies: row, mass [kg], and distance [m] from the position at freezing."""
         rows = self._find(laid_out(masses.body, IDS))
         center = self.upright.turn_masses(masses).center_of_mass
         table = self.graph.bodies

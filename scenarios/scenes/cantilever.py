@@ -37,7 +37,7 @@ def cantilever(
     taken: Annotated[str, Choice("nothing", "load", "counterweight")] = "nothing",
     scale: Scale = 1.5,
 ) -> Plan:
-    """A beam that reaches beyond its pier, held by a counterweight; then load or counterweight is taken away.
+    """A beam that reaches beyond its pier, held by a counterweight; then the load or the counterweight is removed.
 
     Args:
         margin: share by which the load is lighter than the limit; negative if the load is heavier.

@@ -35,7 +35,7 @@ character."""
 
 @dynamic_scenario
 def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
-    """A plank on a pedestal and a prop, on which a character moves about; then the prop goes, then the character.
+    """A plank on a pedestal and a prop, on which a character moves; the prop is removed, then the character.
 
     Args:
         margin: distance of the plank's middle inside the pedestal's edge, over half its length; negative if outside.
@@ -65,7 +65,7 @@ def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
 
 
 def _movements(brick: int, impulse: float, start: float, end: float) -> list[Push]:
-    """Return pushes of a brick along x, ``impulse`` [N s] to and fro, from ``start`` to before ``end`` [s]."""
+    """Return pushes of a brick along x by ``impulse`` [N s], alternating in sign, between ``start`` and ``end`` [s]."""
     count = round((end - start) / STEP_S) // 2 * 2  # as many to the left as to the right
     return [
         Push(start + number * STEP_S, brick, (impulse if number % 2 else -impulse, 0.0, 0.0)) for number in range(count)

@@ -25,7 +25,7 @@ TABLE = 6.0
 
 @scenario
 def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margin = 0.15, scale: Scale = 1.0) -> Plan:
-    """Planks at a table's edge, each reaching beyond the one below by a harmonic offset.
+    """Planks at a table's edge, each reaching beyond the plank below by a harmonic offset.
 
     Args:
         bricks: number of planks, without the table.

@@ -1,4 +1,4 @@
-"""A heavy cube on light ones: a column of two, or a pyramid with a heavy cap.
+"""A heavy cube on light cubes: a column of two, or a pyramid with a heavy cap.
 
 Theory: weight only presses a stack together. In a pyramid every cube passes its load to its two supports in equal
 halves, so that nothing turns under a cap of any weight. In a column the upper cube tips if its centre lies beyond the
@@ -34,7 +34,7 @@ def heavy_top(
     aside: Annotated[float, Real(0, 0.9)] = 0.0,
     rows: Annotated[int, Whole(2, 10)] = 10,
 ) -> Plan:
-    """A heavy cube on light ones: a column of two, or a pyramid with a heavy cap.
+    """A heavy cube on light cubes: a column of two, or a pyramid with a heavy cap.
 
     Args:
         stack: "column" of two cubes, or "pyramid" of ``rows`` rows.

@@ -29,9 +29,9 @@ HEAVY = 100 * MASS
 TILE = (0.3 * LENGTH, WIDTH, THICKNESS)
 """Edges of the tile [m]."""
 LEANS_AT = 0.27
-"""Distance from the slab's foot, along the slab, at which it leans on the block's edge [m]."""
+"""Distance from the slab's foot, along the slab, at which the slab leans on the block's edge [m]."""
 LIES_AT = {"upper": 0.20, "lower": 0.06}
-"""Distance of the tile's middle from the slab's foot, along the slab [m], by half."""
+"""Distance of the tile's middle from the slab's foot, along the slab [m], for each half of the ramp."""
 
 
 @scenario

@@ -44,7 +44,7 @@ def jenga(
     speed: Annotated[float, Real(0, 1)] = 0.0,
     gap: Gap = 2.0,
 ) -> Plan:
-    """Three planks a level in turn along and across; then two of the second level are taken, and so on upward.
+    """Three planks a level, alternately along and across; then two of the second level are removed, and so on upward.
 
     Args:
         levels: number of levels, of three planks each.
@@ -81,14 +81,14 @@ def jenga(
 
 
 def _taken(plank: int, level: int, time: float, speed: float) -> Action:
-    """Return the action that removes a plank, given by its place in the order of placement, from its level."""
+    """Return the action that removes a plank, given by its index in the order of placement, from its level."""
     if not speed:
         return Remove(time, plank)
     return Pull(time, plank, (speed, 0.0) if level % 2 else (0.0, speed), WAY / speed)
 
 
 def _layers(levels: int, robbed: Container[int], gap: float) -> Iterator[list[Brick]]:
-    """Yield the planks of each level, ``gap`` [m] apart, from the lowest; those of ``robbed`` levels taller."""
+    """Yield the planks of each level, ``gap`` [m] apart, from the lowest; planks of ``robbed`` levels are taller."""
     bottom = 0.0
     for level in range(1, levels + 1):
         height = THICKNESS * (TALL if level in robbed else 1)

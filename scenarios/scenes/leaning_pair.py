@@ -1,4 +1,4 @@
-"""Two planks that lean against each other, at rest: an inverted V that is set down without a gap.
+"""Two planks that lean against each other, at rest: an inverted V that is placed without a gap.
 
 Theory: see ``card_house``. The feet need the friction (cot(theta) - t / L) / 2 if the force at the ridge is horizontal,
 which is the normal of two edges that meet (*bisector*). Where an engine reports a plank's face as the normal there

@@ -1,4 +1,4 @@
-"""A log cabin: two parallel planks a level, each level across the one below.
+"""A log cabin: two parallel planks a level, each level across the level below.
 
 Theory: each plank rests with both ends on the two planks below and carries the next two planks at its ends,
 symmetrically. Half of the load above passes down through each plank, through the contact squares at its ends. So the
@@ -23,7 +23,7 @@ APART = (LENGTH - WIDTH) / 2
 
 @scenario
 def log_cabin(*, levels: Annotated[int, Whole(1, 200)] = 8) -> Plan:
-    """Two parallel planks a level, each level across the one below.
+    """Two parallel planks a level, each level across the level below.
 
     Args:
         levels: number of levels, of two planks each.

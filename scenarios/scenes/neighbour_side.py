@@ -25,7 +25,7 @@ from scenarios.scenario import Plan, scenario
 PEDESTAL = 6.0
 """Height of the pedestal in thicknesses of a plank, which leaves room to tip."""
 NEIGHBOUR, COUNTERWEIGHT = 10.0, 2.0
-"""Masses of the neighbour and of the counterweight over that of the brick."""
+"""Masses of the neighbour and of the counterweight, over the mass of the brick."""
 PIECE, INWARD = 0.3, 0.3
 """Length of the counterweight, and its distance from the brick's middle, inward, in lengths of a plank."""
 PAUSE_S = 2.0

@@ -20,7 +20,7 @@ from scenarios.scenario import Plan, scenario
 
 @scenario
 def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Real(0, 90)] = 58.5) -> Plan:
-    """Rows of planks, each row one plank shorter and across the gaps of the one below.
+    """Rows of planks, each row one plank shorter and across the gaps of the row below.
 
     Args:
         rows: number of rows, and of planks in the lowest row.

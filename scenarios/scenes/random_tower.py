@@ -32,7 +32,7 @@ MOST = 60
 
 @scenario
 def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated[int, Whole(2, MOST)] = 12) -> Plan:
-    """Planks laid at random along x, each with its middle somewhere over the one below.
+    """Planks placed at random along x, each with its middle somewhere over the plank below.
 
     Args:
         draw: number of the tower, from which all its offsets follow.
@@ -67,7 +67,7 @@ def room(middles: Sequence[float]) -> float:
 
 
 def falls_at(middles: Sequence[float]) -> int | None:
-    """Return the first number of planks that cannot stand; None if all can."""
+    """Return the first number of planks that cannot stand; None if all planks stand."""
     return next((n for n in range(2, len(middles) + 1) if room(middles[:n]) < 0), None)
 
 

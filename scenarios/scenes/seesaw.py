@@ -29,7 +29,7 @@ MASS = 0.5
 LOWER, UPPER = 0.09, 0.24
 """Distances of the two edges from the plank's lower end, along the plank [m]."""
 LIES_AT = {"between": 0.15, "beyond": 0.03}
-"""Distance of the block's middle from the plank's lower end, along the plank [m], by name."""
+"""Distance of the block's middle from the plank's lower end, along the plank [m], for each value of ``block``."""
 HEIGHT = 0.12
 """Height of the lower edge [m], which leaves room to tip."""
 SUPPORT: tuple[float, float] = (0.02, 0.08)

@@ -1,4 +1,4 @@
-"""A block at rest on a fixed slope, set down without a gap: it slides by friction, or tips over its lower edge.
+"""A block at rest on a fixed slope, placed without a gap: it slides by friction, or tips over its lower edge.
 
 Theory: with angle theta, friction mu and a ratio r of height over width
 

@@ -44,9 +44,9 @@ class _Robbery:
     build: Callable[..., Scene]
     """Builder of the stack. It takes the argument ``gap`` [mm] if ``has_gap``."""
     load: tuple[int, ...]
-    """Bricks on top, which carry nothing, by their places in the order of placement."""
+    """Bricks on top, which carry nothing, as indices in the order of placement."""
     support: int
-    """A brick of the lowest level, by its place in the order of placement."""
+    """A brick of the lowest level, as an index in the order of placement."""
     is_raised: bool = True
     """True if the stack stands on pedestals; then the indices above count from the first brick that is no pedestal."""
     has_gap: bool = False
@@ -71,7 +71,7 @@ def robbed_stack(
     gap: Gap = 2.0,
     pause: Annotated[float, Real(1, 100)] = PAUSE_S,
 ) -> Plan:
-    """A stack that stands, from which the topmost load or a lowest support is taken.
+    """A stack that stands, from which the topmost load or a support of the lowest level is removed.
 
     Args:
         stack: a name of ``STACKS``.
@@ -104,7 +104,7 @@ def robbed_stack(
 
 
 def _two_blocks() -> Scene:
-    """Return one cube on another: without the lower one the upper one drops straight down."""
+    """Return one cube on another: without the lower cube, the upper cube drops straight down."""
     blocks = [box((EDGE, EDGE, EDGE), 0.0, level=level, bottom=(level - 1) * EDGE, mass=1.0) for level in (1, 2)]
     return Scene(
         scenario="two_blocks",

@@ -40,17 +40,18 @@ from scenarios.statics.contact_wrenches import Corners
 IntArray: TypeAlias = npt.NDArray[np.int64]
 
 PRECISION = 1e-8
-"""Imbalance of a body that counts as none, in weights of that body: a fall of 1e-4 g is known to 1e-4 of itself."""
+"""Imbalance of a body up to which it counts as balanced, over its weight: an acceleration of 1e-4 g is then exact to
+1e-4 of its value."""
 ROUNDING = 1e-15
 """Rounding error of forces that cancel, as a share of the forces."""
 STEPS = 40
-"""Newton steps of one stage. Piles that converge take 1 to 12 in stage 1."""
+"""Greatest number of Newton steps of one stage. Piles that converge take 1 to 12 in stage 1."""
 HALVINGS = 20
 """Greatest number of halvings of a step in stage 1."""
 ROUNDS = 20
-"""Rounds of fixed friction bounds. Tight courses take up to 10, arches and logs up to 18."""
+"""Greatest number of rounds of fixed friction bounds. Tight courses take up to 10, arches and logs up to 18."""
 _DECREASE = 1e-4
-"""Share of the predicted decrease, of the imbalance or with fixed bounds of the energy, that a step must achieve."""
+"""Least decrease by a step, over the predicted decrease: of the imbalance or, with fixed bounds, of the energy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,7 @@ class _Iterate:
     forces: FloatArray
     """Normal and tangential forces, shape (p, 3)."""
     imbalance: FloatArray
-    """Left side minus right side, shape (6 n,)."""
+    """Left side minus right side of the first equation of the module, shape (6 n,)."""
     size: float
     """Euclidean norm of the imbalance."""
     energy: float
@@ -76,7 +77,7 @@ class _Iterate:
 
 
 class CompliantPile:
-    """Bodies with masses and weights, on compliant contacts with friction; see the module."""
+    """Bodies with masses and weights, on compliant contacts with friction; see the module docstring."""
 
     def __init__(
         self, wrenches: csr_array, masses: FloatArray, gyration: FloatArray, load: FloatArray, friction: float, r: float
@@ -171,8 +172,11 @@ class CompliantPile:
     def _step(self, iterate: _Iterate, kappa: float, *, are_fixed: bool) -> FloatArray | None:
         """Return Newton's step; None if the matrix is singular.
 
-        -df/dv at a corner has the blocks: 1 if closed (normal, normal); r I if it sticks, else r b / |q| (I - e e^T),
-        with q the pull and e = q / |q| (tangential, tangential); mu e if it slides and b = mu f_n (tangential, normal).
+        With the pull q and e = q / |q|, -df/dv at a corner has the blocks
+
+        - normal, normal: 1 if the corner is closed;
+        - tangential, tangential: r I if it sticks, else r b / |q| (I - e e^T);
+        - tangential, normal: mu e if it slides and b = mu f_n.
         """
         closed = iterate.opening < 0
         along = iterate.pull / np.where(iterate.pulled > 0, iterate.pulled, 1.0)[:, None]

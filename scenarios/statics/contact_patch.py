@@ -32,7 +32,7 @@ GROUND = -1
 
 TOUCH = 1e-6
 """Gap or overlap of boxes in contact, as a share of their thinnest edge: far above rounding, far below any plan's gap.
-A share, not a length, so that a pile is judged alike at 8 mm and at 8 m."""
+It is a share, not a length, so that the verdict is the same at 8 mm and at 8 m."""
 RIDGE_GAP = 0.04
 """Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge: the scenes leave 0.2 mm there
 (0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""

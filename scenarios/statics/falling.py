@@ -38,7 +38,7 @@ planned on it."""
 SLIDE_LIMIT = 1.0
 """Distance from which a brick has slid or dropped, over its least edge."""
 SIDES = 16
-"""Sides of the pyramids inscribed into the Coulomb cones: friction is too small by 2 % at most."""
+"""Number of sides of the pyramids inscribed into the Coulomb cones; friction is too small by at most 2 %."""
 _STILL = 1e-6
 """Speed up to which a body counts as still because of rounding, as a share of the fastest body's speed."""
 
@@ -90,7 +90,7 @@ def _inverse_roots(mass: float, gyration: FloatArray, length: float) -> tuple[Fl
 
 
 def _way_to_the_limit(bricks: Sequence[Brick], linear: FloatArray, angular: FloatArray) -> float:
-    """Return the least q at which q times the motion topples or slides a brick, or else drops one."""
+    """Return the least q at which q times the motion topples or slides a brick, or else drops a brick."""
     thickness = np.array([min(brick.size) for brick in bricks])
     fastest = float(np.linalg.norm(linear, axis=1).max())
     turning = np.hypot(angular[:, 0], angular[:, 1])

@@ -37,7 +37,7 @@ BALANCED = 1e-9
 """Residual below which forces balance, in weights of all bodies (moments: times the length unit). The solver's own
 tolerance could hide 6e-10; a harmonic overhang of 300 bricks that is too long by 1e-5 leaves 3e-7."""
 SIDES = 8
-"""Sides of the first pyramids with friction."""
+"""Number of sides of the first pyramids with friction."""
 ROUNDS = 24
 """Number of added sides after which the answer is doubt. A yawed V takes 12 sides within 1e-6 of the friction that it
 needs, and 16 within 1e-8."""
@@ -46,7 +46,7 @@ _SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 
 
 @dataclass(frozen=True, slots=True)
 class Statics:
-    """Whether bodies can rest, with the proof."""
+    """Result of statics: whether bodies can rest, with the proof."""
 
     verdict: Verdict
     """``stable``: forces that hold all bodies exist, and arise; ``unstable``: none exist; ``doubt``: neither is proven.
@@ -89,9 +89,9 @@ class Statics:
 class _Solution:
     residual: float
     forces: FloatArray
-    """In units of the mean weight, shape (p, 3)."""
+    """Forces on the second bodies, in units of the mean weight, shape (p, 3)."""
     motion: FloatArray
-    """Dual solution, shape (n, 6)."""
+    """Dual solution: virtual motion of each body, shape (n, 6)."""
 
 
 class _Balance:

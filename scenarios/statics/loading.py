@@ -71,7 +71,7 @@ MOST_SAG = 100.0
 12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let
 stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 / 100-270."""
 STANDS = 0.02
-"""Ratio of accelerations at kappa and kappa / 100 below which a pile stands: 0.01 is rest."""
+"""Ratio of accelerations at kappa and kappa / 100 below which a pile stands; a pile at rest has 0.01."""
 FALLS = 0.5
 """Ratio of these accelerations from which a pile falls: a free fall has 1. Of 450 tight courses none lay between both
 limits at the highest kappa; arches within 0.1 % of their limit do."""
@@ -87,7 +87,7 @@ Answer = Literal["stands", "falls", "doubt"]
 
 @dataclass(frozen=True, slots=True)
 class Loading:
-    """Whether a pile that is loaded from zero comes to rest."""
+    """Result of loading a pile from zero: whether it comes to rest."""
 
     verdict: Answer
     why: str
@@ -95,7 +95,7 @@ class Loading:
     sag: float
     """Greatest sag of a body; infinite if the pile does not come to rest."""
     acceleration: float
-    """Greatest acceleration that is left at the highest kappa, as a share of gravity, moments over the length unit."""
+    """Greatest remaining acceleration at the highest kappa [g]; angular accelerations count times the length unit."""
 
 
 def load_from_zero(

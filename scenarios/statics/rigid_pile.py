@@ -18,7 +18,7 @@ from scenarios.statics.contact_patch import GROUND
 from scenarios.statics.contact_wrenches import Corners
 
 SECTORS = 8
-"""Sectors of sliding directions outside the plane: friction is right within 1 - cos(22.5 deg) = 8 %."""
+"""Number of sectors of sliding directions in space; friction is exact within 1 - cos(22.5 deg) = 8 %."""
 _SAME = 1e-6
 """Difference, in length units, below which points of a planar pile count as lying behind each other."""
 

@@ -38,7 +38,7 @@ DRAWS = 5
 SPREAD = 3.0
 """Factor by which a corner may be softer or stiffer."""
 MOST_CHOICES = 40
-"""Binary variables up to which strong stability is computed: about three seconds."""
+"""Greatest number of binary variables for which strong stability is computed, which takes about 3 s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Agreement:
     """The verdict of two criteria."""
 
     verdict: Answer
-    """``doubt`` where they disagree, or one of them is in doubt."""
+    """The common verdict; ``doubt`` if the criteria disagree, or one of them is in doubt."""
     second: str
     """The criterion that confirms or contradicts loading."""
     why: str

@@ -68,7 +68,7 @@ _INFEASIBLE = 2
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """Whether zero is the only acceleration that rigid bodies may take from rest."""
+    """Result of strong stability: whether zero is the only acceleration that rigid bodies may take from rest."""
 
     verdict: Literal["strong", "weak", "doubt"]
     """``weak``: another solution exists (outside the plane: with friction right within 8 %); ``doubt``: not solved in
@@ -76,7 +76,7 @@ class Strength:
     fall: float
     """Greatest acceleration of a body along its weight in the solution that was found, in g; 0 without one."""
     choices: int
-    """Binary variables for the modes of all corners."""
+    """Number of binary variables for the modes of all corners."""
 
 
 def strong_stability(

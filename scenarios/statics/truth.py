@@ -45,12 +45,12 @@ def equilibrium(
 ) -> Statics:
     """Judge whether bricks in their planned poses can rest.
 
-    The verdict is free of scale: it is the same for planks of 8 mm and blocks of 8 m, of wood or of lead.
+    The verdict does not depend on scale: it is the same for planks of 8 mm and blocks of 8 m, of wood or of lead.
 
     Args:
         bricks: at least one; they must touch, not overlap (see ``contact_patch.TOUCH``).
         world: friction and gravity; a slope is tilted gravity.
-        walls: boxes that never move, beside those of the world.
+        walls: boxes that never move, in addition to ``world.fixed``.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
     Raises:
@@ -65,7 +65,7 @@ def equilibrium(
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     """Return the level at which a scene, built action by action, first has no equilibrium; None if it always stands.
 
-    After a removal it is the highest level placed so far. Actions at one time are judged together.
+    After a removal, the level is the highest level placed so far. Actions with the same time are judged together.
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.

@@ -1,7 +1,7 @@
 """Pass vertical forces from the top down: each body passes its load to its supports.
 
-For stacks on level contacts this finds an equilibrium in one sweep, O(contacts), where a joint solve of all bodies from
-zero takes some factorisations. Of all forces below a body that balance it, the sweep takes those of least norm,
+For stacks on load-bearing contacts, one sweep of O(contacts) finds an equilibrium, where a joint solve of all bodies
+from zero takes several factorisations. Of all forces below a body that balance it, the sweep takes those of least norm,
 
     minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0,
 
@@ -18,14 +18,14 @@ from stability_core.equilibrium.problem import BALANCED, Problem, add_wrench, gr
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 REFINEMENTS = 2
-"""Corrections of a share for rounding: the normal equations lose half of the digits."""
+"""Number of corrections of a body's forces for rounding, because the normal equations lose half of the digits."""
 ALONG_A_LINE = 1e-12
 """Regularisation, over the trace of the matrix, because contacts along a line leave one moment free."""
 
 
 @compiled
 def _solve_three(matrix: FloatArray, right: FloatArray) -> None:
-    """Solve a positive definite system of three rows in place of its right side; ``matrix`` is overwritten."""
+    """Solve a positive definite system of three rows; ``right`` becomes the solution, ``matrix`` is overwritten."""
     for j in range(3):
         for k in range(j):
             matrix[j, j] -= matrix[j, k] ** 2
@@ -46,7 +46,7 @@ def _solve_three(matrix: FloatArray, right: FloatArray) -> None:
 
 @compiled
 def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: FloatArray) -> None:
-    """Add the least forces of ``active`` contacts (k,) whose sums with the ``row``s (k, 3) are ``missing`` (3,)."""
+    """Add to ``force`` (k,) the least ``active`` forces whose products with ``row`` (k, 3) sum to ``missing`` (3,)."""
     matrix, right = np.zeros((3, 3)), missing.copy()
     for c in range(len(row)):
         if active[c]:
@@ -64,7 +64,7 @@ def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: F
 
 @compiled
 def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
-    """Write the forces (k,) of least norm, none negative, whose sums with the ``row``s (k, 3) are ``wanted`` (3,).
+    """Write to ``force`` (k,) the least non-negative forces whose products with ``row`` (k, 3) sum to ``wanted`` (3,).
 
     Contacts whose forces pull are excluded, the worst first, until no force pulls.
     """

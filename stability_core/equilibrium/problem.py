@@ -23,11 +23,11 @@ class Problem(NamedTuple):
     body_a: IntArray
     """First body of each contact, negative if it is fixed, shape (m,)."""
     body_b: IntArray
-    """Second body, on which the force acts; the opposite one acts on the first, shape (m,)."""
+    """Second body, on which the force acts, shape (m,); the opposite force acts on the first body."""
     lever_a: FloatArray
     """Lever from the first body's centre of mass to the contact, over that body's size, shape (m, 3)."""
     lever_b: FloatArray
-    """Lever from the second body's centre of mass, likewise, shape (m, 3)."""
+    """Lever from the second body's centre of mass to the contact, over that body's size, shape (m, 3)."""
     normal: FloatArray
     """Unit normals from a to b, shape (m, 3)."""
     friction: FloatArray
@@ -59,7 +59,7 @@ def along_contacts(problem: Problem, motion: FloatArray, velocity: FloatArray) -
 
 @compiled
 def add_wrench(load: FloatArray, sign: float, force: FloatArray, lever: FloatArray, size: float) -> None:
-    """Add ``sign`` times a force [N] at a ``lever`` [m] to a force and moment over ``size`` [m], shape (6,)."""
+    """Add ``sign`` times a force [N] at a ``lever`` [m], and its moment over ``size`` [m], to ``load`` (6,) [N]."""
     load[0] += sign * force[0]
     load[1] += sign * force[1]
     load[2] += sign * force[2]
@@ -84,7 +84,7 @@ def imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> None:
 
 @compiled
 def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) -> float:
-    """Return the largest imbalance of a body, over the largest force on it; infinite if anything is not finite."""
+    """Return the largest imbalance of a body, over the largest force on it; infinite if a value is not finite."""
     largest = np.zeros(len(rest))
     for i in range(len(rest)):
         for k in range(6):
@@ -107,7 +107,7 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 
 @compiled
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
-    """Return a lower bound on the greatest force of any equilibrium, over all weight; infinite for an exact Farkas ray.
+    """Return a lower bound on the greatest force of any equilibrium, over the total weight; infinite for a Farkas ray.
 
     Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. The part of w that may stay
     unbalanced is subtracted from r . w.

@@ -40,7 +40,7 @@ from stability_core.stack import (
 from stability_core.stack_mass import support_polygon
 
 ON_BORDER = 1e-9
-"""Distance [m] at which a point counts as lying on a border: larger than rounding."""
+"""Distance [m] up to which a point counts as lying on a border: larger than rounding."""
 SAME_NORMAL = 1e-6
 """Change of a normal's component that counts as none: a patch rebuilt from the same points keeps its normal."""
 SAME_MASS = 1e-9
@@ -170,7 +170,7 @@ def fingerprint(graph: Graph, body: int) -> int:
 
 @compiled
 def is_unchanged(graph: Graph, regions: Regions, body: int) -> bool:
-    """Return True if the surroundings of ``body`` are as when it was proven to stand, or frozen in doubt."""
+    """Return True if the surroundings of ``body`` are unchanged since it was proven to stand, or frozen in doubt."""
     return bool(fingerprint(graph, body) == regions[body].links)
 
 

@@ -191,7 +191,7 @@ def _held_within_slack(
     The rest is the shortest vector to A K; it is subtracted along its moments only.
 
     Args:
-        problem: bodies of which some roll.
+        problem: a problem with rolling bodies.
         force: forces (m, 3) that nearly hold them.
         rest: the unbalanced rest, shape (n, 6).
         residual: the greatest imbalance.

@@ -1,4 +1,4 @@
-"""The naive policy, which is the baseline: freeze every body at rest."""
+"""The naive policy, with which the others are compared: freeze every body at rest."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
 
 
 class AtRest(Policy):
-    """Freezes every body at rest, stable or not, and keeps it frozen while any support is left.
+    """The policy that freezes every body at rest, stable or not, and keeps it frozen while any support is left.
 
     It ignores the weaker rest rule for leaning bodies, which is meant for policies that test these bodies.
     """

@@ -28,7 +28,7 @@ class Decision(NamedTuple):
 
 
 class Policy(ABC):
-    """Decides which bodies at rest join the stack, and which frozen bodies leave it."""
+    """A rule that decides which bodies at rest join the stack, and which frozen bodies leave it."""
 
     name: ClassVar[str]
     judges_statics: ClassVar[bool] = True

@@ -77,7 +77,7 @@ def _together(first: IntArray, second: IntArray) -> IntArray:
 
 
 class Equilibrium(Policy):
-    """Freezes bodies that provably stand, and unfreezes bodies that take part in a collapse."""
+    """The policy that freezes bodies that provably stand, and unfreezes bodies that take part in a collapse."""
 
     name = "equilibrium"
 
@@ -332,9 +332,10 @@ class Equilibrium(Policy):
         joint: IntArray,
         most: int,
     ) -> IntArray | None:
-        """Return the frozen bodies that fall if live bodies ``joint`` (k,) share their weight as the stack needs it.
+        """Return the frozen bodies that fall in a joint solve with the live bodies ``joint`` (k,).
 
-        All other live bodies press as estimated. None if there are more than ``most`` bodies.
+        In this solve, the bodies ``joint`` distribute their weight as the stack needs it; all other live bodies press
+        as estimated. The result is None if there are more than ``most`` bodies.
         """
         borne = bearing(graph, self._memory, _together(seeds, carriers(graph, joint)), joint, self.gravity)
         together = _together(_together(ids, borne), joint)

@@ -136,7 +136,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, gravity: float)
 
 
 class Paper(Policy):
-    """Freezes bodies that pass the flat or the leaning test, and unfreezes bodies that fail the overall test."""
+    """The policy that freezes bodies by the flat or the leaning test, and unfreezes them by the overall test."""
 
     name = "paper"
 

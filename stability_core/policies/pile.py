@@ -155,7 +155,7 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
 
 
 class Pile(Policy):
-    """Freezes bodies at rest inside the angle of repose of their pile; structures stay live."""
+    """The policy that freezes bodies at rest inside the angle of repose of their pile; structures stay live."""
 
     name = "pile"
     judges_statics = False
@@ -171,7 +171,7 @@ class Pile(Policy):
         self._supports = NOBODY
 
     def set_gravity(self, gravity: float) -> None:
-        """Unfreeze every pile, because its shape was compared with the angle of repose about another vertical."""
+        """Unfreeze every pile, because its shape was compared with an angle of repose to another vertical."""
         super().set_gravity(gravity)
         self._supports[:] = np.iinfo(np.int64).max
 

@@ -16,7 +16,7 @@ FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
 LARGEST = 1e3
 """Upper limit [m, s] of a number in a file: a larger number is a typing error."""
 _HEAVIEST = 1e6
-"""Upper limit [kg] of a mass, likewise."""
+"""Upper limit [kg] of a mass in a file: a larger number is a typing error."""
 _UNIT = 1e-6
 """Tolerance of a quaternion's length."""
 
@@ -50,12 +50,12 @@ def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
 
 
 def read_fixed_box(name: str, table: Mapping[str, Any]) -> Brick:
-    """Return the fixed box of the table ``name``, of 1 kg."""
+    """Return the fixed box of the table ``name``, with a mass of 1 kg."""
     return _box(name, table, FIXED_FIELDS)
 
 
 def _box(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
-    """Return the box of a table, of 1 kg."""
+    """Return the box of a table, with a mass of 1 kg."""
     for field in table:
         look_up(f"field of {name}", field, dict.fromkeys(fields))
     length, width, height = _numbers(f"{name}.size", table.get("size"), 3, 1e-4)

@@ -40,7 +40,8 @@ from scenarios.statics.truth import equilibrium
 STANDS_S = 3.0
 """Time [s] for which a prebuilt stack must stand: several times the fall time of any engine."""
 WITHIN = 3.0
-"""Allowed time of a fall over ``fall_time``: engines may tip about a softer edge, and show it a frame later."""
+"""Allowed time of a fall over ``fall_time``, because engines may tip a stack about a softer edge, and show the fall a
+frame later."""
 TALL = 3.0
 """Height of a support, over the least edge of the brick on it, above which its loss is visible: with one end on the
 ground, the brick's centre has then sunk by more than half of that edge."""
@@ -113,12 +114,12 @@ def closed(scene: Scene) -> Scene:
 
 
 def _level_of_fall(scene: Scene) -> int | None:
-    """Return the level at which a scene falls while it is built; None if it does not."""
+    """Return the level at which a scene falls while it is built; None if it does not fall then."""
     return scene.expectation.level if scene.expectation.not_before_s == 0.0 else None
 
 
 def _merged(scene: Scene, built: str) -> Scene:
-    """Return the scene with all bricks set down at time 0."""
+    """Return the scene with all bricks placed at time 0, without a gap."""
     last = max(action.time for action in scene.actions if isinstance(action, Place))
     removals = [Remove(a.time - last, a.brick) for a in scene.actions if isinstance(a, Remove)]
     expectation = scene.expectation
