@@ -1,1 +1,1 @@
-"""Studies and their schema, selections, trials, policies and tolerances."""
+"""Studies: their schema, selections, trials, policies and tolerances."""

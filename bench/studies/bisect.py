@@ -15,24 +15,24 @@ class Bisect(BaseModel):
     parameter: str
     """Name of the scenario's parameter, a number; it must not be among those that the study sets."""
     low: StrictFloat | StrictInt
-    """Lower end of the search. Both ends are tried first."""
+    """Lower end of the search. The search starts with trials at both ends."""
     high: StrictFloat | StrictInt
     """Upper end of the search."""
     tolerance: float = Field(gt=0)
-    """Greatest width of the bracket that is left, in the unit of the parameter."""
+    """Greatest width of the final bracket, in the unit of the parameter."""
 
     @property
     def bisection(self) -> Bisection:
-        """The search, without its parameter."""
+        """Ends and tolerance of the search."""
         return Bisection(float(self.low), float(self.high), self.tolerance)
 
     @property
     def middle(self) -> float:
-        """The middle of the search."""
+        """Middle of the range of the search."""
         return (self.low + self.high) / 2
 
     @model_validator(mode="after")
     def _ends_are_apart(self) -> Bisect:
         if self.high - self.low < 2 * self.tolerance:
-            raise ValueError("'high' must lie above 'low' by two tolerances or more")
+            raise ValueError("'high' must exceed 'low' by two tolerances or more")
         return self

@@ -25,16 +25,16 @@ _PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "dict_type": lambda _: "must be a table",
     "model_type": lambda _: "must be a table",
 }
-"""Messages by pydantic's error type; other errors keep pydantic's message."""
+"""Messages, by the error type of pydantic; errors of other types keep pydantic's message."""
 
 
 def field_name(location: Iterable[str | int]) -> str:
-    """Return a place in a study in its author's notation, such as ``scenario[0].name``."""
+    """Return the location of a field in the notation of a study's author, such as ``scenario[0].name``."""
     parts = [part for part in location if isinstance(part, int) or not part.startswith(("list[", "function-"))]
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
 
 
 def plain_words(detail: Mapping[str, Any]) -> str:
-    """Return the message of one of pydantic's error details."""
+    """Return the plain message for an error detail of pydantic."""
     words = _PLAIN.get(detail["type"])
     return words(detail.get("ctx", {})) if words else str(detail["msg"]).removeprefix("Value error, ")

@@ -1,4 +1,4 @@
-"""The trials of a study. A trial's id is the unit of resume: same id, same trial."""
+"""The trials of a study. Trials are identified by their ids, also when a run continues."""
 
 from __future__ import annotations
 
@@ -17,32 +17,32 @@ from scenarios.registry import build
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One run of one scene on one engine under one policy."""
+    """A run of one scene on one engine and profile under one policy."""
 
     engine: str
     profile: str
     scenario: str
     scene: str
-    """Id of the scene's variant."""
+    """Id of the scene: the scenario with its parameters."""
     parameters: Mapping[str, int | float | str]
     policy: str
     seed: int
-    """Seed of the placement noise; 0 builds exactly."""
+    """Seed of the placement noise; seed 0 has no noise."""
     repeat: int
-    """Number of the repeat, from 0; repeats differ in timing only."""
+    """Number of the repeat, from 0; repeats have the same settings."""
     watch_s: float | None = None
-    """Time [s] for which it watches after its last action; None: the scene's."""
+    """Time for which the trial watches the scene after its last action [s]; None for the scene's own value."""
 
     @property
     def id(self) -> str:
-        """Id of the trial: unique within a study, the same in every run of it, and a valid file name."""
+        """Id of the trial, which is unique within a study, the same in every run, and a valid file name."""
         return f"{self.engine}.{self.profile}.{self.scene}.{self.policy}.s{self.seed}.r{self.repeat}"
 
     def build_scene(self) -> Scene:
         """Return the scene with this trial's placement noise.
 
         Raises:
-            NoRoomError: if its bricks fit too closely for placement noise.
+            NoRoomError: if the bricks fit too closely for placement noise.
         """
         return with_placement_noise(self.planned_scene(), self.seed)
 
@@ -53,10 +53,11 @@ class Trial:
 
 
 def plan_trials(study: Study) -> list[Trial]:
-    """Return all trials known beforehand, scene by scene, so that engines and policies are compared at similar times.
+    """Return all trials that are known before the run.
 
-    The policies on one stack follow each other at once and in alternating order (A B, then B A), so that a machine
-    that grows slower favours none of them. Of a bisected parameter both ends are known: see ``next_trials``.
+    Trials are ordered by scene, so that engines and policies are compared at similar times. The policies on one stack
+    follow each other in alternating order (A B, then B A), which cancels slow drifts of the machine's speed. For a
+    bisected parameter, only the trials at both ends are known; ``next_trials`` returns the others.
     """
     return [
         trial
@@ -67,22 +68,22 @@ def plan_trials(study: Study) -> list[Trial]:
 
 
 def waiting_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the trials that can be run now: the unfinished ones known beforehand, then ``next_trials``.
+    """Return the trials that can be run now: the unfinished trials of ``plan_trials``, then ``next_trials``.
 
     Args:
-        study: what is run.
-        statuses: how each trial that has ended did so, by its id.
+        study: the study to run.
+        statuses: status of each finished trial, by its id.
     """
     waiting = {trial.id: trial for trial in [*plan_trials(study), *next_trials(study, statuses)]}
     return [trial for name, trial in waiting.items() if name not in statuses]
 
 
 def next_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the trials that follow from those that have ended: the next of each bisection that goes on.
+    """Return the next trials of each unfinished bisection, which depend on the outcomes of finished trials.
 
     Args:
-        study: with scenarios that have a ``bisect``.
-        statuses: how each trial ended, by its id.
+        study: a study, some of whose scenarios may have a ``bisect``.
+        statuses: status of each finished trial, by its id.
     """
     following = []
     for chosen in study.scenario:
@@ -95,7 +96,7 @@ def next_trials(study: Study, statuses: Mapping[str, Status]) -> list[Trial]:
 
 
 def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> list[Trial]:
-    """Return the next trials of the bisection that begins with ``first``."""
+    """Return the next trials of a bisection; ``first`` is its trial at the lower end."""
     answers: dict[float, bool | None] = {}
     while (bracket := bisect.bisection.bracket(answers)).next:
         trials = [_at(first, bisect.parameter, value) for value in bracket.next]
@@ -106,7 +107,10 @@ def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> li
 
 
 def later_trials(study: Study) -> list[Trial]:
-    """Return stand-ins for the trials that follow by bisection, as many as there may be, all in the middle."""
+    """Return substitutes for the trials of bisections that are not known yet, for an estimate of their duration.
+
+    Their number is the greatest possible, and their parameter is the middle of the search.
+    """
     return [
         trial
         for chosen in study.scenario
@@ -123,7 +127,7 @@ def _at(first: Trial, parameter: str, value: float) -> Trial:
 
 
 def _trials_of(study: Study, scenario: str, parameters: Mapping[str, Value]) -> list[Trial]:
-    """Return every trial of one variant of a scenario."""
+    """Return all trials of one variant of a scenario."""
     variant = build(scenario, **parameters).variant
     runs = list(product(range(study.seeds), range(study.repeats)))
     return [

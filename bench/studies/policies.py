@@ -1,4 +1,4 @@
-"""The policies of a trial by name: the engine's own sleeping, or a policy of the core."""
+"""The policies of a trial, by name: the engine's own sleeping, or a policy of the core."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stability_core import POLICIES
 
 @dataclass(frozen=True, slots=True)
 class BenchPolicy:
-    """The engine's sleeping, and the policy of the core, if any."""
+    """A policy of a trial: the engine's sleeping, and the policy of the core, if any."""
 
     sleeping: Sleeping
     core: str | None

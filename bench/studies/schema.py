@@ -1,7 +1,7 @@
-"""Studies: engines, scenes, policies and the limits of a trial.
+"""The schema of a study: engines, scenes, policies and the limits of a trial.
 
-A study is a TOML file; the studies beside this file are known by their names. Every name is checked before anything
-runs, and an error names the file, the field and its allowed values.
+A study is a TOML file. The studies in the folder of this module are known by their names. All names are checked before
+the run, and an error names the file, the field and its allowed values.
 """
 
 from __future__ import annotations
@@ -35,8 +35,10 @@ from scenarios.lookup import UnknownNameError, look_up, unknown_name
 from scenarios.registry import SCENARIOS, build
 
 FOLDER = Path(__file__).parent
+"""Folder of the studies of the suite."""
 
 Value: TypeAlias = StrictInt | StrictFloat | StrictStr
+"""Value of a parameter of a scenario."""
 
 
 class StudyError(ValueError):
@@ -44,9 +46,11 @@ class StudyError(ValueError):
 
 
 MOST_SEEDS = 100_000
+"""Greatest number of seeds; a greater number is a typing error, and its plan would fill the memory."""
 MOST_REPEATS = 1_000
+"""Greatest number of repeats, for the same reason."""
 MOST_WATCH_S = 100 * 3600.0
-"""Upper limits of a plan: a larger number is a typing error, and the plan alone would fill the memory."""
+"""Greatest time of a watch [s], for the same reason."""
 
 
 def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
@@ -63,7 +67,7 @@ def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
 def _without_twins(names: list[str]) -> list[str]:
     twins = sorted({name for name in names if names.count(name) > 1})
     if twins:
-        raise ValueError(f"named twice: {', '.join(twins)}")
+        raise ValueError(f"named twice: {', '.join(twins)}; remove the repetition")
     return names
 
 
@@ -78,23 +82,23 @@ class _Model(BaseModel):
 
 
 class ChosenScenario(_Model):
-    """A scenario of a study, with its parameters; a list of values makes a variant of each."""
+    """A scenario of a study, with its parameters; each value in a list gives a variant of the scenario."""
 
     name: ScenarioName
     parameters: Mapping[str, Value | list[Value]] = {}
     tolerance: Tolerance = Tolerance()
-    """Tolerance of its trials when runs are compared."""
+    """Tolerance for comparisons of the scenario's trials with those of another run."""
     bisect: Bisect | None = None
-    """A parameter whose threshold is searched in every variant: each trial follows from those before."""
+    """Parameter whose threshold is searched in every variant; None without a search."""
 
     def variants(self) -> Iterator[dict[str, Value]]:
-        """Yield the parameters of every variant, without the bisected one: all combinations of the listed values."""
+        """Yield the parameters of every variant: all combinations of listed values, without the bisected parameter."""
         choices = [value if isinstance(value, list) else [value] for value in self.parameters.values()]
         for values in product(*choices):
             yield dict(zip(self.parameters, values, strict=True))
 
     def known_variants(self) -> Iterator[dict[str, Value]]:
-        """Yield the parameters of the variants that are known beforehand: of a bisected one both ends."""
+        """Yield the parameters of the variants known before the run: with both ends of the range if bisected."""
         for parameters in self.variants():
             if self.bisect is None:
                 yield parameters
@@ -106,10 +110,10 @@ class ChosenScenario(_Model):
         for name, value in self.parameters.items():
             if value == []:
                 raise ValueError(
-                    f"parameter '{name}': an empty list leaves no variant; name a value or leave the parameter out"
+                    f"parameter '{name}': an empty list gives no variant; add a value or leave the parameter out"
                 )
         if self.bisect is not None and self.bisect.parameter in self.parameters:
-            raise ValueError(f"parameter '{self.bisect.parameter}' is bisected: take it out of 'parameters'")
+            raise ValueError(f"parameter '{self.bisect.parameter}' is bisected: remove it from 'parameters'")
         for parameters in self.known_variants():
             try:
                 build(self.name, **parameters)
@@ -119,7 +123,7 @@ class ChosenScenario(_Model):
 
 
 class Rule(_Model):
-    """A rule for trials: it matches if every given field matches."""
+    """A rule that includes or excludes trials; it matches a trial if each non-empty field contains the trial's name."""
 
     engines: Annotated[list[EngineName], Distinct] = []
     profiles: Annotated[list[str], Distinct] = []
@@ -127,7 +131,7 @@ class Rule(_Model):
     scenarios: Annotated[list[ScenarioName], Distinct] = []
 
     def matches(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
-        """Return whether the rule matches such a trial."""
+        """Return whether the rule matches a trial with these names."""
         wanted = (self.engines, self.profiles, self.policies, self.scenarios)
         given = (engine, profile, policy, scenario)
         return all(value in names for value, names in zip(given, wanted, strict=True) if names)
@@ -135,19 +139,19 @@ class Rule(_Model):
     @model_validator(mode="after")
     def _says_something(self) -> Rule:
         if not (self.engines or self.profiles or self.policies or self.scenarios):
-            raise ValueError(f"a rule names at least one of: {', '.join(Rule.model_fields)}")
+            raise ValueError(f"a rule must name at least one of: {', '.join(Rule.model_fields)}")
         return self
 
 
 class Sweep(_Model):
-    """One profile of some engines with each combination of substeps and iterations: ``adapters.profile_variants``."""
+    """Variations of one profile of some engines: each combination of substeps and iterations."""
 
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
     profile: str = "game"
     substeps: Annotated[list[StrictInt], Distinct] = []
-    """Engine steps per frame; empty: the profile's."""
+    """Numbers of engine steps per frame; empty for the profile's own number."""
     iterations: Annotated[list[StrictInt], Distinct] = []
-    """Iterations of the engine's solver per step; empty: the profile's."""
+    """Numbers of iterations of the engine's solver per step; empty for the profile's own number."""
 
     def profiles(self) -> list[str]:
         """Return the names of the varied profiles."""
@@ -160,47 +164,47 @@ class Limits(_Model):
     """Limits of a trial and of a standing stack."""
 
     trial_wall_s: float = Field(default=60.0, gt=0)
-    """Wall time [s] after which a trial stops and is censored."""
+    """Wall time [s] after which a trial is stopped, so that its levels are censored."""
     memory_mib: int = Field(default=4096, ge=1)
-    """Memory [MiB] above which a trial's process is ended. A trial of a hundred planks uses about 300 MiB."""
+    """Resident memory [MiB] above which a trial's process is ended; a trial of a hundred planks uses about 300 MiB."""
     creep_per_min: float = Field(default=CREEP_LIMIT_PER_MIN, gt=0)
     """Greatest creep of a stack that must stand, in thicknesses of a brick per minute."""
     ratio: bool = True
-    """True if trials with an extension also measure the frame time without it on the same stack."""
+    """True to measure the frame time without the extension on the same stack, in trials with the extension."""
     forces: bool = False
-    """True if trials of an engine alone read its contact forces while a finished stack is watched, and compare them
-    with the forces that contacts can exert."""
+    """True to audit the contact forces while a finished stack is watched, in trials of an engine alone."""
 
 
 class Study(_Model):
-    """A plan for comparing engines and policies."""
+    """Plan of a comparison of engines and policies."""
 
     name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
     description: str = ""
     engines: Annotated[list[EngineName], Distinct] = Field(min_length=1)
     profiles: Annotated[list[str], Distinct] = ["game"]
-    """Profiles of every engine; may be empty if there is a sweep."""
+    """Profiles of every engine; the list may be empty if there is a sweep."""
     policies: Annotated[list[PolicyName], Distinct] = Field(min_length=1)
     scenario: list[ChosenScenario] = Field(min_length=1)
     seeds: int = Field(default=1, ge=1, le=MOST_SEEDS)
-    """Number of seeds: 0 to ``seeds - 1`` are run; seed 0 builds exactly."""
+    """Number of seeds, which run from 0 to ``seeds - 1``; seed 0 has no placement noise."""
     repeats: int = Field(default=1, ge=1, le=MOST_REPEATS)
+    """Number of repeats of each seed."""
     sweep: list[Sweep] = []
-    """Further profiles of the engines that each names, as far as the study has these engines."""
+    """Variations of profiles; engines of a sweep that the study does not name are skipped."""
     include: list[Rule] = []
-    """If not empty, only trials are run that match at least one rule."""
+    """Rules of which a trial must match at least one; empty to include all trials."""
     exclude: list[Rule] = []
-    """Trials that match one of these rules are not run."""
+    """Rules of which a trial must match none."""
     watch_s: float | None = Field(default=None, gt=0, le=MOST_WATCH_S)
-    """Time [s] for which every trial watches after its last action; None: the scene's."""
+    """Time for which every trial watches its scene after the last action [s]; None for the scene's own value."""
     limits: Limits = Limits()
 
     def has_same_plan(self, other: Study) -> bool:
-        """Return whether both studies plan the same trials: the description is prose."""
+        """Return whether both studies are equal except for the description."""
         return self.model_copy(update={"description": other.description}) == other
 
     def set_ups(self) -> list[tuple[str, str]]:
-        """Return every engine with each of its profiles, once."""
+        """Return the distinct pairs of engine and profile."""
         plain = [(engine, profile) for profile in self.profiles for engine in self.engines]
         swept = [
             (engine, profile)
@@ -212,7 +216,7 @@ class Study(_Model):
         return list(dict.fromkeys(plain + swept))
 
     def admits(self, engine: str, profile: str, policy: str, scenario: str) -> bool:
-        """Return whether the rules admit such a trial."""
+        """Return whether the rules admit a trial with these names."""
         named = (engine, profile, policy, scenario)
         included = not self.include or any(rule.matches(*named) for rule in self.include)
         return included and not any(rule.matches(*named) for rule in self.exclude)
@@ -232,9 +236,9 @@ class Study(_Model):
             if self.admits(engine, profile, policy, scenario)
         ]
         if not self.set_ups():
-            raise ValueError("field 'profiles': must not be empty without a sweep of one of the engines")
+            raise ValueError("field 'profiles': must not be empty without a sweep of one of the engines; add a profile")
         if not admitted:
-            raise ValueError("the rules of 'include' and 'exclude' leave no trial; remove or widen one")
+            raise ValueError("the rules of 'include' and 'exclude' leave no trial; remove or widen a rule")
         for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
                 profile_named(engine, profile)
@@ -254,7 +258,7 @@ _SCENARIO_PARTS: Mapping[str, type[BaseModel]] = {"tolerance": Tolerance, "bisec
 
 
 def study_names() -> list[str]:
-    """Return the names of the studies of the suite."""
+    """Return the names of the studies of the suite, sorted."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
@@ -262,9 +266,9 @@ def load_study(name: str) -> Study:
     """Return the study of the suite with this name, or of the TOML file ``name``.
 
     Raises:
-        UnknownNameError: if neither exists.
-        StudyError: if the file is no valid study.
-        EngineNotInstalledError: if the package of one of its engines is missing.
+        UnknownNameError: if ``name`` is neither the name of a study nor ends with ``.toml``.
+        StudyError: if the file cannot be read, or is not a valid study.
+        EngineNotInstalledError: if the package of an engine of the study is missing.
     """
     if name in study_names():
         path = FOLDER / f"{name}.toml"
@@ -275,18 +279,22 @@ def load_study(name: str) -> Study:
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise StudyError(f"{path}: cannot be read ({error.strerror})") from error
+        raise StudyError(f"{path}: cannot be read ({error.strerror}); name a readable file") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise StudyError(f"{path}: not valid TOML: {error}") from error
+        raise StudyError(f"{path}: not valid TOML: {error}; correct the file") from error
     return check_study(content, str(path))
 
 
 def check_study(content: Mapping[str, object], source: str) -> Study:
-    """Return a study from its fields; ``source`` names their origin in errors.
+    """Return the study with the given fields.
+
+    Args:
+        content: fields of the study, as in its TOML file.
+        source: origin of the fields, for error messages.
 
     Raises:
         StudyError: for an invalid field; the message names the source, the field and its allowed values.
-        EngineNotInstalledError: if the package of one of its engines is missing.
+        EngineNotInstalledError: if the package of an engine of the study is missing.
     """
     try:
         return Study.model_validate(content)
@@ -297,7 +305,7 @@ def check_study(content: Mapping[str, object], source: str) -> Study:
 
 def _complaint(detail: Mapping[str, Any]) -> str:
     location = detail["loc"]
-    if location[2:3] == ("parameters",) and len(location) > 4:  # a union has one error for each of its members
+    if location[2:3] == ("parameters",) and len(location) > 4:  # pydantic reports an error for each type of the union
         return f"field '{field_name(location[:4])}': must be a number, a text, or a list of these"
     field = field_name(location)
     if detail["type"] == "extra_forbidden":

@@ -1,4 +1,4 @@
-"""Selections: a study as narrowed or changed by the command line."""
+"""Selections, with which the command line narrows or changes a study."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from scenarios.registry import SCENARIOS
 
 _HOUR_S = 3600.0
 _USUAL_WATCH_S = 5.0
-"""How long [s] scenes watch that do not say otherwise."""
+"""Default time for which a scene is watched [s]."""
 OWN = ".toml"
 """Suffix of the file with a user's own scene."""
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The choices of the command line; an empty field or None keeps the study's value."""
+    """Choices of the command line; an empty field or None keeps the study's value."""
 
     engines: Sequence[str] = ()
     scenarios: Sequence[str] = ()
@@ -29,16 +29,16 @@ class Selection:
     profiles: Sequence[str] = ()
     seeds: int | None = None
     hours: float | None = None
-    """Simulated time [h] that every trial watches; the limit on wall time grows as much."""
+    """Simulated time for which every trial is watched [h]; the limit on wall time increases by the same factor."""
 
 
 def selected(study: Study, selection: Selection) -> Study:
     """Return the study with the selection applied; a selected scenario keeps the study's parameters, if any.
 
     Raises:
-        UnknownNameError: for a name that does not exist.
-        StudyError: for an impossible combination, such as a profile that an engine does not have.
-        EngineNotInstalledError: if the package of one of the engines is missing.
+        UnknownNameError: if a selected name does not exist.
+        StudyError: if the result is not a valid study, for example because an engine does not have a profile.
+        EngineNotInstalledError: if the package of a selected engine is missing.
     """
     for engine in selection.engines:
         look_up("engine", engine, ENGINES)
@@ -67,12 +67,12 @@ def selected(study: Study, selection: Selection) -> Study:
 
 
 def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
-    """Return the fields of a study that watches for ``watch_s`` [s]."""
+    """Return the fields that make a study watch for ``watch_s`` [s], with a longer limit on wall time."""
     longer = max(1.0, watch_s / (study.watch_s or _USUAL_WATCH_S))
     limits = study.limits.model_dump()
     return {"watch_s": watch_s, "limits": limits | {"trial_wall_s": limits["trial_wall_s"] * longer}}
 
 
 def _plain(name: str) -> dict[str, Any]:
-    """Return a scenario for which the study has no parameters: with its defaults, or from a file."""
+    """Return the fields of a selected scenario that is not in the study: by name with its defaults, or from a file."""
     return {"name": "own_scene", "parameters": {"file": name}} if name.endswith(OWN) else {"name": name}

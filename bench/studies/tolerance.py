@@ -1,4 +1,4 @@
-"""Tolerances: how much worse a trial may come out before it counts as a regression. A study may set them."""
+"""Tolerances of a comparison: differences of outcome and time below which a trial is no regression."""
 
 from __future__ import annotations
 
@@ -6,27 +6,28 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Tolerance(BaseModel):
-    """Tolerances of the gates, for all trials of a scenario.
+    """Tolerances of the gates, for all trials of a scenario; a study may set them.
 
-    An engine that repeats itself bit for bit needs none on the same machine. They are for its next version, another
-    processor, and engines that do not repeat themselves.
+    An engine that repeats bit for bit needs no tolerance on the same machine. Tolerances apply to its next version, to
+    another processor, and to engines that do not repeat bit for bit.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     levels: int = Field(default=0, ge=0)
-    """Levels by which a stack may fall short, or fall too early or late. Zero, because a user sees one level less. A
-    verdict that was right must stay right at any tolerance."""
+    """Tolerated difference [levels] in the height of a stack, or in the level of its fall. The default is zero, because
+    a user notices a missing level. A verdict that was right must stay right at any tolerance."""
     sink_m: float = Field(default=5e-5, ge=0)
-    """Deeper sink [m] that is always tolerated: a quarter of the 0.2 mm at which the core freezes a brick."""
+    """Tolerated increase of the sink [m]: a quarter of the 0.2 mm at which the core freezes a brick."""
     sink_share: float = Field(default=0.2, ge=0)
-    """Deeper sink that is tolerated, as a share of the base's."""
+    """Additionally tolerated increase of the sink, as a share of the base's sink."""
     creep_m_s: float = Field(default=1e-6, ge=0)
-    """Faster creep [m/s] that is allowed in any case: 2.5 micrometres over the last half of a watch of 5 s. Below
-    it lies chance: a stack that is let go a nanometre aside creeps at 1.4 in place of 0.7 micrometres a second on
+    """Tolerated increase of the creep [m/s]: 2.5 micrometres over the last half of a watch of 5 s. Smaller changes are
+    random, because a stack that is released a nanometre aside creeps at 1.4 instead of 0.7 micrometres per second on
     Bullet."""
     creep_share: float = Field(default=0.5, ge=0)
-    """Faster creep that is allowed, as a share of the base's; a creep whose interval includes zero is none.
-    It must find a doubled one, and let what another processor's last digits do to a slow slide pass."""
+    """Additionally tolerated increase of the creep, as a share of the base's creep. The default detects a doubled
+    creep, and tolerates the effect of another processor's rounding on a slow slide. A creep whose interval includes
+    zero counts as none."""
     time_share: float = Field(default=0.1, ge=0)
-    """Least slowdown that counts, as a share of the base's time: less does not justify a developer's attention."""
+    """Least slowdown that counts, as a share of the base's time, because a smaller one needs no attention."""

@@ -1,4 +1,4 @@
-"""Write a resolved study as TOML, for a results folder."""
+"""Conversion of a resolved study to TOML, for a results folder."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from bench.studies.tolerance import Tolerance
 
 
 def to_toml(study: Study) -> str:
-    """Return the study as TOML, which writes strings, numbers and flat lists as JSON does, and omits unset fields."""
+    """Return the study as TOML without unset fields.
+
+    Values are written by ``json``, because JSON's strings, numbers and flat lists are valid TOML.
+    """
     content = study.model_dump()
     scenarios, limits = content.pop("scenario"), content.pop("limits")
     rules = {kind: content.pop(kind) for kind in ("sweep", "include", "exclude")}

@@ -127,7 +127,10 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ),
         ({"limits": {"trial_wall_s": 0}}, "field 'limits.trial_wall_s': must be above 0"),
         ({"seeds": 0}, "field 'seeds': must be 1 or more"),
-        ({"exclude": [{}]}, "field 'exclude[0]': a rule names at least one of: engines, profiles, policies, scenarios"),
+        (
+            {"exclude": [{}]},
+            "field 'exclude[0]': a rule must name at least one of: engines, profiles, policies, scenarios",
+        ),
         ({"exclude": [{"engine": ["bullet"]}]}, "unknown field 'engine'; did you mean 'engines'?"),
         ({"include": [{"policies": ["papr"]}]}, "field 'include[0].policies[0]': unknown policy 'papr'"),
         ({"exclude": [{"engines": ["bullet"]}]}, "the rules of 'include' and 'exclude' leave no trial"),
@@ -202,7 +205,7 @@ def test_none_native_and_raised_run_the_engine_alone() -> None:
     [
         ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "named twice: four_stack"),
         ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "named twice: four_stack-3"),
-        ({"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]}, "an empty list leaves no variant"),
+        ({"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]}, "an empty list gives no variant"),
         ({"seeds": 10**9}, "must be 100000 or less"),
         ({"repeats": 10**9}, "must be 1000 or less"),
     ],
