@@ -1,1 +1,1 @@
-"""Run one trial: build its scene in an engine, step it, monitor and judge it."""
+"""Run one trial: build its scene in an engine, step the engine, and monitor and judge the stack."""

@@ -1,7 +1,7 @@
-"""Time the same standing stack without the extension: the baseline, all awake.
+"""Time the same standing stack without the extension: the baseline (all awake).
 
-Comparing two runs would compare two stacks, because the stack without the extension has often fallen by then. So the
-stack that the extension built is loaded, at its actual poses, into a fresh world in which every brick is awake.
+A second run without the extension is no baseline, because its stack has often fallen. Therefore the stack that was
+built with the extension is loaded, at its actual poses, into a new world in which every brick is awake.
 """
 
 from __future__ import annotations
@@ -21,29 +21,38 @@ from bench.trial.stepping import PlainFrames
 from scenarios.model import World
 
 WARM_UP_FRAMES = 2
-"""Warm-up frames: the first builds the engine's caches, the second starts from the contacts of the first."""
+"""Number of warm-up frames: the first builds the engine's caches, the second starts from the contacts of the first."""
 TIMED_FRAMES = 60
-"""Frames to be timed: a second of the stack."""
+"""Number of timed frames, one second at 60 Hz."""
 LEAST_FRAMES = 10
-"""Fewest frames that count as a measurement."""
+"""Fewest timed frames that give a frame time."""
 MOST_WORLDS = 20
-"""Most worlds to open: a tall stack falls within some frames of waking, so it is loaded again to time more frames."""
+"""Greatest number of worlds to open; a tall stack falls within a few frames and is loaded again to time more frames."""
 MOST_WALL_S = 20.0
-"""Wall time [s] after which no further frame starts, so that a slow engine does not spend its trial's limit here."""
+"""Wall time after which no further frame starts [s], so that a slow engine does not use up the limit of its trial."""
 HIGHEST_LEVEL = 25
-"""The paper's height: the ratio of a taller stack is taken at this level."""
+"""Greatest level at which a ratio is measured, the height of the paper's stacks."""
 
 
 @dataclass(frozen=True, slots=True)
 class BaselineTime:
-    """Frame time of an all-awake stack, or why there is none."""
+    """Frame time of an all-awake stack, or the reason for its absence."""
 
     frame_ms: float | None
+    """Mean frame time [ms]; None if it could not be measured."""
     message: str = ""
+    """Reason for a missing frame time."""
 
 
 def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> BaselineTime:
-    """Return mean frame time [ms] of the stack while it stands in fresh worlds of the engine alone."""
+    """Return the mean frame time of a stack while it stands in new worlds of the engine alone.
+
+    Args:
+        engine: name of the engine.
+        profile: name of the profile.
+        world: the world of the scene.
+        stack: the stack at its actual poses.
+    """
     times_ms: list[float] = []
     deadline = perf_counter() + MOST_WALL_S
     for _ in range(MOST_WORLDS):
@@ -51,13 +60,13 @@ def time_baseline(engine: str, profile: str, world: World, stack: Snapshot) -> B
         if len(times_ms) == TIMED_FRAMES or perf_counter() > deadline:
             break
     if len(times_ms) < LEAST_FRAMES:
-        why = "is too slow" if perf_counter() > deadline else "fell at once in each fresh world"
-        return BaselineTime(None, f"the awake stack {why}: too few frames to time")
+        why = "is too slow" if perf_counter() > deadline else "fell at once in each new world"
+        return BaselineTime(None, f"the awake stack {why}: too few frames could be timed")
     return BaselineTime(statistics.fmean(times_ms))
 
 
 def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simulation:
-    """Open a world of the engine alone that holds the stack at its actual poses, every brick awake."""
+    """Open a world of the engine alone that contains the stack at its actual poses with every brick awake."""
     unit = stack.quaternion / np.linalg.norm(stack.quaternion, axis=1, keepdims=True)
     bricks = [at_pose(*row) for row in zip(stack.bricks, stack.position, unit, strict=True)]
     simulation = open_engine(engine, profile, world=world, expected=bricks)
@@ -69,7 +78,7 @@ def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simu
 def _time_while_it_stands(
     engine: str, profile: str, world: World, stack: Snapshot, wanted: int, deadline: float
 ) -> list[float]:
-    """Return the times [ms] of up to ``wanted`` frames after the warm-up, as long as every brick is in place."""
+    """Return the frame times [ms] of up to ``wanted`` frames after the warm-up, until a brick is out of place."""
     plan = Plan.of(stack.bricks)
     simulation = open_awake(engine, profile, world, stack)
     try:

@@ -1,4 +1,4 @@
-"""Build a scene in an engine: place bricks, remove them, push, press and pull them."""
+"""Build a scene in an engine: place, remove, push, press, pull and drive bricks, and tilt the ground."""
 
 from __future__ import annotations
 
@@ -18,14 +18,20 @@ from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
-"""Time [s] for which a brick is held before it is pushed or pulled: the extension unfreezes it in the next frame."""
+"""Time for which a brick is held before it is pushed, pressed or pulled [s], so that the extension has unfrozen it."""
 
 
 class Builder:
-    """Carries out a scene's actions on a simulation, each in its frame."""
+    """Executor of a scene's actions on a simulation, each in the frame in which it is due."""
 
     def __init__(self, scene: Scene, simulation: Simulation, listener: Listener | None = None) -> None:
-        """Build ``scene`` in an empty ``simulation``; ``listener`` receives the bodies that a user holds."""
+        """Prepare to build a scene.
+
+        Args:
+            scene: the scene.
+            simulation: an empty simulation.
+            listener: receiver of the bodies that a user holds, and of changes of gravity; None without an extension.
+        """
         self._simulation = simulation
         self._fixed = Boxes.of(scene.world.fixed)
         self._is_poured = scene.poured
@@ -34,27 +40,27 @@ class Builder:
         self._drives = Drives(simulation)
         self._is_driving = False
         self._pending = list(reversed(scene.actions))
-        self._missing = Counter(brick.level for brick in scene.bricks)  # bricks not yet placed, by level
+        self._missing = Counter(brick.level for brick in scene.bricks)  # number of bricks not yet placed, by level
         self.bodies: list[int] = []
         """Ids of all released bricks, in the order of placement."""
-        self._planned: dict[int, Brick] = {}  # bricks in the world, by body
-        self._drop_below: dict[int, float] = {}  # bricks that lost their support, by body
+        self._planned: dict[int, Brick] = {}  # planned bricks in the world, by body
+        self._drop_below: dict[int, float] = {}  # drop heights [m] of bricks without their support, by body
         self.placed: dict[int, float] = {}
-        """The complete levels, each with the time [s] at which its last brick was released."""
+        """Time at which the last brick of each complete level was released [s], by level."""
         self.level = 0
-        """The highest level of which a brick has been released."""
+        """Highest level of which a brick has been released."""
         self.plan = Plan.of(())
         """Plan of the bricks in the world, in the order of ``Simulation.poses``."""
-        self._set_down: list[int] = []  # bodies of prebuilt stacks not yet returned by ``take_set_down``
+        self._set_down: list[int] = []  # bodies of prebuilt stacks that ``take_set_down`` has not yet returned
 
     @property
     def bricks(self) -> list[Brick]:
-        """The bricks in the world as planned, in the order of ``Simulation.poses``."""
+        """Bricks in the world at their planned poses, in the order of ``Simulation.poses``."""
         return list(self._planned.values())
 
     @property
     def is_done(self) -> bool:
-        """True when every action has been carried out."""
+        """True if every action has been completed."""
         return not (
             self._pending
             or self._manipulator.pulls
@@ -64,12 +70,12 @@ class Builder:
         )
 
     def take_set_down(self) -> list[int]:
-        """Return the bodies set down without a gap since the last call: a prebuilt stack, to be judged at once."""
+        """Return the bodies of prebuilt stacks that were placed since the last call, for the extension to judge."""
         bodies, self._set_down = self._set_down, []
         return bodies
 
     def act(self, time: float) -> None:
-        """Carry out all actions due at ``time`` [s], and continue longer ones."""
+        """Execute all actions that are due at ``time`` [s], and continue the actions in progress."""
         for body in self._manipulator.pull_on(time):
             self._forget(body)
             self._plan_anew()
@@ -94,7 +100,7 @@ class Builder:
             self._follow_pulls()
 
     def _carry_out(self, action: Action, time: float) -> None:
-        """Carry out an action, or start a longer one."""
+        """Execute an action, or start it if it takes longer than a frame."""
         match action:
             case Place():
                 self._place(action, time)
@@ -114,7 +120,7 @@ class Builder:
                 self._gravity.begin(action)
 
     def _follow_pulls(self) -> None:
-        """Plan every pulled brick at its actual pose, so that it counts as in place."""
+        """Set the planned pose of every pulled brick to its actual pose, so that the brick counts as in place."""
         bodies, position, quaternion = self._simulation.poses()
         for row, body in enumerate(bodies.tolist()):
             if body in self._manipulator.pulls:
@@ -124,12 +130,17 @@ class Builder:
         self._plan_anew()
 
     def _forget(self, body: int) -> None:
-        """Remove a brick that has left the simulation from the plan."""
+        """Remove a brick from the plan after its removal from the simulation."""
         self._drives.forget(body)
         self._note_lost_support(self._planned.pop(body), body)
 
     def _note_lost_support(self, before: Brick, moved: int) -> None:
-        """Note the bricks that rested on a brick that was removed or pulled from where it was ``before``."""
+        """Record the drop heights of the bricks that lost their support because a brick was removed or pulled.
+
+        Args:
+            before: the moved brick at its planned pose before the motion.
+            moved: body of the moved brick.
+        """
         rest = {body: brick for body, brick in self._planned.items() if body != moved}
         left = [self._planned[moved]] if moved in self._planned else []
         bodies, position, _ = self._simulation.poses()
@@ -166,11 +177,11 @@ class Builder:
                 self.placed[brick.level] = time
 
     def _resting_shift(self, action: Place) -> float:
-        """Return the shift [m] of planned heights that lets the group hang ``CLEARANCE`` above its support.
+        """Return the shift of planned heights [m] that puts the bricks of an action ``CLEARANCE`` above their support.
 
-        The support is a fixed box or a brick of a lower level. A brick planned beside the group is no support, though
-        it may overlap it in plan by the micrometres by which it has moved. Poured bricks do not lie where they were
-        planned.
+        The support is a fixed box or a brick of a lower level. A brick that is planned beside the group is no support,
+        although it may overlap the group horizontally by micrometres after a small motion. For a pile, planned places
+        are not compared, because poured bricks do not lie at them.
         """
         _, position, quaternion = self._simulation.poses()
         plan, group = self.plan, Boxes.of(action.bricks)
@@ -185,7 +196,13 @@ class Builder:
 
 
 def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick:
-    """Return a brick at the pose reported by an engine: position (3,) [m], quaternion (4,)."""
+    """Return a brick at the pose reported by an engine.
+
+    Args:
+        brick: the brick.
+        position: its centre [m], shape (3,), world frame.
+        quaternion: its orientation (w, x, y, z), shape (4,), world frame.
+    """
     x, y, z = position.tolist()
     w, i, j, k = quaternion.tolist()
     return replace(brick, position=(x, y, z), quaternion=(w, i, j, k))

@@ -1,15 +1,15 @@
 """Measure the creep of a finished stack: the slope of its bricks' positions over the last half of the watch.
 
-The slope's interval is that of Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): Newey and West's estimator of the
-variance with a bandwidth of the whole series. Frames are not independent draws, because a brick that trembles or sways
-is near its place a frame ago. The usual interval of a regression assumes independence and finds creep in stacks that
-only sway. This estimator needs no bandwidth to be chosen, and becomes wide where a series sways slowly or
-its slope is not steady.
+The interval of the slope is that of Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator of
+Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
+frames. Frames are not independent, because a vibrating or oscillating brick is close to its position in the frame
+before, so that the usual interval finds creep in stacks that only oscillate. The estimator used here requires no choice
+of a bandwidth. Its interval becomes wide if a series oscillates slowly or its slope is not steady.
 
-    t_i         times less their mean; n of them
+    t_i         times minus their mean, i = 1 ... n
     v           sum t_i x_i / sum t_i^2                   slope of the position x along the brick's own direction
     S_k         sum over i <= k of t_i (x_i - mean - v t_i)
-    variance    (2 / n) (sum S_k^2) / (sum t_i^2)^2       S_n is zero, as residuals are orthogonal to times
+    variance    (2 / n) (sum S_k^2) / (sum t_i^2)^2       S_n is zero, because residuals are orthogonal to times
     error       QUANTILE sqrt(variance)
 """
 
@@ -22,39 +22,45 @@ import numpy as np
 from bench.trial.measure import FloatArray
 
 QUANTILE = 5.78
-"""The ratio of slope to standard error that 95 % of series without a slope stay below: found by simulation of 100,000
-series of 1,000 independent numbers; 150 numbers give 5.77, 50 give 5.83. ``tests/bench/trial/test_creep.py`` repeats
-it."""
+"""95 % quantile of the ratio of slope to standard error for series without a slope, from a simulation of 100,000 series
+of 1,000 independent numbers; series of 150 numbers give 5.77, series of 50 give 5.83.
+``tests/bench/trial/test_creep.py`` repeats the simulation."""
 LEAST_FRAMES = 20
-"""Fewest frames that count as a measurement: a third of a second."""
+"""Fewest frames that give a creep: a third of a second at 60 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
 class Creep:
-    """The creep of bricks. The first three figures are of the brick that is fastest for its thickness."""
+    """Creep of bricks. The "fastest brick" has the greatest ratio of speed to thickness."""
 
     speed_m_s: float
-    """Speed of its centre [m/s]."""
+    """Speed of the centre of the fastest brick [m/s]."""
     error_m_s: float
-    """Half width [m/s] of the 95 % interval of that speed."""
+    """Half width of the 95 % interval of that speed [m/s]."""
     thickness_m: float
-    """Its least edge [m]."""
+    """Thickness (least edge) of the fastest brick [m]."""
     sliding_m_s: float
-    """Fastest horizontal speed [m/s] of any centre."""
+    """Greatest horizontal speed of a centre [m/s]."""
     sinking_m_s: float
-    """Fastest vertical speed [m/s] of any centre, downward or upward."""
+    """Greatest vertical speed of a centre, downward or upward [m/s]."""
 
 
 class CreepMeter:
-    """Takes the positions of the bricks after every frame; positions before ``from_s`` do not count."""
+    """Collector of the positions of bricks after every frame, from which it computes their creep."""
 
     def __init__(self, from_s: float) -> None:
+        """Start to collect positions at ``from_s`` [s]."""
         self._from_s = from_s
         self._times: list[float] = []
         self._positions: list[FloatArray] = []
 
     def see(self, time: float, position: FloatArray) -> None:
-        """Take the centres [m], shape (n, 3), at the end of a frame; the array must not change later."""
+        """Record the positions at the end of a frame; earlier positions are dropped if the number of bricks changes.
+
+        Args:
+            time: end of the frame [s].
+            position: centres of the n bricks [m], shape (n, 3); the array must not change later.
+        """
         if time <= self._from_s:
             return
         if self._positions and len(position) != len(self._positions[-1]):
@@ -63,19 +69,23 @@ class CreepMeter:
         self._positions.append(position)
 
     def measure(self, thickness: FloatArray) -> Creep | None:
-        """Return the creep of bricks of these thicknesses [m], shape (n,); None with too few frames."""
+        """Return the creep of the bricks; None with fewer than ``LEAST_FRAMES`` frames or without bricks.
+
+        Args:
+            thickness: thicknesses (least edges) of the n bricks [m], shape (n,).
+        """
         if len(self._times) < LEAST_FRAMES or not len(thickness):
             return None
         return creep_of(np.array(self._times), np.array(self._positions), thickness)
 
 
 def creep_of(time: FloatArray, position: FloatArray, thickness: FloatArray) -> Creep:
-    """Return the creep of bricks.
+    """Return the creep of n bricks over m frames.
 
     Args:
-        time: ends of frames [s], shape (m,).
-        position: centres [m], shape (m, n, 3).
-        thickness: least edges [m], shape (n,).
+        time: ends of the frames [s], shape (m,).
+        position: centres of the bricks [m], shape (m, n, 3).
+        thickness: thicknesses (least edges) of the bricks [m], shape (n,).
     """
     time = time - time.mean()
     moved = position - position[0]  # so that a brick that never moves has a slope of exactly zero
@@ -92,7 +102,13 @@ def creep_of(time: FloatArray, position: FloatArray, thickness: FloatArray) -> C
 
 
 def _error(time: FloatArray, moved: FloatArray, slope: FloatArray) -> float:
-    """Return the half width [m/s] of the 95 % interval of a brick's speed along its own direction."""
+    """Return the half width of the 95 % interval of a brick's speed along its direction of motion [m/s].
+
+    Args:
+        time: ends of the frames minus their mean [s], shape (m,).
+        moved: positions relative to the first frame [m], shape (m, 3).
+        slope: velocity of the brick by regression [m/s], shape (3,).
+    """
     speed = float(np.linalg.norm(slope))
     if speed == 0.0:
         return 0.0

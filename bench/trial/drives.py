@@ -1,4 +1,4 @@
-"""Bodies moved by the host: their velocities in each frame, and the plans of the bricks that they carry."""
+"""Driven bodies, which the host moves: their velocities in each frame, and the planned poses of carried bricks."""
 
 from __future__ import annotations
 
@@ -16,40 +16,45 @@ from scenarios.model import Brick, Drive
 
 @dataclass(slots=True)
 class _Driving:
-    """A moved body with its present and its target velocity."""
+    """A driven body with its initial and present velocity."""
 
     action: Drive
+    """Action with the target velocity."""
     start: FloatArray
-    """Velocity [m/s] and spin [rad/s] at the start of the action, shape (6,)."""
+    """Velocity [m/s] and angular velocity [rad/s] at the start of the action, shape (6,), world frame."""
     now: FloatArray
-    """Velocity and spin in the present frame, shape (6,)."""
+    """Velocity [m/s] and angular velocity [rad/s] in the present frame, shape (6,), world frame."""
 
 
 class Drives:
-    """Drives the moved bodies of one simulation."""
+    """The driven bodies of one simulation."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._driven: dict[int, _Driving] = {}
 
     def is_changing(self, time: float) -> bool:
-        """Return True while a body has not reached its target velocity."""
+        """Return True while a driven body has not reached its target velocity at ``time`` [s]."""
         return any(time < driving.action.until for driving in self._driven.values())
 
     def begin(self, body: int, action: Drive) -> None:
-        """Start to accelerate a body to a velocity."""
+        """Start to accelerate a body to the target velocity of ``action``."""
         before = self._driven.get(body)
         start = np.zeros(6) if before is None else before.now
         self._driven[body] = _Driving(action, start, start)
 
     def forget(self, body: int) -> None:
-        """Drop a body that left the world."""
+        """Remove a body that has left the world."""
         self._driven.pop(body, None)
 
     def go_on(self, time: float, planned: Mapping[int, Brick]) -> dict[int, Brick]:
-        """Drive for the frame that starts at ``time`` [s]; return the bricks whose plan moves, by body.
+        """Set the velocities of the driven bodies for one frame; return the bricks with a new planned pose, by body.
 
-        The velocity is that of the middle of the frame, so that a uniform acceleration covers its exact distance.
+        The velocity is that at the middle of the frame, so that a uniform acceleration covers the exact distance.
+
+        Args:
+            time: start of the frame [s].
+            planned: bricks in the world at their planned poses, by body.
         """
         frame_s = self._simulation.info.frame_s
         changed: dict[int, Brick] = {}
@@ -70,7 +75,15 @@ class Drives:
 def _moved(
     bodies: list[int], planned: Mapping[int, Brick], linear: FloatArray, angular: FloatArray, seconds: float
 ) -> dict[int, Brick]:
-    """Return the planned bricks after ``seconds`` on a moving platform, the first of ``bodies``."""
+    """Return the bricks on a driven platform at their new planned poses, by body.
+
+    Args:
+        bodies: bodies of the platform and of the bricks that it carries; the platform comes first.
+        planned: bricks at their present planned poses, by body.
+        linear: velocity of the platform [m/s], shape (3,), world frame.
+        angular: angular velocity of the platform [rad/s], shape (3,), world frame.
+        seconds: duration of the motion [s].
+    """
     center = np.array(planned[bodies[0]].position)
     turn = advanced(center, np.array((1.0, 0.0, 0.0, 0.0)), linear, angular, seconds)[1]
     moved = {}

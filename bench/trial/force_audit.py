@@ -11,14 +11,14 @@ from adapters.base import Simulation
 from adapters.shared.force_residuals import complementarity, cone_excess, ground_force
 
 UP = 2
-"""Index of the vertical."""
+"""Index of the vertical component of a vector."""
 
 
 class ForceAudit:
-    """Accumulates the contacts of every frame in which a finished stack is watched."""
+    """Audit of the contact forces in the frames in which a finished stack is watched."""
 
     def __init__(self, simulation: Simulation) -> None:
-        """Make the engine record contacts and forces from its first step."""
+        """Make the engine record contacts and forces from its first step on."""
         self._simulation = simulation
         _ = simulation.port
         self._carried: list[float] = []
@@ -26,7 +26,7 @@ class ForceAudit:
         self._residual: list[float] = []
 
     def see(self) -> None:
-        """Accumulate the contacts after the latest step; without effect if the engine reports no forces."""
+        """Add the contacts after the latest step to the audit; without effect if the engine reports no forces."""
         contacts = self._simulation.port.contacts()
         bricks = self._simulation.bricks.values()
         if contacts.force is None or not len(contacts) or not bricks:
@@ -41,7 +41,7 @@ class ForceAudit:
             self._residual.append(float(np.nanmax(residual)))
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the record; none if no forces were seen."""
+        """Return the fields for the record, means over the frames; empty if the engine reported no forces."""
         measured = {
             "carried_share": self._carried,
             "cone_excess": self._excess,

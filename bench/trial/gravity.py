@@ -1,4 +1,4 @@
-"""Turning gravity: simulation and extension receive the new vector in the same frame."""
+"""Gravity of tilting ground: simulation and extension receive the new vector in the same frame."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from scenarios.model import Tilt, Vector
 
 @dataclass(slots=True)
 class TurningGravity:
-    """Carries out the scene's tilts."""
+    """Executor of the tilts of a scene, which turns gravity instead of the ground."""
 
     simulation: Simulation
     notify: Callable[[Vector], None]
-    """Called with every new gravity [m/s2]."""
+    """Function that is called with every new gravity [m/s2]."""
     tilts: list[tuple[Tilt, Vector]] = field(default_factory=list)
-    """Tilts in progress, each with the gravity at its start."""
+    """Tilts in progress, each with the gravity at its start [m/s2]."""
 
     def begin(self, tilt: Tilt) -> None:
-        """Start to turn gravity, from where earlier tilts leave it."""
+        """Start a tilt from the gravity that earlier tilts have reached."""
         self.turn_on(tilt.time)
         self.tilts.append((tilt, self.simulation.world.gravity))
 
     def turn_on(self, time: float) -> None:
-        """Set gravity for the frame that starts at ``time`` [s]; end the tilts that are over."""
+        """Set gravity for the frame that starts at ``time`` [s], and remove completed tilts."""
         for tilt, start in self.tilts:
             angle = math.radians(tilt.speed) * min(time - tilt.time, tilt.seconds)
             gravity = turned(start, tilt.axis, -angle)
@@ -38,7 +38,7 @@ class TurningGravity:
 
 
 def turned(vector: Vector, axis: tuple[float, float], angle: float) -> Vector:
-    """Return ``vector`` turned by ``angle`` [rad] about a horizontal ``axis`` (Rodrigues' formula)."""
+    """Rotate ``vector`` by ``angle`` [rad] about the horizontal ``axis`` (x, y) by Rodrigues' formula."""
     k = np.array([*axis, 0.0]) / math.hypot(*axis)
     v = np.array(vector)
     x, y, z = (v * math.cos(angle) + np.cross(k, v) * math.sin(angle) + k * (k @ v) * (1 - math.cos(angle))).tolist()

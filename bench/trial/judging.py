@@ -1,4 +1,4 @@
-"""Judge the outcome of a trial by the expectation of its scene."""
+"""Judge the outcome of a trial against the expectation of its scene."""
 
 from __future__ import annotations
 
@@ -17,9 +17,22 @@ def verdict(
 ) -> Verdict:
     """Return the verdict on an outcome.
 
-    Standing is right if the trial ran to its end and no brick creeps; falling is right only at the level itself, not
-    before it is due and not later than theory allows, by toppling, sliding or dropping. A trial that did not get to its
-    end, and one that sank where it had to fall, has failed; one that its time limit stopped is undecided.
+    The cases, in order:
+
+    - ``none``: theory demands no outcome, or the engine does not support the scene;
+    - ``undecided``: the time limit stopped the trial;
+    - ``failed``: the trial neither completed nor collapsed;
+    - to stand: ``false_collapse`` if the stack fell, ``creeps`` if a brick creeps, else ``right``;
+    - to fall: ``false_stand`` if the stack fell at a higher level, too late or not at all; ``false_collapse`` if it
+      fell at a lower level or too early; ``failed`` if it sank; else ``right``.
+
+    Args:
+        expectation: the outcome that theory demands.
+        status: end of the trial.
+        collapse_level: number of levels placed when the collapse was first seen; None without a collapse.
+        kind: kind of the collapse; None without a collapse.
+        collapse_s: simulated time at which the collapse was first seen [s]; None without a collapse.
+        creeps: True if the interval of a brick's creep exceeds the creep limit.
     """
     if expectation.outcome == "study" or status == "unsupported":
         return "none"
@@ -44,7 +57,7 @@ def verdict(
 
 
 def _is_late(expectation: Expectation, collapse_s: float | None) -> bool:
-    """Return whether a fall came later than theory allows, so that something held the stack."""
+    """Return whether the stack fell later than theory allows."""
     if expectation.within_s is None or collapse_s is None:
         return False
     return collapse_s > expectation.not_before_s + expectation.within_s

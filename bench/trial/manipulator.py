@@ -1,4 +1,4 @@
-"""Act on bricks as a user does: hold, strike, press and pull them; the listener receives which are held."""
+"""The manipulator, which holds, strikes, presses and pulls bricks as a user does."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from scenarios.model import Press, Pull, Vector
 
 
 class Listener(Protocol):
-    """Receives the bodies that a user holds: the stability extension, or a stub."""
+    """Receiver of the user's actions: frames with or without the stability extension."""
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """Note that a user holds ``bodies``."""
+        """Receive the bodies that the user has begun to hold."""
 
     def release(self, bodies: Sequence[int]) -> None:
-        """Note that the user released ``bodies``."""
+        """Receive the bodies that the user has released."""
 
     def turn_gravity(self, gravity: Vector) -> None:
-        """Note that gravity [m/s2] has changed."""
+        """Receive the new gravity [m/s2]."""
 
 
 @dataclass(slots=True)
@@ -31,17 +31,17 @@ class _Pulling:
     """A pull in progress."""
 
     until: float
-    """End [s]."""
+    """End of the pull [s]."""
     velocity: FloatArray
-    """Velocity wanted by the user [m/s], shape (2,)."""
+    """Horizontal velocity that the user intends [m/s], shape (2,)."""
     speed: FloatArray
-    """Velocity given to the brick at the start of a frame [m/s], shape (2,): larger by the loss to friction."""
+    """Horizontal velocity given to the brick at the start of a frame [m/s], shape (2,), with the loss by friction."""
     position: FloatArray
-    """Position of the brick a frame ago [m], shape (2,)."""
+    """Horizontal position of the brick at the start of the frame before [m], shape (2,)."""
 
 
 class Manipulator:
-    """Acts on the bricks of one simulation."""
+    """Manipulator of the bricks of one simulation; the listener receives the bodies that are held or released."""
 
     def __init__(self, simulation: Simulation, listener: Listener | None) -> None:
         self._simulation = simulation
@@ -50,10 +50,10 @@ class Manipulator:
         self.pulls: dict[int, _Pulling] = {}
         """Pulls in progress, by body."""
         self.presses: dict[int, float] = {}
-        """End [s] of each press in progress, by body."""
+        """End of each press in progress [s], by body."""
 
     def hold(self, body: int) -> None:
-        """Hold a body: it stays live, and the bodies that rest on it are judged again."""
+        """Hold a body, so that the extension keeps it live and judges the bodies on it again."""
         if body not in self._held:
             self._held.add(body)
             if self._listener is not None:
@@ -65,12 +65,12 @@ class Manipulator:
         self._let_go(body)
 
     def press(self, body: int, action: Press) -> None:
-        """Start to press on a body."""
+        """Start to press on a body with the force of ``action``."""
         self._simulation.apply_force(body, action.force)
         self.presses[body] = action.until
 
     def press_on(self, time: float) -> None:
-        """Release the bodies whose press is over at ``time`` [s]."""
+        """End the presses that are over at ``time`` [s], and release their bodies."""
         for body in [body for body, until in self.presses.items() if time >= until]:
             del self.presses[body]
             self._simulation.apply_force(body, (0.0, 0.0, 0.0))
@@ -83,14 +83,15 @@ class Manipulator:
                 self._listener.release((body,))
 
     def pull(self, body: int, action: Pull) -> None:
-        """Start to pull a body."""
+        """Start to pull a body with the velocity of ``action``."""
         wanted = np.array(action.velocity)
         self.pulls[body] = _Pulling(action.until, wanted, wanted, self._place(body))
 
     def pull_on(self, time: float) -> list[int]:
-        """Pull for one more frame, from ``time`` [s]; remove the bodies whose pull has ended, and return them.
+        """Continue the pulls for the frame that starts at ``time`` [s]; remove and return the bodies of ended pulls.
 
-        Each frame applies one impulse. Its strength grows if the brick stayed behind in the last frame.
+        In each frame a pulled brick receives one impulse, which increases if the brick moved less than intended in the
+        frame before.
         """
         frame_s = self._simulation.info.frame_s
         for body, pulling in self.pulls.items():
@@ -109,7 +110,7 @@ class Manipulator:
         return ended
 
     def _place(self, body: int) -> FloatArray:
-        """Return the position of a body in x and y [m], shape (2,)."""
+        """Return the horizontal position of a body [m], shape (2,)."""
         bodies, position, _ = self._simulation.poses()
         place: FloatArray = position[bodies == body][0, :2].copy()
         return place

@@ -1,13 +1,13 @@
 """Measure whether a stack stands, and how well: pure functions of planned and actual poses.
 
-A brick is in place while it lies within a plank's thickness sideways of its release position and within 15 degrees of
-tilt, and its level has not sunk by half a thickness into the level below. There are four kinds of collapse:
+A brick is in place unless one of four kinds of collapse has displaced it:
 
-- topple: a brick turned by more than 15 degrees;
-- slide: a brick moved sideways by more than its thickness;
-- drop: a brick fell straight down through free space, because the plan no longer holds its support or because it
-  lies more than its thickness lower than planned on the level below and overlaps nothing by much;
-- sink: a level moved by more than half a thickness into what still lies below it.
+- topple: the brick has tilted by more than 15 degrees from its plan;
+- slide: the brick has moved horizontally by more than its thickness from its release position;
+- drop: the brick has fallen through free space, either because its support was removed from the plan, or because its
+  level is more than the brick's thickness too low relative to the level below while the brick overlaps no other brick
+  by more than half its thickness;
+- sink: the level of the brick has sunk by more than half the brick's thickness relative to the level below.
 """
 
 from __future__ import annotations
@@ -28,37 +28,37 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 EARLY_S = 1e-9
-"""Time [s] by which an action may lie ahead and still be due, because frame times are rounded sums."""
+"""Time before its due time at which an action is already due [s], because frame times are rounded sums."""
 TILT_LIMIT = falling.TILT_LIMIT
-"""Angle [rad] from the plan beyond which a brick has toppled."""
+"""Angle from the plan beyond which a brick has toppled [rad]."""
 SLIDE_LIMIT = falling.SLIDE_LIMIT
-"""Horizontal distance from the plan beyond which a brick has slid, in thicknesses."""
+"""Horizontal distance from the plan beyond which a brick has slid [thicknesses of the brick]."""
 SINK_LIMIT = 0.5
-"""Relative sink between neighbouring levels, in thicknesses of a brick."""
+"""Sink relative to the level below beyond which a brick has sunk [thicknesses of the brick]."""
 DROP_LIMIT = 1.0
-"""Relative sink beyond which a brick that overlaps nothing has dropped, in thicknesses: a level that sank so far would
-overlap the level below by as much."""
+"""Sink relative to the level below beyond which a brick without overlap has dropped [thicknesses of the brick], because
+a level that sank so far without falling would overlap the level below by as much."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Planned poses of a set of bricks; row i of every array belongs to brick i."""
+    """Planned poses of n bricks; row i of every array belongs to brick i."""
 
     position: FloatArray
-    """Planned centres [m], shape (n, 3)."""
+    """Planned centres [m], shape (n, 3), world frame."""
     quaternion: FloatArray
-    """Planned orientations (w, x, y, z), shape (n, 4)."""
+    """Planned orientations (w, x, y, z), shape (n, 4), world frame."""
     size: FloatArray
     """Edge lengths [m], shape (n, 3)."""
     level: npt.NDArray[np.int64]
     """Levels from 1, shape (n,)."""
     drop_below: FloatArray
-    """Height [m] of the centre below which a brick has dropped, shape (n,); minus infinity while its support is there.
-    ``bench.trial.support`` sets it."""
+    """Height of the centre below which a brick has dropped [m], shape (n,); minus infinity for a brick that has its
+    support. The heights come from ``bench.trial.support``."""
 
     @classmethod
     def of(cls, bricks: Sequence[Brick]) -> Plan:
-        """Return the plan of a scene's bricks."""
+        """Return the plan of bricks that all have their support."""
         return cls(
             np.array([brick.position for brick in bricks], np.float64).reshape(-1, 3),
             np.array([brick.quaternion for brick in bricks], np.float64).reshape(-1, 4),
@@ -69,7 +69,7 @@ class Plan:
 
     @property
     def thickness(self) -> FloatArray:
-        """Least edge of each brick [m], shape (n,)."""
+        """Thickness (least edge) of each brick [m], shape (n,)."""
         thickness: FloatArray = self.size.min(axis=1)
         return thickness
 
@@ -90,7 +90,7 @@ class Faults:
 
     @property
     def kind(self) -> CollapseKind | None:
-        """The gravest kind of displacement; None if all bricks are in place."""
+        """Kind of the collapse; the first of topple, slide, drop and sink that occurs; None if all are in place."""
         if self.topple.any():
             return "topple"
         if self.slide.any():
@@ -101,14 +101,14 @@ class Faults:
 
 
 def sideways(plan: Plan, position: FloatArray) -> FloatArray:
-    """Return the horizontal distance [m] of each brick from its release position, shape (n,)."""
+    """Return the horizontal distance of each brick from its release position [m], shape (n,)."""
     offset = position[:, :2] - plan.position[:, :2]
     distance: FloatArray = np.hypot(offset[:, 0], offset[:, 1])
     return distance
 
 
 def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
-    """Return the angle [rad] of each brick's vertical to its plan, shape (n,); yaw is no tilt."""
+    """Return the tilt of each brick from its plan [rad], shape (n,), without rotation about the vertical."""
     w, x, y, z = quaternion.T
     pw, px, py, pz = plan.quaternion.T
     # vector part of q * conj(planned): only its horizontal components turn the vertical
@@ -119,10 +119,10 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
 
 
 def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
-    """Return how far [m] each brick's level has sunk into the level below, shape (n,); the ground does not sink.
+    """Return the sink of each brick's level relative to the level below [m], shape (n,); the ground does not sink.
 
-    The mean of a level is compared, because a tower that leans as one lowers one side of a level and lifts the other,
-    which is no sink.
+    The means of levels are compared. Therefore a tower that leans as a rigid body does not sink: it lowers one side of
+    a level and lifts the other.
     """
     if not len(position):
         return np.empty(0)
@@ -150,9 +150,10 @@ def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
 
 
 def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
-    """Return the bricks that lie more than a thickness too low and overlap nothing, shape (n,).
+    """Return the mask of the bricks that fell through free space, shape (n,).
 
-    A brick that passed through the level below, or through the ground, counts as overlapping it.
+    Such a brick has sunk by more than ``DROP_LIMIT`` and overlaps nothing by more than ``SINK_LIMIT``. A brick that
+    passed through the level below, or through the ground, counts as overlapping it.
     """
     fallen = sunk > DROP_LIMIT * plan.thickness
     if not fallen.any():
@@ -172,14 +173,14 @@ def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
 
 
 def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]) -> int:
-    """Return the highest of the ``landed`` levels that is in place together with every level below it; 0 if none."""
+    """Return the highest of the ``landed`` levels that is in place with every level below it; 0 if there is none."""
     broken = plan.level[out_of_place]
     reach = int(broken.min()) - 1 if len(broken) else math.inf
     return max((level for level in landed if level <= reach), default=0)
 
 
 def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) -> float:
-    """Return the height [m] of the highest corner of a level's bricks."""
+    """Return the height of the highest corner of the bricks of ``level`` [m]."""
     of_level = plan.level == level
     w, x, y, z = quaternion[of_level].T
     third_row = np.abs(np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1))
@@ -188,11 +189,17 @@ def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) ->
 
 
 def sink(plan: Plan, position: FloatArray, level: int) -> float:
-    """Return how far [m] a level's bricks lie below their ideal height, on average."""
+    """Return the mean depth of the bricks of ``level`` below their planned height [m]."""
     of_level = plan.level == level
     return float((plan.position[of_level, 2] - position[of_level, 2]).mean())
 
 
 def fastest(before: FloatArray, after: FloatArray, seconds: float) -> float:
-    """Return the mean speed [m/s] of the brick that moved farthest between two sets of positions (n, 3)."""
+    """Return the mean speed of the brick that moved farthest [m/s].
+
+    Args:
+        before: centres at the beginning [m], shape (n, 3).
+        after: centres at the end [m], shape (n, 3).
+        seconds: time between both [s].
+    """
     return float(np.linalg.norm(after - before, axis=1).max() / seconds)

@@ -1,4 +1,4 @@
-"""Monitor a stack on tilting ground: the slope of the first motion, and the limit of the engine's contacts."""
+"""Monitor a stack on tilting ground: the slope of the first motion, and the limit slope of the engine's contacts."""
 
 from __future__ import annotations
 
@@ -13,33 +13,39 @@ from bench.trial.own_contacts import OwnContacts, limit_slope
 from scenarios.model import Scene, Tilt, Vector, World
 
 MOVED = 0.01
-"""Distance from its place before the tilt from which a brick has moved, in thicknesses."""
+"""Displacement during the tilt above which a brick has moved [thicknesses of the brick]."""
 TURNED = math.radians(0.5)
-"""Angle [rad] from which it has turned."""
+"""Rotation during the tilt above which a brick has moved [rad]."""
 
 
 class OnsetMonitor:
-    """Takes the poses after every frame."""
+    """Monitor that records the slope at which a brick first moves."""
 
     def __init__(self, scene: Scene, simulation: Simulation, *, is_alone: bool) -> None:
         """Prepare to monitor.
 
         Args:
             scene: a scene with at least one ``Tilt``.
-            simulation: the simulation that plays it.
-            is_alone: True without an extension, so that the engine's own contacts can be read.
+            simulation: the simulation of the scene.
+            is_alone: True without an extension, because only then the engine's own contacts are read.
         """
         self._scene, self._simulation = scene, simulation
         self._first: Tilt = next(action for action in scene.actions if isinstance(action, Tilt))
         self._contacts = OwnContacts() if is_alone else None
         if is_alone:
-            _ = simulation.port  # from the first step on, contacts are recorded
+            _ = simulation.port  # makes the engine record contacts from the first step on
         self._rest: tuple[FloatArray, FloatArray] | None = None
         self.onset_deg: float | None = None
-        """Slope [deg] of the ground in the frame in which a brick had first moved."""
+        """Slope of the ground in the first frame in which a brick had moved [deg]; None if none has moved."""
 
     def see(self, time: float, position: FloatArray, quaternion: FloatArray) -> None:
-        """Take one frame, which ended at ``time`` [s]."""
+        """Compare the poses at the end of a frame with those before the tilt.
+
+        Args:
+            time: end of the frame [s].
+            position: centres of the bricks [m], shape (n, 3); the array must not change later.
+            quaternion: orientations of the bricks, shape (n, 4); the array must not change later.
+        """
         if time <= self._first.time + EARLY_S:
             self._rest = position, quaternion
             if self._contacts is not None:
@@ -54,7 +60,7 @@ class OnsetMonitor:
             self.onset_deg = slope_deg(self._simulation.world.gravity)
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the record."""
+        """Return the fields for the record."""
         fields: dict[str, Any] = {"onset_deg": self.onset_deg}
         if self._contacts is not None and self._rest is not None:
             scene = self._scene
@@ -66,6 +72,6 @@ class OnsetMonitor:
 
 
 def slope_deg(gravity: Vector) -> float:
-    """Return the angle [deg] between gravity and the vertical."""
+    """Return the angle between ``gravity`` and the downward vertical [deg]."""
     x, y, z = gravity
     return math.degrees(math.atan2(math.hypot(x, y), -z))

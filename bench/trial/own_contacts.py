@@ -1,4 +1,4 @@
-"""The engine's own contacts of a stack at rest: the slope at which they give way, and the normal at a ridge."""
+"""The engine's own contacts of a stack at rest: the greatest slope that they can hold, and their normals at ridges."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from scenarios.statics.force_balance import solve_balance
 from stability_core import Contacts
 
 TOUCHING = 20e-6
-"""Gap [m] up to which planks count as touching."""
+"""Greatest separation of bodies that count as touching [m]."""
 STEEPEST = 45.0
-"""Greatest slope [deg] of the search."""
+"""Greatest slope of the search [deg]."""
 PRECISION = 1e-3
 """Tolerance of the search [deg]."""
 DIFFERENT = math.radians(1.0)
-"""Angle [rad] between both ridge conventions above which two planks meet at a ridge."""
+"""Angle between the bisector and the face normal above which two planks meet at a ridge [rad]."""
 
 
 class OwnContacts:
-    """The latest contacts of each pair of bodies."""
+    """Collector of the latest contacts of each pair of bodies."""
 
     def __init__(self) -> None:
         self._pairs: dict[tuple[int, int], list[Patch]] = {}
 
     def see(self, contacts: Contacts) -> None:
-        """Take the contacts of the latest step; pairs that are no longer listed keep their former contacts."""
+        """Record the contacts of the latest step; pairs without contacts in this step keep their earlier contacts."""
         touching = contacts.chosen(contacts.separation <= TOUCHING)
         now: dict[tuple[int, int], list[Patch]] = {}
         rows = zip(touching.body_a.tolist(), touching.body_b.tolist(), touching.point, touching.normal, strict=True)
@@ -42,14 +42,14 @@ class OwnContacts:
 
     @property
     def patches(self) -> list[Patch]:
-        """One patch per contact point."""
+        """Patches of all contacts, one patch per contact point."""
         return [patch for pair in self._pairs.values() for patch in pair]
 
     def ridge_deg(self, bricks: Sequence[Brick]) -> float | None:
-        """Return the angle [deg] between the normals at ridges and their bisectors, the greatest; None without a ridge.
+        """Return the greatest angle between a contact normal at a ridge and the bisector [deg]; None without a ridge.
 
         Args:
-            bricks: as planned, in the order of their ids from 0 on.
+            bricks: bricks at their planned poses, in the order of their ids from 0 on.
         """
         bisectors, faces = (
             {(patch.first, patch.second): patch.normal for patch in contact_patches(bricks, ridge=ridge)}
@@ -68,16 +68,16 @@ class OwnContacts:
 def limit_slope(
     bricks: Sequence[Brick], world: World, axis: tuple[float, float], patches: Sequence[Patch], centers: FloatArray
 ) -> float | None:
-    """Return the slope [deg] up to which forces in the Coulomb cones of ``patches`` hold bricks.
+    """Return the greatest slope at which forces in the Coulomb cones of ``patches`` can hold the bricks [deg].
 
-    None if they do not hold them on level ground, or still do at ``STEEPEST``.
+    None if the forces cannot hold the bricks on level ground, or still hold them at ``STEEPEST``.
 
     Args:
-        bricks: their masses count.
-        world: its friction, and its gravity on level ground.
-        axis: axis of the tilt; see ``scenarios.model.Tilt``.
+        bricks: the bricks, of which masses and sizes are used.
+        world: a world with the friction of the scene and the gravity on level ground.
+        axis: horizontal axis of the tilt (x, y); see ``scenarios.model.Tilt``.
         patches: contact patches.
-        centers: centres of the bricks [m], shape (n, 3).
+        centers: centres of the bricks [m], shape (n, 3), world frame.
     """
     mass = np.array([brick.mass for brick in bricks])
     length = float(np.mean([max(brick.size) for brick in bricks]))
@@ -91,5 +91,5 @@ def limit_slope(
 
 
 def _angle(first: FloatArray, second: FloatArray) -> float:
-    """Return the angle [rad] between two unit normals, whichever way they point."""
+    """Return the angle between the lines along two unit normals [rad], from 0 to pi / 2."""
     return math.acos(min(1.0, abs(float(first @ second))))

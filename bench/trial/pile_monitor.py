@@ -1,6 +1,6 @@
-"""Monitor a poured pile: when it came to rest, its height and slope, its sink and creep.
+"""Monitor a poured pile: time to rest, height, angle of repose, sink and creep.
 
-Replaces ``StackMonitor`` for bricks without planned places, which cannot collapse.
+``PileMonitor`` replaces ``StackMonitor`` for bricks without planned places, because these cannot collapse.
 """
 
 from __future__ import annotations
@@ -17,18 +17,19 @@ from bench.trial.stack_monitor import Standing
 from scenarios.geometry import Boxes
 
 MOVING_M_S = 10e-3
-"""Speed of a brick's centre [m/s] above which it is not at rest: creep is slower, tumbling faster."""
+"""Speed of a brick's centre above which the brick is not at rest [m/s]; creep is slower, and tumbling is faster."""
 HALF_BELOW = 1 - 0.5 ** (1 / 3)
-"""Share of a cone's height below which half of its volume lies; half of the volume lies within half the radius."""
+"""Share of a cone's height below which half of the cone's volume lies."""
 
 
 def slope_deg(position: FloatArray) -> float | None:
-    """Return the angle of repose [deg] of a pile of equal bricks: of the cone with the same median height and radius.
+    """Return the angle of repose of a pile of equal bricks [deg]; None if the median radius is zero.
 
-    Medians are used, so that a brick that rolled away changes nothing. None if all lie at one spot.
+    The pile is taken as the cone with the same median height and median radius, because medians do not depend on single
+    bricks that rolled away. Half of a cone's volume lies within half its radius and below ``HALF_BELOW`` of its height.
 
     Args:
-        position: their centres [m], shape (n, 3).
+        position: centres of the bricks [m], shape (n, 3), world frame.
     """
     middle = np.median(position, axis=0)
     radius = 2.0 * float(np.median(np.hypot(*(position[:, :2] - middle[:2]).T)))
@@ -36,20 +37,20 @@ def slope_deg(position: FloatArray) -> float | None:
 
 
 class PileMonitor:
-    """Takes the poses after every frame. All times are simulated."""
+    """Monitor of a pile, which receives the poses after every frame. All times are simulated."""
 
     collapse = None
-    """None, because no brick has a planned place."""
+    """Collapse of the pile: always None, because no brick has a planned place."""
     is_over = False
-    """False, because a pile is always watched to the end."""
+    """End of the trial before the end of the watch: always False."""
 
     def __init__(self, last_action_s: float, watch_from_s: float, creep_from_s: float) -> None:
-        """Start to measure sink and creep of a pile.
+        """Prepare to measure a pile.
 
         Args:
-            last_action_s: when [s] the last brick is poured.
-            watch_from_s: from when [s] on its sink is measured: that, and time for it to land.
-            creep_from_s: from when [s] on its creep is measured: the last half of the watch.
+            last_action_s: time at which the last brick is poured [s].
+            watch_from_s: start of the measurement of sink [s], after the last brick has had time to land.
+            creep_from_s: start of the measurement of creep [s], the last half of the watch.
         """
         self._last_action_s = last_action_s
         self._watch_from_s = watch_from_s
@@ -63,9 +64,9 @@ class PileMonitor:
 
     @property
     def standing(self) -> Standing | None:
-        """The pile as last seen; None if nothing was poured.
+        """Measurements of the pile in the latest frame; None if no brick was poured.
 
-        Its level is the number of poured bricks, its sink that of their mean height during watching.
+        The level is the number of poured bricks. The sink is the decrease of their mean height during the watch.
         """
         if self._latest is None or not len(self._latest[1]):
             return None
@@ -81,17 +82,17 @@ class PileMonitor:
 
     @property
     def repose_deg(self) -> float | None:
-        """Angle of repose [deg]; None if there is no pile."""
+        """Angle of repose [deg]; None if no brick was poured."""
         return slope_deg(self._latest[1]) if self._latest is not None and len(self._latest[1]) else None
 
     @property
     def creep(self) -> Creep | None:
-        """Creep of its bricks; None if it was not watched long enough."""
+        """Creep of the bricks; None if the watch was too short."""
         return self._creep.measure(self._plan.thickness)
 
     @property
     def rest_s(self) -> float | None:
-        """Time [s] after the last action at which a brick was last seen moving; None if one still moved at the end."""
+        """Time after the last action at which a brick was last seen moving [s]; None if a brick moves at the end."""
         if self._latest is None or self._moved_s >= self._latest[0]:
             return None
         return max(0.0, self._moved_s - self._last_action_s)
@@ -99,7 +100,7 @@ class PileMonitor:
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
     ) -> None:
-        """Take one frame, as ``StackMonitor.see`` does; each brick is a level of its own."""
+        """Record one frame, with the arguments of ``StackMonitor.see``; each brick is a level of its own."""
         if self._latest is not None and len(self._latest[1]) == len(position):
             before, was = self._latest
             if measure.fastest(was, position, time - before) > MOVING_M_S:

@@ -1,4 +1,4 @@
-"""Play one scene on one engine, frame by frame, until it is built and watched, has collapsed or must be stopped."""
+"""Play one scene on one engine frame by frame, until its watch ends, the stack has fallen or the limit is reached."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from reports.records.trial import Status
 from scenarios.model import Brick, Scene, Tilt
 
 SEATING_S = 1.0
-"""Time [s] for the last brick to settle before watching starts, as every other brick has a second before the next one.
-Times the scene's pace."""
+"""Time for the last brick to settle before the watch [s], multiplied by the pace of the scene. It is one second, because
+every other brick also has a second before the next brick."""
 CREEP_SHARE = 0.5
-"""Share of the watch that is left out of the measurement of creep, because a stack still settles in it."""
+"""Share of the watch that the measurement of creep leaves out, because the stack still settles."""
 _ROUNDING_S = 1e-9
-"""Rounding [s] of frame times, which are sums."""
+"""Bound of the rounding error of frame times, which are sums [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,25 +39,29 @@ class Progress:
     """Progress of a trial."""
 
     level: int
+    """Highest level of which a brick has been released."""
     levels: int
+    """Number of levels of the whole scene."""
     bricks: int
+    """Number of bricks in the world."""
     simulated_s: float
+    """Simulated time [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A stack just before the next level starts."""
+    """Stack of n bricks just before the next level starts."""
 
     bricks: Sequence[Brick]
-    """The bricks as planned."""
+    """Bricks at their planned poses."""
     position: FloatArray
-    """Actual centres [m], shape (n, 3)."""
+    """Actual centres [m], shape (n, 3), world frame."""
     quaternion: FloatArray
-    """Actual orientations, shape (n, 4)."""
+    """Actual orientations (w, x, y, z), shape (n, 4), world frame."""
 
 
 class Playback:
-    """One run. Its measurements can be read also if it ends by an exception."""
+    """Playback of one scene; its measurements are available even if it ends by an exception."""
 
     def __init__(
         self,
@@ -76,9 +80,9 @@ class Playback:
             simulation: an empty world.
             policy: policy of the core; None for the engine alone.
             wall_limit_s: wall time [s] after which to stop.
-            on_progress: called with the progress after every frame.
-            audits_forces: True to read contact forces while the finished stack is watched; of an engine alone, because
-                engines report no force on a frozen brick.
+            on_progress: function that is called with the progress after every frame.
+            audits_forces: True to audit contact forces while the finished stack is watched, if the engine is alone;
+                with the core there is no audit, because engines report no force on a frozen brick.
         """
         self._scene = scene
         self._simulation = simulation
@@ -109,24 +113,26 @@ class Playback:
         self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
-        """The stack of each complete level, just before the next level started."""
+        """Stack just before the next level started, by level."""
         self.adopted: int | None = None
-        """Bodies of prebuilt stacks frozen before the first step; None without an extension or a prebuilt stack."""
+        """Number of bodies of prebuilt stacks that the core froze before the first step after their placement; None
+        without the core or a prebuilt stack."""
 
     @property
     def simulated_s(self) -> float:
-        """Simulated time so far [s]."""
+        """Simulated time since the start [s]."""
         return len(self.rows) * self._simulation.info.frame_s
 
     @property
     def pose_hash(self) -> str:
-        """BLAKE2b over the float64 poses of every frame so far."""
+        """BLAKE2b digest of the float64 poses of all frames so far, in hexadecimal."""
         return self._hash.hexdigest()
 
     def run(self) -> Status:
-        """Play to the end; return how it ended.
+        """Play the scene to its end and return the status.
 
-        A stack that still stands when a frame ends after the limit has timed out, even if that frame was the last.
+        If a frame ends after the limit on wall time while the stack stands, the status is ``timeout``, even if that
+        frame was the last.
         """
         deadline = perf_counter() + self._wall_limit_s
         end = self._last_action_s + self._scene.watch_s - _ROUNDING_S
@@ -143,22 +149,22 @@ class Playback:
                 return "completed" if self.monitor.collapse is None else "collapsed"
 
     def has_diverged(self) -> bool:
-        """Return whether a pose is not finite now."""
+        """Return whether a present pose is not finite."""
         _, position, quaternion = self._simulation.poses()
         return not (np.isfinite(position).all() and np.isfinite(quaternion).all())
 
     def frames_of(self, level: int) -> list[FrameRow]:
-        """Return the frames in which ``level`` was placed and its last brick settled (``SEATING_S``)."""
+        """Return the frames in which ``level`` was the highest level, until its last brick settled (``SEATING_S``)."""
         until = self._seated_s + _ROUNDING_S
         return [row for row in self.rows if row.level == level and row.time_s <= until]
 
     def _adopt(self, bodies: Sequence[int]) -> None:
-        """Let the extension, if any, judge a prebuilt stack before the next step."""
+        """Make the extension, if any, judge a prebuilt stack before the next step."""
         if bodies and isinstance(self._frames, SteeredFrames):
             self.adopted = (self.adopted or 0) + len(self._frames.adopt(bodies))
 
     def _play_frame(self) -> bool:
-        """Play, record and monitor one frame; return False if the poses are no longer finite."""
+        """Play, record and monitor one frame; return False if a pose is not finite."""
         begin = self.simulated_s
         times, steering = self._frames.play()
         self.rows.append(self._row(times, steering))

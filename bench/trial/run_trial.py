@@ -1,4 +1,4 @@
-"""Run one trial, from opening the engine to its record."""
+"""Run one trial: open the engine, play the scene, and return the record."""
 
 from __future__ import annotations
 
@@ -41,29 +41,30 @@ _MEANS = (
     "solver_iterations",
     "core_instructions",
 )
-"""Columns of frames whose means are in the record under the same names."""
+"""Columns of frames, of which the record contains the means under the same names."""
 _BROKEN: tuple[Status, ...] = ("error", "crashed")
-"""Statuses after which the engine is not opened again to time the awake stack."""
+"""Statuses after which the baseline (all awake) is not timed, because the engine may fail again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The results of a trial."""
+    """Results of a trial: record, frames and recording."""
 
     record: TrialRecord
     frames: list[FrameRow]
+    """Frames in order; empty if the engine was never opened."""
     recording: Recording | None = None
     """Recorded poses; None if the engine was never opened."""
 
 
 def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Callable[[Progress], None]) -> Outcome:
-    """Run one trial in this process. A failure of the engine is an outcome, never an exception.
+    """Run one trial in this process. A failure of the engine gives an outcome, never an exception.
 
     Args:
         trial: the trial to run.
-        limits: its limits.
+        limits: limits of the trial.
         environment: digest of the environment, for the record.
-        on_progress: called with the progress after every frame.
+        on_progress: function that is called with the progress after every frame.
     """
     try:
         scene = trial.build_scene()
@@ -97,16 +98,16 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
             "calibration_ms": typical(before, calibrate()),
         }
         simulation.close()
-    except NotImplementedError as error:  # the engine's API does not offer it
+    except NotImplementedError as error:  # the engine cannot play the scene
         status, message = "unsupported", str(error)
     except MemoryError:
         status, message = "out_of_memory", "the process ran out of memory"
-    except PeerError as error:  # an engine in a separate process failed, or its process did
+    except PeerError as error:  # an engine in a separate process failed, or that process failed
         status, message = error.status, str(error)
-    except ValueError as error:  # the core refuses bodies whose poses are not finite
+    except ValueError as error:  # the core rejects poses that are not finite
         has_diverged = playback is not None and playback.has_diverged()
         status, message = ("diverged", "") if has_diverged else ("error", f"{type(error).__name__}: {error}")
-    except Exception as error:  # any error of an engine or of the core is this trial's outcome
+    except Exception as error:  # any error of the engine or of the core is an outcome of the trial
         status, message = "error", f"{type(error).__name__}: {error}"
     if playback is None:
         return Outcome(bare_record(trial, scene, environment, status, message), [])
@@ -131,7 +132,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
 def bare_record(
     trial: Trial, scene: Scene, environment: str, status: Status, message: str, **fields: Any
 ) -> TrialRecord:
-    """Return the record of a trial: its identity, how it ended, the measured ``fields``, and the verdict."""
+    """Return the record of a trial with its identity, its status, the measured ``fields`` and the verdict."""
     collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
     creep = fields.get("creep_m_s")
     creeps = creep is not None and is_creeping(creep, fields["creep_error_m_s"], fields["creep_limit_m_s"])
@@ -162,7 +163,7 @@ def bare_record(
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Disable garbage collection while entered, because its pauses would count as the engine's."""
+    """Disable garbage collection inside the block, because its pauses would count as time of the engine."""
     gc.collect()
     gc.disable()
     try:
@@ -172,7 +173,7 @@ def _undisturbed() -> Iterator[None]:
 
 
 def _only_core() -> int | None:
-    """Return the core that this process is pinned to, if any."""
+    """Return the processor core to which this process is pinned; None if it may use several cores."""
     allowed = allowed_cores()
     return min(allowed) if len(allowed) == 1 else None
 
@@ -208,7 +209,7 @@ def _seen(playback: Playback) -> dict[str, Any]:
             "refreezes": playback.sleep_stats.refreezes,
             "longest_live_s": playback.sleep_stats.longest_live_s(playback.simulated_s),
         }
-        if playback.rows:  # an engine may raise in its first step
+        if playback.rows:  # none if the engine raises an error in its first step
             fields |= {
                 "live_mean": statistics.fmean(row.live for row in playback.rows),
                 "live_last": playback.rows[-1].live,
@@ -217,7 +218,7 @@ def _seen(playback: Playback) -> dict[str, Any]:
 
 
 def _creep(playback: Playback, per_min: float) -> dict[str, float]:
-    """Return the creep of its bricks, and the creep limit."""
+    """Return the fields of the record about creep; empty without a measured creep."""
     creep = playback.monitor.creep
     if creep is None:
         return {}
@@ -232,13 +233,22 @@ def _creep(playback: Playback, per_min: float) -> dict[str, float]:
 
 
 def _standing_rows(playback: Playback) -> list[FrameRow]:
-    """Return the frames up to the collapse, because tumbling bricks are expensive and only fallen stacks have them."""
+    """Return the frames up to the collapse.
+
+    Later frames are left out, because tumbling bricks are expensive, so that the times of fallen and standing stacks
+    would not be comparable.
+    """
     collapse = playback.monitor.collapse
     return playback.rows if collapse is None else [row for row in playback.rows if row.time_s <= collapse.time]
 
 
 def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
-    """Return the times of all frames but the first ones."""
+    """Return the fields of the record about frame times, from all frames after the first ``UNTIMED_FRAMES``.
+
+    Args:
+        rows: frames up to a collapse.
+        frame_s: simulated time of a frame [s].
+    """
     timed = rows[UNTIMED_FRAMES:]
     if not timed:
         return {}
@@ -251,7 +261,9 @@ def _timings(rows: list[FrameRow], frame_s: float) -> dict[str, Any]:
         "frame_ms_p99": p99,
         "frame_ms_max": float(frame_ms.max()),
         "timed_frames": len(timed),
-        "realtime_factor": frame_s * 1e3 / mean_ms if mean_ms else None,  # an engine's own clock may be coarse
+        "realtime_factor": frame_s * 1e3 / mean_ms
+        if mean_ms
+        else None,  # zero if the clock of the engine's process is too coarse
     }
     for name in _MEANS:
         parts = [getattr(row, name) for row in timed]
@@ -277,7 +289,7 @@ def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
     try:
         with _undisturbed():
             awake = time_baseline(trial.engine, trial.profile, scene.world, playback.at_level[level])
-    except Exception as error:  # a stack that the engine refuses has no ratio, but the trial is complete
+    except Exception as error:  # a stack that the engine rejects has no ratio, but the trial is complete
         return {"frame_ratio_message": f"{type(error).__name__}: {error}"}
     if awake.frame_ms is None:
         return {"frame_ratio_level": level, "frame_ratio_message": awake.message}

@@ -1,4 +1,4 @@
-"""Audit sleeping: measure how long a brick that must move by theory keeps its pose."""
+"""Audit sleeping: measure the time for which a brick that must move by theory keeps its pose."""
 
 from __future__ import annotations
 
@@ -15,38 +15,39 @@ from scenarios.model import MustMove
 
 @dataclass(slots=True)
 class _Watched:
-    """A brick that must move."""
+    """State of a brick that must move."""
 
     due: MustMove
+    """Brick, start and distance of the required motion."""
     start: FloatArray | None = None
-    """Its centre [m] when its motion had to start, shape (3,)."""
+    """Centre of the brick when its motion had to start [m], shape (3,), world frame; None before."""
     moved_after_s: float | None = None
-    """Time [s] that it took to move as far as it must; None if it has not."""
+    """Time that the brick needed for the required distance [s]; None until it has covered it."""
 
 
 class SleepAudit:
-    """Takes the poses after every frame."""
+    """Audit of sleeping bricks, which receives the poses after every frame."""
 
     def __init__(self, must_move: Sequence[MustMove]) -> None:
-        """Watch the bricks that must move."""
+        """Start to audit the bricks that must move."""
         self._watched = [_Watched(due) for due in must_move]
         self._before: dict[int, FloatArray] = {}
         self.asleep_s = 0.0
-        """Simulated time [s] in which a brick that must move kept its pose to the last bit."""
+        """Simulated time in which a brick that must move kept its pose to the last bit [s]."""
 
     @property
     def moved_after_s(self) -> float | None:
-        """Time [s] in which all bricks moved as far as they must; None if one did not."""
+        """Longest time that a brick needed for its required distance [s]; None if a brick has not covered it."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 
     def see(self, begin: float, end: float, poses: Mapping[int, FloatArray]) -> None:
-        """Take one frame.
+        """Record one frame.
 
         Args:
             begin: start of the frame [s].
             end: end of the frame [s].
-            poses: positions [m] and quaternions (7,) of the bricks in the world, by their order of placement.
+            poses: position [m] and quaternion of each brick in the world, shape (7,), by order of placement.
         """
         sleeps = False
         for one in self._watched:
@@ -62,5 +63,5 @@ class SleepAudit:
         self._before = dict(poses)
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the record."""
+        """Return the fields for the record."""
         return {"asleep_s": self.asleep_s, "moved_after_s": self.moved_after_s}

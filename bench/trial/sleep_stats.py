@@ -1,4 +1,4 @@
-"""Count which bodies the core froze and unfroze, how often, and how long a body stayed live."""
+"""Statistics of freezing: how often the core froze and unfroze bodies, and how long a body stayed live."""
 
 from __future__ import annotations
 
@@ -6,24 +6,26 @@ from collections.abc import Iterable
 
 
 class SleepStats:
-    """Takes the core's changes, frame by frame."""
+    """Counter of the core's changes, frame by frame."""
 
     def __init__(self) -> None:
         self._live_since: dict[int, float] = {}
         self._ever_frozen: set[int] = set()
         self._longest_live_s = 0.0
         self.wakes = 0
+        """Number of times that the core unfroze a body."""
         self.refreezes = 0
+        """Number of times that the core froze a body that it had frozen before."""
 
     def see(self, begin: float, end: float, bodies: Iterable[int], frozen: Iterable[int], woken: Iterable[int]) -> None:
-        """Take one frame.
+        """Record one frame.
 
         Args:
-            begin: start of the frame [s]; a body seen for the first time was released then.
-            end: end of the frame [s], when the core froze and unfroze.
-            bodies: all bodies in the world.
-            frozen: bodies that the core froze in this frame.
-            woken: bodies that the core unfroze in this frame.
+            begin: start of the frame [s], at which new bodies were released.
+            end: end of the frame [s], at which the core froze and unfroze bodies.
+            bodies: ids of all bodies in the world.
+            frozen: ids of the bodies that the core froze in this frame.
+            woken: ids of the bodies that the core unfroze in this frame.
         """
         for body in bodies:
             if body not in self._live_since and body not in self._ever_frozen:
@@ -37,5 +39,5 @@ class SleepStats:
             self.wakes += 1
 
     def longest_live_s(self, now: float) -> float:
-        """Return the longest time [s] that one body stayed live, including bodies that still are."""
+        """Return the longest time for which one body stayed live until ``now`` [s], including bodies that are live."""
         return max([self._longest_live_s, *(now - since for since in self._live_since.values())])

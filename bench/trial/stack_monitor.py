@@ -1,4 +1,4 @@
-"""Monitor a stack during a trial: its height, when and how it collapsed, its sink and creep."""
+"""Monitor a stack during a trial: its height, its collapse, its sink and its creep."""
 
 from __future__ import annotations
 
@@ -15,43 +15,52 @@ from reports.records.trial import CollapseKind
 from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
-"""Time [s] after the release of its last brick at which a level counts: just before the next brick, a second later, so
-that a level that falls when its last brick lands never counts as reached. Times the scene's pace."""
+"""Time after the release of its last brick at which a level counts as reached [s], multiplied by the pace of the scene.
+It is slightly less than the second until the next brick, so that a level that falls when its last brick lands does not
+count as reached."""
 AFTERMATH_S = 1.0
-"""Time [s] for which a trial of standard planks continues after a collapse is first seen: enough to distinguish a
-topple from a slide. Larger bricks fall more slowly, by the square root of their size."""
+"""Time for which a trial of standard planks continues after a collapse is first seen [s], long enough to distinguish a
+topple from a slide. For thicker bricks it increases with the square root of their thickness, because they need that
+much longer to fall."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A stack as last seen intact, before the next level started."""
+    """Measurements of a stack when it was last seen intact, before the next level started."""
 
     level: int
+    """Highest level that stands intact with all levels below it."""
     height_m: float
+    """Height of the top of that level [m]."""
     sink_m: float
+    """Mean depth of the bricks of that level below their planned height [m]."""
     drift_m: float
+    """Greatest horizontal distance of a brick from its release position [m]."""
 
 
 @dataclass(slots=True)
 class Collapse:
-    """A collapse as first seen, and its course."""
+    """Collapse of a stack."""
 
     time: float
-    """Time at which it was first seen [s]."""
+    """Simulated time at which the collapse was first seen [s]."""
     level: int
-    """Levels placed at that time."""
+    """Number of levels placed at that time."""
     kind: CollapseKind
+    """Kind of the collapse, which may change while the collapse is watched."""
     aftermath_s: float
-    """Time for which it must be watched [s]."""
+    """Time for which the collapse is watched [s]."""
 
 
 class StackMonitor:
-    """Takes the poses after every frame. All times are simulated."""
+    """Monitor of a stack, which receives the poses after every frame. All times are simulated."""
 
     def __init__(self, creep_from_s: float, pace: float = 1.0) -> None:
-        """Start to measure creep at ``creep_from_s`` [s]: the last half of the watch.
+        """Prepare to monitor a stack.
 
-        ``pace`` is the scene's factor on times, which applies to landing.
+        Args:
+            creep_from_s: start of the measurement of creep [s], the last half of the watch.
+            pace: factor of the scene on times, which applies to ``LANDING_S``.
         """
         self._landing_s = LANDING_S * pace
         self._creep = CreepMeter(creep_from_s)
@@ -66,27 +75,27 @@ class StackMonitor:
 
     @property
     def is_over(self) -> bool:
-        """True when the aftermath of a collapse has been watched."""
+        """True if a collapse has been watched for its ``aftermath_s``."""
         return self.collapse is not None and self._latest_s - self.collapse.time >= self.collapse.aftermath_s
 
     @property
     def creep(self) -> Creep | None:
-        """Creep of its bricks; None if the stack fell, or was not watched long enough."""
+        """Creep of the bricks; None if the stack fell, or the watch was too short."""
         return None if self.collapse else self._creep.measure(self._thickness)
 
     def see(
         self, time: float, plan: Plan, position: FloatArray, quaternion: FloatArray, placed: Mapping[int, float]
     ) -> None:
-        """Take one frame.
+        """Record one frame.
 
-        A level is measured until the next one starts, because later it may already be falling.
+        A level is measured until the next level starts, because later the stack may already be falling.
 
         Args:
             time: simulated time at the end of the frame [s].
-            plan: plan of the bricks in the world.
-            position: their centres [m], shape (n, 3).
-            quaternion: their orientations, shape (n, 4).
-            placed: the complete levels, each with the time [s] at which its last brick was released.
+            plan: plan of the n bricks in the world.
+            position: centres of the bricks [m], shape (n, 3), world frame; the array must not change later.
+            quaternion: orientations of the bricks (w, x, y, z), shape (n, 4), world frame; likewise.
+            placed: time at which the last brick of each complete level was released [s], by level.
         """
         self._latest_s, self._thickness = time, plan.thickness
         self._creep.see(time, position - plan.position)
@@ -107,9 +116,10 @@ class StackMonitor:
             self._see_collapse(time, self._kind, len(placed), float(plan.thickness.min()))
 
     def _judge(self, plan: Plan, position: FloatArray, quaternion: FloatArray) -> None:
-        """Judge the poses. While nothing moves, the last judgement and the measured level stay valid.
+        """Judge the poses; if plan and poses have not changed, keep the last judgement and the measured level.
 
-        A stack at rest costs almost nothing, so that the engine, which is timed next, finds its memory in the caches.
+        The work for a stack at rest is therefore small, so that the memory of the engine, which is timed next, stays in
+        the caches.
         """
         if self._judged is not None:
             judged_plan, judged_position, judged_quaternion = self._judged

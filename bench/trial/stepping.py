@@ -1,4 +1,4 @@
-"""Play timed frames: the engine's step, then the extension's update, split into read-back, core and port."""
+"""Play timed frames: the step of the engine, then the update of the extension, split into read-back, core and port."""
 
 from __future__ import annotations
 
@@ -15,48 +15,54 @@ from stability_core import Change, StabilityExtension
 
 @dataclass(frozen=True, slots=True)
 class FrameTimes:
-    """Times of one frame [s]."""
+    """Times of the parts of one frame [s]."""
 
     engine: float
+    """Time of the engine's step [s]."""
     readback: float = 0.0
+    """Time in which the port reads contacts and masses [s]."""
     core: float = 0.0
+    """Time of the core without port calls [s]."""
     port: float = 0.0
+    """Time in which the port freezes and unfreezes bodies [s]."""
     bridge: float | None = None
-    """Time that an engine in a process of its own takes to be reached; None for one in this process."""
+    """Time of the transfer to an engine in a separate process and back [s]; None for an engine in this process."""
 
     @property
     def total(self) -> float:
-        """Time of the whole frame [s], without the bridge, so that it compares with engines in this process."""
+        """Time of the whole frame without the bridge [s], so that it is comparable with engines in this process."""
         return self.engine + self.readback + self.core + self.port
 
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """The core's input and changes in one frame, and before its step if a prebuilt stack was set down."""
+    """Input and changes of the core in one frame, including those before the step if a prebuilt stack was placed."""
 
     contacts: int
-    """Number of contact points read."""
+    """Number of contact points that the core read."""
     frozen: Sequence[int]
+    """Bodies that the core froze."""
     woken: Sequence[int]
+    """Bodies that the core unfroze."""
     reasons: Sequence[str]
-    """Reason for each of ``woken``."""
+    """Reason for unfreezing each body in ``woken``."""
     instructions: int | None = None
-    """Instructions of the core, without port calls; None if they are not counted."""
+    """Number of instructions of the core without port calls; None if they are not counted."""
 
     @property
     def summary(self) -> str:
-        """The reasons, each with its count."""
+        """Distinct reasons, each with its count."""
         return "; ".join(f"{count} {reason}" for reason, count in Counter(self.reasons).items())
 
 
 class PlainFrames:
-    """Frames of the engine alone; its port is never requested, so that it need not record the core's input."""
+    """Frames of the engine alone; its port is never requested, so that the engine need not record contacts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
 
     def play(self) -> tuple[FrameTimes, None]:
-        """Play one frame; return its times."""
+        """Play one frame and return its times."""
         begin = perf_counter()
         self._simulation.step(self._simulation.info.frame_s)
         return _without_bridge(FrameTimes(perf_counter() - begin), self._simulation), None
@@ -80,25 +86,25 @@ class SteeredFrames:
         Args:
             simulation: a world.
             policy: policy of the core.
-            count: returns the instructions of this thread so far; None does not count the core's.
+            count: function that returns the number of instructions of this thread so far; None to count none.
         """
         self._simulation = simulation
         self._count = count
         self._counted = None if count is None else CountedPort(simulation.port, count)
         self._port = TimedPort(self._counted or simulation.port)
         self._extension = StabilityExtension(self._port, policy=policy, gravity=simulation.world.gravity)
-        self._before: list[tuple[FrameTimes, Steering]] = []  # adoptions since the last step
+        self._before: list[tuple[FrameTimes, Steering]] = []  # adoptions of prebuilt stacks since the last step
 
     def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
-        """Let the extension judge a prebuilt stack before the next step; return the bodies that it froze.
+        """Make the extension judge a prebuilt stack before the next step; return the bodies that it froze.
 
-        Time and changes count for the next frame.
+        The times and changes are added to those of the next frame.
         """
         self._before.append(self._timed(self._simulation.find_contacts, lambda: self._extension.adopt(bodies)))
         return tuple(self._before[-1][1].frozen)
 
     def play(self) -> tuple[FrameTimes, Steering]:
-        """Play one frame; return its times, and the core's changes."""
+        """Play one frame; return its times and the changes of the core."""
         frame_s = self._simulation.info.frame_s
         times, steering = self._timed(lambda: self._simulation.step(frame_s), lambda: self._extension.update(frame_s))
         played = _without_bridge(times, self._simulation), steering
@@ -108,7 +114,7 @@ class SteeredFrames:
         return _total([times for times, _ in parts]), _together([steering for _, steering in parts])
 
     def _timed(self, engine: Callable[[], None], core: Callable[[], Change]) -> tuple[FrameTimes, Steering]:
-        """Call the engine, then the core; return the times of both, and the core's changes."""
+        """Call the engine, then the core; return the times of both and the changes of the core."""
         port = self._port
         port.reset()
         begin = perf_counter()
@@ -121,7 +127,7 @@ class SteeredFrames:
         return times, Steering(port.contact_points, change.frozen, change.woken, reasons, instructions)
 
     def _with_instructions(self, core: Callable[[], Change]) -> tuple[Change, int | None]:
-        """Call the core; return its changes, and its instructions without those of port calls if they are counted."""
+        """Call the core; return its changes and its number of instructions without port calls, None if not counted."""
         if self._count is None or self._counted is None:
             return core(), None
         self._counted.reset()
@@ -130,20 +136,20 @@ class SteeredFrames:
         return change, self._count() - begin - self._counted.instructions
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """Name the bodies that a user holds to the extension."""
+        """Report the bodies that the user holds to the extension."""
         self._extension.disturb(bodies)
 
     def release(self, bodies: Sequence[int]) -> None:
-        """Name the bodies that the user released to the extension."""
+        """Report the bodies that the user has released to the extension."""
         self._extension.release(bodies)
 
     def turn_gravity(self, gravity: Vector) -> None:
-        """Set the extension's gravity [m/s2]."""
+        """Set the gravity of the extension [m/s2]."""
         self._extension.gravity = gravity
 
 
 def _without_bridge(times: FrameTimes, simulation: Simulation) -> FrameTimes:
-    """Split the time of a step into the engine's own, if it measures that, and the bridge's."""
+    """Split the engine's time into step and bridge if the engine runs in a separate process and reports its step."""
     own = simulation.own_step_s
     return times if own is None else replace(times, engine=own, bridge=times.engine - own)
 

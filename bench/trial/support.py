@@ -1,7 +1,7 @@
-"""Determine which bricks lost their support because a brick was removed, and how far each can fall.
+"""Determine the bricks that lost their support because a brick was removed, and the distance that each can fall.
 
-A brick that sinks moves into the brick below; a brick whose support was removed moves down through free space. Plans
-decide, not an engine's poses, so the same bricks lose their support on every engine.
+A brick that sinks moves into the brick below. A brick whose support was removed moves down through free space. Planned
+poses are compared instead of actual poses, so that the same bricks lose their support on every engine.
 """
 
 from __future__ import annotations
@@ -16,17 +16,18 @@ from scenarios.model import Brick
 
 
 def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[Brick] = ()) -> FloatArray:
-    """Return the heights [m] of the centres below which bricks without their support have dropped, shape (n,).
+    """Return the heights of the centres below which bricks without their support have dropped [m], shape (n,).
 
-    A brick has dropped when it has fallen by half its thickness, or by half of the room below it where that is less.
-    Minus infinity for a brick that kept its support: its plan has no more room below it than before, or only so little
-    (less than half the thickness of the removed brick) as placement noise leaves.
+    The height of a brick that lost its support lies below its present centre by half its thickness, or by half of the
+    room below the brick if that is less. The height is minus infinity for a brick that kept its support, which means
+    that the room below it has increased by no more than half the thickness of the removed brick; smaller increases
+    result from placement noise.
 
     Args:
-        plan: plan of the remaining bricks.
-        position: their actual centres [m], shape (n, 3).
-        taken: the removed brick, at its last pose.
-        left: the same brick at its present pose, while it is pulled; empty once it is gone.
+        plan: plan of the n remaining bricks.
+        position: actual centres of the bricks [m], shape (n, 3), world frame.
+        taken: the removed brick at its last planned pose.
+        left: the same brick at its present pose while it is pulled; empty after its removal.
     """
     boxes = Boxes.at(plan.size, plan.position, plan.quaternion)
     before = _room(boxes, Boxes.of([taken]))
@@ -42,9 +43,10 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
 
 
 def _room(upper: Boxes, lower: Boxes) -> FloatArray:
-    """Return how far [m] each box can move straight down until it meets a box below it, shape (m,).
+    """Return the distance by which each upper box can move down until it meets a lower box [m], shape (m,).
 
-    The box that must be raised less to come free lies above. Infinite if none lies below.
+    The distance is infinite for a box without a lower box below it. Of two overlapping boxes, the box above is the one
+    that needs the smaller upward motion to separate them.
     """
     down, up = vertical_clearance(upper, lower), vertical_clearance(lower, upper).T
     room: FloatArray = np.where(down > up, down, np.inf).min(axis=1, initial=np.inf)

@@ -1,4 +1,4 @@
-"""Ports that measure the time or the instructions spent in them, so that those of the core alone are known.
+"""Ports that measure the time or the instructions of their calls, which are subtracted from those of the core.
 
 The core itself reads no clock.
 """
@@ -15,22 +15,27 @@ _Result = TypeVar("_Result")
 
 
 class TimedPort:
-    """Passes every call to ``port`` and adds up its time since the last ``reset``."""
+    """Port that forwards every call to another port and sums the times of the calls since the last ``reset``."""
 
     __slots__ = ("_clock", "_port", "contact_points", "readback_s", "steering_s")
 
     def __init__(self, port: StabilityPort, clock: Callable[[], float] = perf_counter) -> None:
-        """Time ``port`` with ``clock``, which returns seconds."""
+        """Wrap a port.
+
+        Args:
+            port: the port that receives the calls.
+            clock: function that returns the time [s].
+        """
         self._port = port
         self._clock = clock
         self.reset()
 
     def reset(self) -> None:
-        """Start a new frame."""
+        """Set all sums to zero, at the start of a frame."""
         self.readback_s = 0.0
-        """Time [s] in ``contacts`` and ``masses``."""
+        """Time in ``contacts`` and ``masses`` [s]."""
         self.steering_s = 0.0
-        """Time [s] in ``sleep`` and ``wake``."""
+        """Time in ``sleep`` and ``wake`` [s]."""
         self.contact_points = 0
         """Number of contact points read."""
 
@@ -63,19 +68,25 @@ class TimedPort:
 
 
 class CountedPort:
-    """Passes every call to ``port`` and adds up the instructions that it takes since the last ``reset``."""
+    """Port that forwards every call to another port and sums the instructions of the calls since the last ``reset``."""
 
     __slots__ = ("_count", "_port", "instructions")
 
     def __init__(self, port: StabilityPort, count: Callable[[], int]) -> None:
-        """Count with ``count``, which returns the instructions of this thread so far."""
+        """Wrap a port.
+
+        Args:
+            port: the port that receives the calls.
+            count: function that returns the number of instructions of this thread so far.
+        """
         self._port = port
         self._count = count
         self.reset()
 
     def reset(self) -> None:
-        """Start a new frame."""
+        """Set the sum to zero, at the start of a frame."""
         self.instructions = 0
+        """Number of instructions in calls of the port."""
 
     def contacts(self) -> Contacts:
         """Return every contact that touches a live body after the latest step."""
