@@ -1,4 +1,4 @@
-"""Oriented boxes: how far one lies above another, and how far a rigid group must be lowered onto its support.
+"""Oriented boxes: the height of a box above another, and the shift that lowers a rigid group onto its support.
 
 A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The smallest such h is
 the distance by which the upper box can sink. All differences a - b fill a zonotope: the difference of the centres plus

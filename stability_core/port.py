@@ -1,8 +1,8 @@
 """The core's view of a physics engine: contacts, sleep and mass, and nothing else.
 
-SI units, float64, struct of arrays, in the coordinates of the engine: gravity defines the vertical. Body ids are
-integers from 0, never reused, of any size: memory grows with the number of bodies that live. "Sleep" means an exact
-freeze: a frozen body does not move at all, even if it is hit.
+Values are in SI units, as float64 arrays, one array for each field, in the coordinates of the engine; gravity defines
+the vertical. Body ids are integers from 0 of any size, and never reused: memory grows with the number of bodies in the
+world, not with the greatest id. "Sleep" means an exact freeze: a frozen body does not move at all, even if it is hit.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Rows of the tables by body id: memory grows with the number of bodies that live, not with the greatest id.
+"""Rows of the tables by body id: memory grows with the number of bodies in the world, not with the greatest id.
 
-A hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. A body that leaves
-closes the gap behind it (Algorithm R), and its row is reused. Bodies get rows in order of appearance, by rising id
-within a frame: as long as no body is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+The ids are in a hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. When
+a body leaves, the entries behind it close the gap (Algorithm R), and its row is reused. Bodies get rows in order of
+appearance, by rising id within a frame: as long as no body is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -
 
 @compiled
 def take_row(slots: IntArray, spare: IntArray, body: int) -> None:
-    """Free the row of a body, if it has one; bodies behind it in the table move up."""
+    """Free the row of a body, if it has a row; the entries behind it in the table move up."""
     last = len(slots) - 1
     gap = _slot_of(slots, body)
     if slots[gap, 0] == NONE:

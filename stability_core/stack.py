@@ -58,8 +58,8 @@ BODY = np.dtype(
         ("depth", "f8"),  # deepest penetration into a support [m]
         ("depth_before", "f8"),  # deepest penetration in the frame before [m]
         ("touches", "?"),  # it touches the ground or a frozen body
-        ("supported_by", "u8"),  # its supports as a set of 64 bits by id
-        ("neighbours", "u8"),  # all bodies that it touches, likewise
+        ("supported_by", "u8"),  # its supports as a set of 64 bits (see ``contact_filter.bit_of``)
+        ("neighbours", "u8"),  # all bodies that it touches, as such a set
         ("frozen_neighbours", "u8"),  # the frozen ones among them, and the ground
         # durations [s] up to the latest frame
         ("rest_s", "f8"),  # at rest by the strict rule
@@ -82,7 +82,7 @@ BODY = np.dtype(
         # doubt: PROVEN, or IN_DOUBT and then NOTED for a body frozen without a proof
         ("doubt", "i1"),
         ("refusal", "i1"),  # NOT_REFUSED, TOPPLES, FALLS or DOUBTED
-        ("refused_among", "u8"),  # its frozen neighbours at that time
+        ("refused_among", "u8"),  # its frozen neighbours at the last refusal
         ("deferred", "?"),  # due, but without budget: judged in the next frame
         # a live body on the stack with patches in the graph
         ("is_load", "?"),

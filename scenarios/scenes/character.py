@@ -5,8 +5,8 @@ inner end. Without the character, the plank stands if its own centre of mass is 
 centre is beyond the edge. The margin is the distance of that centre from the edge, inward, over half the plank's
 length.
 
-The character is struck eight times a second, to the left and to the right in turn, at 0.05 m/s: friction stops it after
-v^2 / (2 mu g) = 0.28 mm. So the character is never at rest for long, like a player's figure in a game.
+The character is struck eight times a second, alternately to the left and to the right, at 0.05 m/s: friction stops it
+after v^2 / (2 mu g) = 0.28 mm. So the character is never at rest for long, like a player's figure in a game.
 
 Look for: a stack that stood with the character's help must be judged again when the character leaves.
 """
@@ -66,7 +66,7 @@ def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
 
 def _movements(brick: int, impulse: float, start: float, end: float) -> list[Push]:
     """Return pushes of a brick along x by ``impulse`` [N s], alternating in sign, between ``start`` and ``end`` [s]."""
-    count = round((end - start) / STEP_S) // 2 * 2  # as many to the left as to the right
+    count = round((end - start) / STEP_S) // 2 * 2  # an even number: as many to the left as to the right
     return [
         Push(start + number * STEP_S, brick, (impulse if number % 2 else -impulse, 0.0, 0.0)) for number in range(count)
     ]

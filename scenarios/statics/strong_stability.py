@@ -154,7 +154,7 @@ def _constraints(problem: RigidPile, law: Law, most: float) -> LinearConstraint:
     apart, sideways, down = (_greatest(problem, rows) for rows in (opening, inward, problem.down))
     rows = [
         _Rows(problem.weights, problem.weights, a=problem.masses, x=-forces),
-        _Rows(0.0, np.inf, a=problem.weights[None]),  # contacts supply no work
+        _Rows(0.0, np.inf, a=problem.weights[None]),  # contacts do no positive work
         _Rows(0.0, np.inf, a=opening),
         _Rows(-np.inf, apart, a=opening, z=apart[:, None] * touching),
         _Rows(-sideways, np.inf, a=inward, z=-sideways[:, None] * _each(corners, is_sector)),

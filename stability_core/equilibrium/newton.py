@@ -1,6 +1,6 @@
 """Find contact forces that hold a set of bodies, or the motion in which they fall, by one semismooth Newton method.
 
-Wanted are forces f_c in their cones K_c with A f = w:
+The search looks for forces f_c in their cones K_c with A f = w:
 
 A f     force and moment that the contacts exert on each body
 w       force and moment that they must exert, because of gravity

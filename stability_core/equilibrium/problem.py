@@ -129,7 +129,7 @@ def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, for
 
 @compiled
 def islands(problem: Problem) -> IntArray:
-    """Return the number of each body's island, shape (n,): contacts join bodies to islands, the ground does not.
+    """Return the label of each body's island, shape (n,): contacts join bodies to islands, the ground does not.
 
     Each sweep over the contacts, back and forth until nothing changes, is O(m).
     """

@@ -29,14 +29,14 @@ from stability_core.stack import FROZEN, LIVE, NONE, TOPPLES, Bodies, Graph, Pat
 from stability_core.stack_mass import support_polygon
 
 SAFE, LEFT, UNSOLVED = range(3)
-"""Rows of the results of ``settle_safely``: frozen; to be solved as candidates; to be solved again."""
+"""Rows of the results of ``settle_safely``: frozen bodies; candidates to be solved; bodies to be solved again."""
 
 
 @compiled
 def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tuple[IntArray, IntArray]:
     """Freeze the ``candidates`` in safe regions, lowest first; return the frozen and the undecided bodies.
 
-    A body that topples alone is decided as well: it stays live.
+    A body that topples alone is not undecided: it stays live.
     """
     bodies = graph.bodies
     frozen, left = np.empty(len(candidates), np.int64), np.empty(len(candidates), np.int64)

@@ -218,11 +218,12 @@ class Equilibrium(Policy):
         return answer
 
     def _freeze_part(self, graph: Graph, group: IntArray) -> tuple[IntArray, str, IntArray]:
-        """Freeze the bodies of ``group`` that stand: remove falling ones until the rest stands.
+        """Freeze the bodies of ``group`` that stand: remove falling bodies until the rest stands.
 
-        Bodies that statics leaves in doubt are frozen too, without a proof, once the engine has held all of them for
-        long enough. Return the frozen bodies, the reason, and the rows of the solved patches. A standing group takes
-        one to four steps of a solve of the bodies that bear it; a falling group a few steps of its own bodies.
+        Bodies that statics leaves in doubt freeze too, without a proof, once the engine has held all of them in place
+        for ``doubt_s``. A standing group takes one to four steps of a solve of the bodies that bear it, a falling group
+        a few steps of a solve of its own bodies. Return the frozen bodies, the reason, and the rows of the solved
+        patches.
         """
         bodies = graph.bodies
         while len(group):
