@@ -1,8 +1,8 @@
-"""The ranking of set-ups (engine, profile and policy): correct outcomes first, then frame time.
+"""The ranking of set-ups (engine, profile and policy) by correct outcomes and then by frame time.
 
-A unit is a build of a pair of scenes, or of a scene without a partner, whose answer theory knows. A pair is right if
-both sides are, so that a policy that freezes everything, or nothing, is never right. Every set-up is measured by the
-units of the whole study: a unit that it cannot play or did not decide is not right.
+A unit is one seed of a pair of scenes, or of a scene without a partner, with a known answer. A unit of a pair is right
+only if both trials are right, so that a policy that freezes everything, or nothing, is never right. Every set-up is
+compared on all units of the study: a unit that was not played or not decided is not right.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from reports.statistics.states import State, state_of
 from reports.statistics.success_rates import MISSES
 
 NOT_DECIDED: tuple[State, ...] = ("not_playable", "undecided")
-"""States of a side that leave a pair undecided; the first that a side has is the pair's."""
+"""States of a trial that make its pair undecided; the pair has the first of these states that occurs."""
 
 
 class Unit(NamedTuple):
-    """What counts once: a build of a pair, or of a scene without a partner."""
+    """Unit of the ranking: one seed of a pair, or of a scene without a partner."""
 
     name: str
     """Id of the pair or of the scene."""
@@ -35,40 +35,45 @@ class Unit(NamedTuple):
 
 
 class Creep(NamedTuple):
-    """The creep of the brick that is fastest for its limit."""
+    """Creep of the brick with the greatest ratio of creep to creep limit."""
 
     m_s: float
+    """Creep [m/s]."""
     limit_m_s: float
+    """Creep limit of the brick [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A set-up in the ranking."""
+    """Place of a set-up in the ranking, with its counts and costs."""
 
     set_up: SetUp
     states: Mapping[State, int]
-    """Number of units by state; a pair with several kinds of error counts under each."""
+    """Number of units by state; a pair with several kinds of error counts once for each kind."""
     right: int
+    """Number of units that are right."""
     wrong: int
+    """Number of units with an error."""
     missing: int
-    """Number of the study's units without records of all sides."""
+    """Number of units of the study without records of all trials."""
     frame_ms: float | None
-    """Median over scenes of the median frame time; None without one, or with times of several machines."""
+    """Median over scenes of the median frame time [ms]; None without times, or with times of several machines."""
     frame_ms_p99: float | None
-    """Median over scenes of the 99th percentile of the frame time; None as before."""
+    """Median over scenes of the 99th percentile of the frame time [ms]; None as ``frame_ms``."""
     creep: Creep | None
-    """Creep over all stacks that must stand and did; None if it was not measured."""
+    """Worst creep of all stacks that must stand and did; None if no creep was measured."""
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """All set-ups of a study, best first."""
+    """Ranking of all set-ups of a study."""
 
     units: frozenset[Unit]
     """Units with a known answer."""
     outcomes: frozenset[str]
-    """Outcomes that these units demand: ``stand``, ``fall``."""
+    """Outcomes that the units demand: ``stand``, ``fall`` or both."""
     places: tuple[Place, ...]
+    """Places of the set-ups, the best first."""
 
     @cached_property
     def pairs(self) -> int:
@@ -82,14 +87,15 @@ class Ranking:
 
     @cached_property
     def all_right(self) -> tuple[Place, ...]:
-        """The set-ups that are right in all units, cheapest first."""
+        """Places of the set-ups that are right in all units, the least frame time first."""
         return tuple(place for place in self.places if place.right == len(self.units))
 
 
 def rank(groups: Sequence[Group]) -> Ranking:
     """Return the ranking of the set-ups of all groups.
 
-    The order: most units right, then fewest wrong, then the least frame time, then the order of the groups.
+    Set-ups are sorted by the number of right units (descending), then by the number of wrong units, then by frame time,
+    and then by the order of the groups.
     """
     sides = _sides(groups)
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")
@@ -101,7 +107,7 @@ def rank(groups: Sequence[Group]) -> Ranking:
 
 
 def _sides(groups: Sequence[Group]) -> dict[str, frozenset[str]]:
-    """Return the scenes of each pair whose scenes demand opposite outcomes, by the id of the pair."""
+    """Return the scenes of each pair, by the id of the pair, if they demand opposite outcomes."""
     pairs = grouped([group for group in groups if group.pair], "pair")
     return {
         name: frozenset(group.key.scene for group in members)
@@ -111,7 +117,7 @@ def _sides(groups: Sequence[Group]) -> dict[str, frozenset[str]]:
 
 
 def _units(groups: Sequence[Group], sides: Mapping[str, frozenset[str]]) -> Iterator[tuple[Unit, frozenset[State]]]:
-    """Yield the units of one set-up, each with the states that it counts under."""
+    """Yield the units of one set-up, each with its states."""
     for (pair,), members in grouped(groups, "pair").items():
         if pair not in sides:
             for trial in (trial for group in members for trial in group.draws):
@@ -125,7 +131,10 @@ def _units(groups: Sequence[Group], sides: Mapping[str, frozenset[str]]) -> Iter
 
 
 def _states(build: Sequence[TrialRecord]) -> frozenset[State]:
-    """Return the states of a build of a pair: undecided if a side is, right if all sides are, else its errors."""
+    """Return the states of a unit of a pair.
+
+    The state is undecided or not playable if a trial is; right if all trials are right; else the kinds of error.
+    """
     states = {state_of(trial) for trial in build}
     undecided = next((state for state in NOT_DECIDED if state in states), None)
     if undecided is not None:
@@ -147,7 +156,7 @@ def _place(set_up: SetUp, units: Mapping[Unit, frozenset[State]], total: int, gr
 
 
 def _creep(groups: Sequence[Group]) -> Creep | None:
-    """Return the creep nearest to its limit, or farthest beyond it."""
+    """Return the creep with the greatest ratio to its limit; None if no creep was measured."""
     measured = [
         Creep(trial.creep_m_s, trial.creep_limit_m_s)
         for group in groups

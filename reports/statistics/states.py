@@ -1,4 +1,4 @@
-"""States of trials: correct, the kinds of error, and undecided with its cause."""
+"""States of trials: right, the kinds of error, and the reasons for which a trial is not judged."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ STATES: tuple[State, ...] = (
     "not_playable",
     "open",
 )
-"""All states in the order of a legend. ``undecided``: stopped by the time limit; ``not_playable``: impossible on the
-engine; ``open``: theory does not say."""
+"""All states, in the order of a legend. ``undecided``: the time limit stopped the trial; ``not_playable``: the engine
+does not support the scene; ``open``: theory demands no outcome."""
 
 
 def state_of(trial: TrialRecord) -> State:
@@ -33,5 +33,5 @@ def state_of(trial: TrialRecord) -> State:
 
 
 def states_of(group: Group) -> Counter[State]:
-    """Return the number of builds of a group in each state; repeats of a build count once."""
+    """Return the number of seeds of a group in each state; only the first repeat of a seed counts."""
     return Counter(state_of(trial) for trial in group.draws)
