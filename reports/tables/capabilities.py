@@ -1,4 +1,4 @@
-"""The table of engine capabilities, from the descriptors that a run writes into its environment."""
+"""The table of engine capabilities, from the descriptions that a run writes into its environment."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PROPERTIES = (
     ("normal at a ridge", "ridge_normal"),
     ("repeats bit for bit", "deterministic"),
 )
-"""Rows of the table, with the descriptor's field of each."""
+"""Rows of the table: name, and field of an engine's description."""
 _WORDS = {
     "near_contacts": {True: "listed", False: "added by geometry"},
     "planar": {True: "planar scenes", False: "all scenes"},
@@ -30,10 +30,10 @@ _WORDS = {
 
 
 def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
-    """Return the engines side by side.
+    """Return the table of capabilities, a column per engine.
 
     Args:
-        engines: the ``version`` and the ``capabilities`` of each engine by name, as in an environment.json.
+        engines: ``version`` and ``capabilities`` of each engine, by name, as in an ``environment.json``.
     """
     rows = [
         (
@@ -54,7 +54,7 @@ def capability_table(engines: Mapping[str, Mapping[str, Any]]) -> Table:
 
 
 def capability_tables(engines: Mapping[str, Mapping[str, Any]]) -> list[Table]:
-    """Return the table in a list, which is empty if no engine is described."""
+    """Return the table of capabilities in a list, which is empty without engines."""
     return [capability_table(engines)] if engines else []
 
 

@@ -1,4 +1,4 @@
-"""The table of collapse levels over many seeds: the distribution, not only its median."""
+"""The table of collapse levels, which shows their distribution over many seeds."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 LEAST_TRIALS = 5
-"""Fewest trials of a group that make a distribution."""
+"""Fewest trials of a group for which the table shows a distribution."""
 
 
 def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of collapse levels, if any scene was built often enough under some policy."""
+    """Return the table of collapse levels; empty if no group has ``LEAST_TRIALS`` trials."""
     rows = [
         (*key, _levels(trials), *(str(count) if count else NOTHING for count in _stood_and_stopped(trials)))
         for key, trials in grouped(records, *GroupKey._fields).items()
@@ -31,7 +31,7 @@ def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
 
 
 def _levels(trials: Sequence[TrialRecord]) -> str:
-    """Return the distribution in words, such as "4: 30 (19 slide, 9 sink, 2 topple)"."""
+    """Return the distribution of collapse levels in words, such as ``4: 30 (19 slide, 9 sink, 2 topple)``."""
     fallen: dict[int, Counter[str]] = {}
     for trial in trials:
         if trial.collapse_level is not None:

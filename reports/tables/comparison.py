@@ -1,4 +1,4 @@
-"""The comparison matrix: a row for each scene, engine, profile and policy, with text and sort keys."""
+"""The comparison: a row for each group of trials, with text and sort keys."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from reports.tables.wording import median_level, number, ratio_text, troubles
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column and its meaning."""
+    """Column of the comparison, with its meaning."""
 
     title: str
     explanation: str
@@ -50,35 +50,37 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One entry of the matrix."""
+    """Entry of the comparison, as text and as sort key."""
 
     text: str
     sort: float
-    """Sort key of the entry; nan comes last."""
+    """Sort key of the entry; NaN comes last."""
 
 
 @dataclass(frozen=True, slots=True)
 class ComparisonRow:
-    """One group of the comparison, with its entries in the order of ``COLUMNS``."""
+    """Row of the comparison for one group of trials."""
 
     group: Group
     judgement: str
-    """right, wrong, mixed, or open if theory is silent or the trials did not end."""
+    """``right``, ``wrong`` or ``mixed`` outcomes of the judged trials; ``open`` if no trial was judged."""
     entries: tuple[Entry, ...]
+    """Entries in the order of ``COLUMNS``."""
     trouble: str
+    """Reason for which trials did not end, in words; empty if all ended."""
     note: str
     """Further note for the reader; may be empty."""
 
 
 def comparison_rows(groups: Sequence[Group]) -> list[ComparisonRow]:
-    """Return the rows of all groups, in their order."""
+    """Return the row of each group, in the order of the groups."""
     by_key = {group.key: group for group in groups}
     tests = _tests([(group, by_key[alone]) for group in groups if (alone := GroupKey(*group.key[:3], ALONE)) in by_key])
     return [_row(group, tests.get(group.key)) for group in groups]
 
 
 def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
-    """Return the comparison as a table of text, under its caption."""
+    """Return the comparison as a table of text, with ``caption`` as its first note."""
     titles = (f"{column.title} [{column.unit}]" if column.unit else column.title for column in COLUMNS)
     notes = (
         caption,
@@ -95,7 +97,11 @@ def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
 
 
 def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[PairedTest, float]]:
-    """Return the paired test of each group against its engine alone, with its p-value corrected for all of them."""
+    """Return the paired test of each group against the engine alone, with its p-value corrected by Holm's method.
+
+    Args:
+        compared: each group with the group of the same scene, engine and profile under the policy ``none``.
+    """
     tests = {group.key: compare_groups(group, alone) for group, alone in compared if group is not alone}
     decided = {
         key: (test, test.p_value) for key, test in tests.items() if test is not None and test.p_value is not None

@@ -10,10 +10,15 @@ from reports.tables.grouping import engine_names
 from reports.tables.table import NOTHING, Table
 
 TITLE = "Correctness"
+"""Title of the table."""
 
 
 def correctness_table(trials: pd.DataFrame) -> Table:
-    """Return the correct outcomes of each engine and policy, apart for scenes that must stand and that must fall."""
+    """Return the table of correct outcomes by engine and policy, in separate columns for stand and fall.
+
+    Args:
+        trials: all trials of a study, as ``reports.records.results.trials_frame`` returns them.
+    """
     trials = trials.assign(engine_name=engine_names(trials), right=trials["verdict"] == "right")
     judged = trials[~trials["verdict"].isin(NOT_JUDGED)]
     counted = judged.groupby(["engine_name", "policy", "expectation_outcome"])["right"].agg(["sum", "size"]).astype(str)

@@ -1,4 +1,4 @@
-"""The table of costs beside each other: time, memory, solver iterations and instructions."""
+"""The table of costs: time, memory, solver iterations and instructions."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _COLUMNS = (
     ("iterations", "solver_iterations", "{:.1f}", 1.0),
     ("memory MiB", "memory_mib", "{:.1f}", 1.0),
 )
-"""Title, field, format, and factor from the field's unit to the column's."""
+"""Columns: title, field of the record, format, and factor from the unit of the field to the unit of the column."""
 _COUNTED = "counted"
 
 
 def cost_tables(records: Sequence[TrialRecord], environment: Mapping[str, Any]) -> list[Table]:
-    """Return one table; an empty list if no trial has one of the costs besides times.
+    """Return the table of costs in a list, which is empty if no trial has a cost in ``_COSTS``.
 
     Args:
-        records: all trials of a study.
-        environment: of the run; its sessions say whether instructions could be counted.
+        records: records of all trials of a study.
+        environment: environment of the run, whose sessions record whether instructions could be counted.
     """
     played = [record for record in records if record.frame_ms_p50 is not None]
     if not any(getattr(record, name) is not None for record in played for name in _COSTS):
@@ -55,7 +55,7 @@ _NOTE = (
 
 
 def _median(trials: Sequence[TrialRecord], field: str, form: str, scale: float) -> str:
-    """Return the median of a field as text; times of several machines have none."""
+    """Return the median of a field as text; a dash without values, and for times of several machines."""
     values = [value for trial in trials if (value := getattr(trial, field)) is not None]
     is_of_several = len({trial.host for trial in trials}) > 1
     if not values or ("_ms" in field and is_of_several):
@@ -64,6 +64,6 @@ def _median(trials: Sequence[TrialRecord], field: str, form: str, scale: float) 
 
 
 def _instruction_notes(environment: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return why instructions were not counted, one note for each reason."""
+    """Return a note for each reason for which instructions were not counted."""
     reasons = (session.get("instructions", _COUNTED) for session in environment.get("sessions", ()))
     return tuple(f"Instructions: {reason}." for reason in dict.fromkeys(reasons) if reason != _COUNTED)

@@ -1,4 +1,4 @@
-"""The table of divisions: the success rate on scenes on which profiles were tuned, and on held-out scenes."""
+"""The table of divisions: success rates on the scenes on which profiles were tuned, and on held-out scenes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scenarios.divisions import TUNED_ON, is_held_out
 
 
 def division_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return one table; an empty list unless the study has judged trials of both divisions."""
+    """Return the table of divisions in a list, which is empty unless both divisions have judged trials."""
     groups = [group for group in groups_of(records) if group.judged]
     if len({is_held_out(group.scenario) for group in groups}) < 2:
         return []
@@ -40,7 +40,7 @@ def _scores(groups: Sequence[Group]) -> tuple[str, ...]:
 
 
 def _right(groups: Sequence[Group]) -> tuple[str, str]:
-    """Return the number of right trials with that of judged ones, and the success rate, as cells."""
+    """Return two entries: right trials over judged trials, and the success rate in percent."""
     judged = sum(len(group.judged) for group in groups)
     right = sum(group.count("right") for group in groups)
     return (f"{right}/{judged}", f"{100 * right / judged:.0f}") if judged else (NOTHING, NOTHING)

@@ -1,4 +1,4 @@
-"""The table of reported contact forces: the weight that they carry, and their violation of the laws of contact."""
+"""The table of reported contact forces: the weight that they carry, and their deviations from the laws of contact."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ FIGURES = (
     ("cone", "cone_excess", 1.0, "{:.4f}"),
     ("complementarity", "complementarity", 1.0, "{:.4f}"),
 )
-"""Columns: name, field of the record, factor and format."""
+"""Columns: title, field of the record, factor from the unit of the field to the unit of the column, and format."""
 
 
 def force_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return a table of the trials with audited forces; an empty list without such trials."""
+    """Return the table of the trials with audited forces in a list, which is empty without such trials."""
     audited = [record for record in records if record.carried_share is not None]
     if not audited:
         return []

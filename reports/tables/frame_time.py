@@ -1,4 +1,4 @@
-"""The table of frame times: of engine, core and port."""
+"""The table of frame times: whole frames, and their parts in engine, core and port."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from reports.tables.table import NOTHING, Table
 from reports.tables.wording import ratio_text
 
 _BRIDGE = Measure("bridge", "bridge_ms", "{:.3f}")
-"""Shown if an engine runs in a separate process."""
+"""Column that is shown if an engine runs in a separate process."""
 MEASURES = (
     Measure("p50", "frame_ms_p50", "{:.3f}"),
     Measure("p99", "frame_ms_p99", "{:.3f}"),
@@ -24,7 +24,11 @@ _KEYS = ("scene", "engine_name", "policy", "machine")
 
 
 def frame_time_table(trials: pd.DataFrame) -> Table:
-    """Return the medians of the frame times of each group of trials, with a note if there are several machines."""
+    """Return the table of the median frame times of each group of trials, by machine if there are several.
+
+    Args:
+        trials: all trials of a study, as ``reports.records.results.trials_frame`` returns them.
+    """
     several = len(trials["host"].dropna().unique()) > 1
     trials = trials.assign(engine_name=engine_names(trials), machine=trials["host"].fillna(NOTHING))
     has_bridge = bool(trials["bridge_ms"].notna().any())
@@ -49,7 +53,7 @@ def frame_time_table(trials: pd.DataFrame) -> Table:
 
 
 def _ratios(trials: pd.DataFrame) -> list[str]:
-    """Return the ratio of each row with its interval and levels, such as ``0.07 [0.06, 0.09] at 20-25``, or a dash."""
+    """Return the frame ratio of each row with interval and levels, such as ``0.07 [0.06, 0.09] at 20-25``."""
     played = played_in_order(trials)
     groups = played.groupby(list(_KEYS), sort=False, dropna=False)
     return [_ratio(group.loc[group["frame_ratio"].notna()]) for _, group in groups]

@@ -1,4 +1,4 @@
-"""Order and group the trials of a data frame into the rows of a study's tables."""
+"""Functions that sort and group the trials of a data frame into the rows of a table."""
 
 from __future__ import annotations
 
@@ -13,27 +13,29 @@ from reports.tables.table import NOTHING
 
 
 class Measure(NamedTuple):
-    """A column of medians."""
+    """Column of medians of a field."""
 
     title: str
     field: str
+    """Name of the field of the record."""
     form: str
-    """Format of its numbers."""
+    """Format of a number."""
     scale: float = 1.0
-    """Factor from the field's unit to the column's unit."""
+    """Factor from the unit of the field to the unit of the column."""
 
 
 def engine_names(trials: pd.DataFrame) -> pd.Series:
-    """Return the name of each trial's engine, with its profile where several are compared."""
+    """Return the name of each trial's engine, followed by its profile if the trials have several profiles."""
     several = len(trials["profile"].unique()) > 1
     names: pd.Series = trials["engine"] + " " + trials["profile"] if several else trials["engine"]
     return names
 
 
 def played_in_order(trials: pd.DataFrame) -> pd.DataFrame:
-    """Return the trials that played at least a few frames, by scene and set-up in order of appearance.
+    """Return the trials with timed frames, sorted by scene, engine and profile, and policy.
 
-    Policies are in their usual order; ties stay as they are.
+    Scenes, engines and profiles are sorted by their first appearance, and policies by their usual order. The sort is
+    stable.
     """
     scene = pd.factorize(trials["scene"])[0]
     set_up = trials.groupby(["engine", "profile"], sort=False).ngroup()
@@ -43,12 +45,14 @@ def played_in_order(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Measure]) -> pd.DataFrame:
-    """Return the medians of each group of trials as text, in the order of ``played_in_order``; a dash for none.
+    """Return a row of medians as text for each group of trials, in the order of ``played_in_order``.
+
+    A missing median becomes a dash.
 
     Args:
         trials: all trials of a study.
-        keys: columns of ``trials`` that a group shares, and that its row starts with.
-        measures: the columns that follow.
+        keys: columns of ``trials`` that define the groups; a row begins with them.
+        measures: columns of medians that follow in a row.
     """
     played = played_in_order(trials)
     scaled = played[list(keys)].assign(
@@ -61,5 +65,5 @@ def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Me
 
 
 def median_text(value: float, form: str) -> str:
-    """Return a formatted number; a dash for nan."""
+    """Format a number by ``form``; a dash for NaN."""
     return NOTHING if np.isnan(value) else form.format(value)

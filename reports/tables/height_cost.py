@@ -1,4 +1,4 @@
-"""The table of levels reached and frame time by set-up."""
+"""The table of the cost of height: levels that stood, and frame time, for each engine and profile."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from reports.tables.table import Table
 
 
 def height_cost_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of a results folder; none unless an engine has several set-ups."""
+    """Return the table of the cost of height in a list, which is empty if no engine has enough profiles."""
     points = cost_points(folder, records)
     return [cost_table(points)] if points else []
 
 
 def cost_table(points: Sequence[CostPoint]) -> Table:
-    """Return every set-up with its levels and frame time under each policy."""
+    """Return the table of levels and frame times: a row per scene, engine and profile, two columns per policy."""
     policies = list(dict.fromkeys(point.policy for point in points))
     cells = {(point.scene, point.engine, point.profile, point.policy): point for point in points}
     rows = []

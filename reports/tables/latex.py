@@ -1,4 +1,4 @@
-"""Tables for papers in LaTeX: booktabs, siunitx, and a caption with n, seeds, versions, date."""
+"""Tables for papers in LaTeX, with the packages booktabs and siunitx."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ _SPECIAL = {
     "“": "``",
     "”": "''",
 }
+"""Replacements for characters with a meaning in LaTeX, and for symbols."""
 _DECIMALS = 3
+"""Number of decimals of a time [ms]."""
 
 
 def to_latex(rows: Sequence[ComparisonRow], caption: str, label: str) -> str:
@@ -42,14 +44,14 @@ def to_latex(rows: Sequence[ComparisonRow], caption: str, label: str) -> str:
 
     Args:
         rows: rows of the comparison.
-        caption: caption of the table; an explanation of the columns is added.
+        caption: caption of the table, to which an explanation of the columns is added.
         label: label of the table, ``tab:LABEL``.
     """
     return _template("tables.tex.j2").render(caption=caption, label=_label(label), scenes=_by_scene(rows))
 
 
 def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
-    """Return the pairs, all together as ``tab:LABEL-pairs`` and by family as ``tab:LABEL-families``."""
+    """Return two tables of pairs: of all pairs (``tab:LABEL-pairs``), and by family (``tab:LABEL-families``)."""
     whole = [
         (f"{row.set_up.engine}, {row.set_up.profile}", row.set_up.policy, row) for row in rows if row.family == ALL
     ]
@@ -72,7 +74,7 @@ def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
 
 
 def table_to_latex(table: Table) -> str:
-    """Return any table as a ``longtable`` of the packages booktabs, longtable and amssymb, labelled ``tab:ID``."""
+    """Return a table as a ``longtable`` with the label ``tab:ID``; it needs booktabs, longtable and amssymb."""
     frame = table.frame.map(escape).set_axis(map(escape, table.header), axis="columns")
     text: str = frame.to_latex(
         index=False, longtable=True, escape=False, caption=escape(table.title), label=f"tab:{_label(table.id)}"
@@ -87,7 +89,7 @@ def _by_scene(rows: Sequence[ComparisonRow]) -> list[list[list[str]]]:
 def _template(name: str) -> jinja2.Template:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES),
-        autoescape=False,  # LaTeX has an escape of its own
+        autoescape=False,  # the filter "tex" escapes text for LaTeX
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         variable_start_string="<<",
@@ -106,7 +108,7 @@ def _label(name: str) -> str:
 
 
 def _groups(rows: Sequence[tuple[str, str, PairRow]]) -> dict[str, list[list[str]]]:
-    """Return rows by heading, each with its name and its entries."""
+    """Return the lines of a table by heading, each with name and entries."""
     groups: dict[str, list[list[str]]] = {}
     for heading, name, row in rows:
         groups.setdefault(heading, []).append([escape(name), *_pair_entries(row)])
@@ -121,12 +123,12 @@ def _pair_entries(row: PairRow) -> list[str]:
 
 
 def escape(text: str) -> str:
-    """Return text escaped for LaTeX."""
+    """Escape text for LaTeX."""
     return "".join(_SPECIAL.get(letter, letter) for letter in text)
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """Return a number with its uncertainty in units of its last digit, in siunitx's notation: ``1.234(12)``."""
+    """Format a number in the notation of siunitx, ``1.234(12)``, with the uncertainty in units of the last digit."""
     text = f"{value:.{_DECIMALS}f}"
     return text if uncertainty is None else f"{text}({math.ceil(uncertainty * 10**_DECIMALS)})"
 

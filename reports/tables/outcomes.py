@@ -1,4 +1,4 @@
-"""The table of outcomes: how each trial ended, and whether theory agrees."""
+"""The table of outcomes, which shows the outcome of each group of trials and whether theory agrees."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ _WENT_WRONG = {
     "unsupported": "n/a",
 }
 TITLE = "Outcomes"
+"""Title of the table."""
 ADOPTED = "†"
 """Mark of trials in which the core froze bodies of a prebuilt stack before the first step."""
 CREEPS_NOTE = (
@@ -29,7 +30,7 @@ ADOPTED_NOTE = f"{ADOPTED}: prebuilt; the core judged the stack by statics and f
 
 
 def outcomes_table(records: Sequence[TrialRecord]) -> Table:
-    """Return the outcomes of each scene and engine, a column per policy."""
+    """Return the table of outcomes: a row per scene, engine and profile, a column per policy."""
     groups = groups_of(records)
     several = len({group.key.profile for group in groups}) > 1
     entries = {group.key: outcome(group.trials) for group in groups}
@@ -62,7 +63,7 @@ def outcomes_table(records: Sequence[TrialRecord]) -> Table:
 
 
 def outcome(trials: Sequence[TrialRecord]) -> str:
-    """Return one entry: how the trials of one scene, engine and policy ended, and whether that was right."""
+    """Return the entry for the trials of a group: levels or end, and the mark and number of right trials."""
     if not trials:
         return NOTHING
     judged, mark_of_adopted = judged_trials(trials), adopted_mark(trials)
@@ -82,7 +83,7 @@ def outcome(trials: Sequence[TrialRecord]) -> str:
 
 
 def adopted_mark(trials: Sequence[TrialRecord]) -> str:
-    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in one of the trials, or else an empty text."""
+    """Return ``ADOPTED`` if the core froze bodies of a prebuilt stack in a trial before the first step, else ``""``."""
     return ADOPTED if any(trial.adopted for trial in trials) else ""
 
 
@@ -97,7 +98,7 @@ def _end(trial: TrialRecord) -> str:
 
 
 def _stands_alone(records: Sequence[TrialRecord]) -> list[str]:
-    """Return the scenes that must stand and do so on the engine alone."""
+    """Return the scenes, with engine and profile, that must stand and stand on the engine alone."""
     several = len({record.profile for record in records}) > 1
     return [
         f"{scene} on {engine}{f' {profile}' if several else ''}"

@@ -1,4 +1,4 @@
-"""The tables of pairs of scenes: all pairs, and by family."""
+"""The tables of pairs of scenes: all pairs together, and the pairs of each family."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _LETTERS = {"false_stand": "s", "false_collapse": "c", "creeps": "r", "failed": 
 
 
 def pair_tables(rows: Sequence[PairRow]) -> list[Table]:
-    """Return the tables of all pairs and by family; none if there are no pairs."""
+    """Return the table of all pairs and the table by family; empty without pairs."""
     return [_headline(rows), _by_family(rows)] if rows else []
 
 
 def pairs_csv(rows: Sequence[PairRow]) -> str:
-    """Return every share with the ends of its interval as CSV, a line per row."""
+    """Return the rows as CSV with every share and the ends of its interval."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     names = ("right", *MISSES)
@@ -88,7 +88,7 @@ def _by_family(rows: Sequence[PairRow]) -> Table:
 
 
 def _family_cell(row: PairRow | None) -> str:
-    """Return an entry such as ``3/5 1s 1c``, or with an interval ``62/100 [50, 71] % 30s 8c``."""
+    """Return the entry of a family, such as ``3/5 1s 1c``, or with an interval ``62/100 [50, 71] % 30s 8c``."""
     if row is None or row.success_rates is None:
         return NOTHING
     interval = percent(row.success_rates.right).partition(" [")[2]
@@ -97,7 +97,7 @@ def _family_cell(row: PairRow | None) -> str:
 
 
 def right_of_judged(rates: SuccessRates | None) -> str:
-    """Return the count such as ``38/46``; a dash if nothing was judged."""
+    """Return right over judged pairs or trials, such as ``38/46``; a dash if nothing was judged."""
     return f"{rates.right_count}/{rates.n}" if rates is not None else NOTHING
 
 

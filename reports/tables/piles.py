@@ -1,4 +1,4 @@
-"""The table of poured piles by policy: time to rest, sink and creep, height and slope, frame time."""
+"""The table of poured piles: time to rest, height, angle of repose, sink, creep and frame time by policy."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FIGURES = (
     ("p50", "frame_ms_p50", "{:.2f}", 1.0),
     ("p99", "frame_ms_p99", "{:.2f}", 1.0),
 )
-"""Columns: name, field of the record, format, and factor to the column's unit."""
+"""Columns: title, field of the record, format, and factor from the unit of the field to the unit of the column."""
 
 
 def pile_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return a table of all poured piles; none if there are none."""
+    """Return the table of all poured piles in a list, which is empty without piles."""
     poured = [record for record in records if record.repose_deg is not None]
     if not poured:
         return []

@@ -1,4 +1,4 @@
-"""The sleeping methods, each in one sentence for readers of a page or of a list."""
+"""Descriptions of the sleeping methods for pages and lists, one sentence each."""
 
 from __future__ import annotations
 
@@ -13,4 +13,4 @@ POLICY_SENTENCES: Mapping[str, str] = {
     "equilibrium": "Exact statics: a brick freezes if contact forces with friction exist that hold the whole stack.",
     "pile": "After Hsu and Keyser 2010: bricks inside a pile freeze, those on its slope stay live.",
 }
-"""What each sleeping method does, by its name."""
+"""Description of each sleeping method, by its name."""

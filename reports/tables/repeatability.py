@@ -1,4 +1,4 @@
-"""The tables of repeatability: whether repeats agree, their best times, and how steady the machine was."""
+"""The tables of repeatability: agreement and best times of repeats, and variation of the machine's speed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 NOISY = 0.1
-"""Spread of the fixed calculation above which a machine is too noisy for small differences."""
+"""Relative spread of the times of the fixed calculation above which small differences of times mean nothing."""
 _PERCENTILES = (50, 95, 99)
+"""Percentiles of the best times."""
 
 
 def repeat_tables(folder: Path, records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the tables of repeats and of the machine, as far as there are any."""
+    """Return the table of repeats, if any trial has repeats, and the table of the machine's speed, if measured."""
     tables = []
     timed = grouped([record for record in records if record.timed_frames is not None], *GroupKey._fields)
     groups = {GroupKey(*key): list(grouped(trials, "seed").values()) for key, trials in timed.items()}
@@ -39,10 +40,10 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
 
 
 def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
-    """Return percentiles 50, 95 and 99 of the least time [ms] of each frame in any repeat.
+    """Return percentiles 50, 95 and 99 over frames of the least time of each frame in any repeat [ms].
 
-    Only repeats with the same poses on the same machine have such frames: None for others, and for repeats that were
-    interrupted at different frames, or whose frames were not kept.
+    None if the repeats differ in poses, machine or number of timed frames, because their frames do not correspond; also
+    None if the frames of a repeat are missing.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None
@@ -56,7 +57,12 @@ def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | No
 
 
 def _repeats(folder: Path, groups: Mapping[GroupKey, Sequence[Sequence[TrialRecord]]]) -> Table:
-    """Return the table of groups, each with the repeats of its seeds."""
+    """Return the table of repeats, a row per group.
+
+    Args:
+        folder: a results folder.
+        groups: for each group and each of its seeds, the repeats.
+    """
     rows = []
     for (scene, engine, profile, policy), seeds in groups.items():
         several = [repeats for repeats in seeds if len(repeats) > 1]
@@ -78,7 +84,10 @@ def _repeats(folder: Path, groups: Mapping[GroupKey, Sequence[Sequence[TrialReco
 
 
 def _median_and_deviation(repeats: Sequence[TrialRecord]) -> str:
-    """Return median and deviation of the median frame times [ms]; empty for several machines, which have none."""
+    """Return median and median absolute deviation of the median frame times [ms] as text; a dash for several machines.
+
+    Times of several machines have no common median, because they are not comparable.
+    """
     if len({record.host for record in repeats}) > 1:
         return NOTHING
     p50 = [record.frame_ms_p50 for record in repeats if record.frame_ms_p50 is not None]

@@ -1,4 +1,4 @@
-"""The table of the sleep audit: how long bricks slept that had to move, and when they had moved far enough."""
+"""The table of the sleep audit: time for which bricks that must move slept, and time in which they moved far enough."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from reports.tables.table import NOTHING, Table
 from scenarios.registry import build
 
 TITLE = "Sleep audit"
+"""Title of the table."""
 NEVER = "never"
+"""Entry for a brick that did not move far enough within the trial."""
 
 
 def sleep_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of all trials in which a brick must move; none if there are none."""
+    """Return the table of all trials in which a brick must move, in a list, which is empty without such trials."""
     audited = [record for record in records if _must_move(record)]
     if not any(record.asleep_s is not None for record in audited):
         return []
@@ -37,7 +39,7 @@ def _must_move(record: TrialRecord) -> bool:
 
 
 def _due(record: TrialRecord) -> tuple[float | None, ...]:
-    """Return the times [s] that the bricks of a scene that must move take by theory."""
+    """Return the times that theory gives for the required motions of a scene [s]; None for an unknown time."""
     return tuple(due.takes_s for due in build(record.scenario, **record.parameters).must_move)
 
 

@@ -1,4 +1,4 @@
-"""Tables of a soak: creep of stacks that must stand, and the time until a brick has moved by its thickness."""
+"""The tables of a soak: creep of stacks that must stand, and the time until a brick has moved by its thickness."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from reports.statistics.soak import creeps_at_all, soak_summaries, soaked, time_
 from reports.tables.table import NOTHING, Table
 
 _MICRO = 1e6
+"""Factor from m/s to µm/s."""
 _UNITS = ((365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
+"""Units of time: length [s] and name, the longest first."""
 _MOST_YEARS = 100.0
+"""Longest time that is given as a number [years]."""
 
 
 def soak_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return a table by engine, profile and policy, and one of all trials; none without a watch of a minute."""
+    """Return the table by engine, profile and policy, and the table of all trials; empty without a soak."""
     trials = soaked(records)
     if not trials:
         return []
@@ -23,7 +26,7 @@ def soak_tables(records: Sequence[TrialRecord]) -> list[Table]:
 
 
 def duration(seconds: float | None) -> str:
-    """Format a time in a suitable unit, such as ``8.4 h``; None becomes a dash."""
+    """Format a time [s] in a suitable unit, such as ``8.4 h``; a dash for None."""
     if seconds is None:
         return NOTHING
     if seconds > _MOST_YEARS * _UNITS[0][0]:

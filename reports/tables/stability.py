@@ -8,6 +8,7 @@ from reports.tables.grouping import Measure, engine_names, median_rows
 from reports.tables.table import Table
 
 LEGACY_CREEP, LEGACY_TITLE = "mean_motion_m_s", "mean motion"
+"""Field and title of the mean motion, which trials from before format 3 have instead of creep."""
 MEASURES = (
     Measure("height", "height_m", "{:.1f}", 1e3),
     Measure("sink", "sink_m", "{:.2f}", 1e3),
@@ -21,9 +22,11 @@ MEASURES = (
     Measure("refroze", "refreezes", "{:.0f}"),
     Measure("live s", "longest_live_s", "{:.1f}"),
 )
+"""All columns of the table."""
 
 
 PRESENT_CREEP = ("creep_m_s", "creep_error_m_s", "sliding_m_s", "sinking_m_s")
+"""Fields of the creep, which trials have since format 3."""
 CREEP_NOTE = (
     "Creep [µm/s]: slope of a centre's position over the last half of the watch, of the brick that is fastest for its "
     "thickness, ± half of its 95 % interval; then the fastest horizontal and the fastest vertical creep of any brick."
@@ -35,7 +38,11 @@ LEGACY_NOTE = (
 
 
 def stability_table(trials: pd.DataFrame) -> Table:
-    """Return the medians of the stability metrics of each group of trials."""
+    """Return the table of the median stability metrics of each group of trials.
+
+    Args:
+        trials: all trials of a study, as ``reports.records.results.trials_frame`` returns them.
+    """
     has_present = trials["creep_m_s"].notna().any()
     has_legacy = trials[LEGACY_CREEP].notna().any()
     left_out = set() if has_legacy else {LEGACY_CREEP}

@@ -1,7 +1,7 @@
 """The tables of every study: outcomes, correctness, frame time and stability metrics.
 
-With several seeds an entry gives the median and the range. A trial that was stopped by its time limit is censored: its
-figures are marked "≥" and enter no mean.
+With several seeds, an entry of the table of outcomes gives the median and the range of the levels. A trial that its
+time limit stopped is censored: its levels are marked "≥", and it counts as neither right nor wrong.
 """
 
 from __future__ import annotations
@@ -18,10 +18,7 @@ from reports.tables.table import Table
 
 
 def study_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return all tables of a study.
-
-    Correctness is left out if no scene of the study has a known answer.
-    """
+    """Return the tables of a study; correctness is left out if no scene of the study has a known answer."""
     trials = trials_frame(records)
     is_judged = (trials["verdict"] != "none").any()
     return [

@@ -1,4 +1,4 @@
-"""Tables of ready text: on the terminal, as Markdown and as CSV."""
+"""Tables of formatted text, for the terminal, Markdown and CSV."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NOTHING = "-"
+"""Text of an entry without a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,26 +26,26 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...] = ()
     folds: bool = False
-    """True for entries of several words, which may take several lines, except in the first column."""
+    """True if entries may take several lines, except in the first column."""
     id: str = ""
-    """Name of its files, unique within a report; empty for tables without files."""
+    """Name of the table's files, unique within a report; empty for a table without files."""
 
     @classmethod
     def of(cls, title: str, frame: pd.DataFrame, notes: Sequence[str] = (), *, id: str = "") -> Table:  # noqa: A002
-        """Return a table from a data frame of text, without its index."""
+        """Return a table with the text of a data frame, without the index of the data frame."""
         rows = tuple(tuple(row) for row in frame.to_numpy().tolist())
         return cls(title, tuple(frame.columns), rows, tuple(notes), id=id)
 
     @property
     def frame(self) -> pd.DataFrame:
-        """The text as a data frame, without the notes."""
-        import pandas as pd  # half a second that the rest of the command line does not need
+        """Text of the table as a data frame, without the notes."""
+        import pandas as pd  # its import takes 0.5 s, and most commands do not need it
 
         return pd.DataFrame(list(self.rows), columns=list(self.header), dtype=str)
 
 
 def first_rows(table: Table, most: int) -> Table:
-    """Return a table of the first ``most`` rows, with a note of the file that has the rest, if any."""
+    """Return a table of the first ``most`` rows; if it lacks rows, a note names the file that contains them."""
     more = len(table.rows) - most
     if more <= 0:
         return table
@@ -75,7 +76,7 @@ def render(table: Table, console: Console) -> None:
 
 
 def to_markdown(tables: Iterable[Table]) -> str:
-    """Return the tables in GitHub's Markdown."""
+    """Return the tables with their notes in GitHub's Markdown."""
     parts = []
     for table in tables:
         lines = [f"## {table.title}", "", _line(table.header), _line(["---"] * len(table.header))]
@@ -99,7 +100,7 @@ def _is_figures(column: Sequence[str]) -> bool:
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
-    """Return a row whose leading entries are blank where they repeat the row above."""
+    """Return the entries of a row; leading entries that are equal to those of the row above become blank."""
     cells, same = [], True
     for index, cell in enumerate(row):
         same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)

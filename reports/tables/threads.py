@@ -1,4 +1,4 @@
-"""The table of public threads: per thread the reported outcome, the outcomes of engines here, and the exact one."""
+"""The table of public threads: the reported outcome, the exact outcome and the outcomes on the engines."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from reports.tables.table import NOTHING, Table
 from scenarios.threads import Thread, thread_of
 
 _MICRO = 1e6
+"""Factor from m/s to µm/s."""
 _NOT_PLAYED = {"unsupported": "n/a", "timeout": "timed out"}
 
 
 def thread_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return one table; an empty list if no trial is of a thread."""
+    """Return the table of public threads in a list, which is empty if no scene comes from a thread."""
     found = [(record, thread) for record in records if (thread := thread_of(record.parameters)) is not None]
     draws = [(record, thread) for record, thread in found if record.seed == 0 and record.repeat == 0]
     if not draws:

@@ -11,6 +11,7 @@ from reports.statistics.thresholds import Threshold, thresholds_of
 from reports.tables.table import NOTHING, Table
 
 TITLE = "Thresholds by bisection"
+"""Title of the table."""
 
 
 def threshold_tables(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Table]:
@@ -42,12 +43,12 @@ def _row(one: Threshold) -> tuple[str, ...]:
 
 
 def _distinct(exact: tuple[float | None, float | None]) -> list[float]:
-    """Return the exact limits, one if both conventions agree."""
+    """Return the known exact limits; a single one if both conventions for a ridge agree."""
     known = [value for value in exact if value is not None]
     return known[:1] if len(known) == 2 and math.isclose(*known, rel_tol=1e-3) else known
 
 
 def _rounded(value: float, error: float) -> str:
-    """Return a value and its error, to the second digit of the error."""
+    """Format a value with its error, rounded to the second significant digit of the error."""
     digits = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{digits}f} ± {error:.{digits}f}"

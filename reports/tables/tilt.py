@@ -1,4 +1,4 @@
-"""The table of the tilt test: the slope at which a stack first moves, against exact statics."""
+"""The table of the tilt test: the slope at which a stack first moves, and the limits by exact statics."""
 
 from __future__ import annotations
 
@@ -13,30 +13,34 @@ from scenarios.registry import build
 from scenarios.scenes.tilt_test import THETA, tilt_limits
 
 TITLE = "Onset on tilting ground"
+"""Title of the table."""
 SCENARIO = "tilt_test"
+"""Name of the scenario."""
 NEAR_DEG = 0.25
-"""Distance [deg] of an onset from a limit within which it counts as that limit. An onset lags by the time that it takes
-to move 1 % of a thickness or to turn by half a degree: 0.02 to 0.1 deg at 0.1 deg/s. An error of half a degree must be
-seen."""
+"""Greatest distance of an onset from a limit with which it agrees [deg]. The onset lags by 0.02 to 0.1 deg at 0.1
+deg/s, because a brick first has to move by 1 % of its thickness or turn by half a degree. The distance is less than
+half a degree, so that an error of half a degree shows."""
 NAMED_DEG = 2.0
-"""Distance [deg] of a ridge's normal from the bisector or from a plank's face within which it goes by that name."""
+"""Greatest angle between a ridge's normal and the bisector, or a face normal, after which the normal is named [deg]."""
 
 
 class Onset(NamedTuple):
-    """What one trial shows."""
+    """Onset of motion in one trial, with the limits of its stack."""
 
     trial: TrialRecord
     exact_deg: float
-    """Limit by exact statics."""
+    """Limit slope by exact statics [deg]."""
     own_deg: float | None
-    """Limit by exact statics with the engine's own contacts, as its run without an extension showed them."""
+    """Limit slope by exact statics with the engine's own contacts [deg], from its trial without an extension; None if
+    unknown."""
     ridge_deg: float | None
+    """Greatest angle between the engine's normal at a ridge and the bisector [deg]; None without a ridge."""
     fall_deg: float | None
-    """Slope when the collapse was first seen."""
+    """Slope when the collapse was first seen [deg]; None without a collapse."""
 
     @property
     def off_deg(self) -> float | None:
-        """Distance of the onset from the nearer of both limits; None without an onset."""
+        """Onset minus the nearer of both limits [deg]; None without an onset."""
         onset = self.trial.onset_deg
         if onset is None:
             return None
@@ -50,7 +54,7 @@ class Onset(NamedTuple):
 
 
 def onsets_of(records: Sequence[TrialRecord]) -> list[Onset]:
-    """Return what the trials of the tilt test show, in the order of their groups."""
+    """Return the onset of each trial of the tilt test, in the order of the groups."""
     tilted = [record for record in records if record.scenario == SCENARIO]
     own = {(one.scene, one.engine, one.profile): one for one in tilted if one.ridge_deg or one.own_limit_deg}
     found = []
@@ -66,13 +70,13 @@ def onsets_of(records: Sequence[TrialRecord]) -> list[Onset]:
 
 
 def slope_at(scene: Scene, time: float) -> float:
-    """Return the slope [deg] of the ground of a scene at a time [s]; all of its tilts are about one axis."""
+    """Return the slope of the ground of a scene at ``time`` [s], in degrees; all tilts must have the same axis."""
     tilts = [action for action in scene.actions if isinstance(action, Tilt)]
     return sum(tilt.speed * min(max(time - tilt.time, 0.0), tilt.seconds) for tilt in tilts)
 
 
 def tilt_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of the tilt test; none if it was not run."""
+    """Return the table of the tilt test in a list, which is empty without trials of the tilt test."""
     found = onsets_of(records)
     if not found:
         return []
@@ -108,7 +112,7 @@ def _degrees(value: float | None) -> str:
 
 
 def _ridge(angle: float | None) -> str:
-    """Return the name of a ridge's normal by its angle [deg] from the bisector."""
+    """Return the name of a ridge's normal, given its angle from the bisector [deg], or that angle in words."""
     if angle is None:
         return NOTHING
     names = {"edge": 0.0, "face": 90.0 - THETA}

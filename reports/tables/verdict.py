@@ -1,4 +1,4 @@
-"""The verdict of a study in one sentence, and the ranking of its set-ups with the reason for each place."""
+"""The verdict of a study in one sentence, and the table of the ranking with the reason for each place."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ STATE_WORDS: dict[State, tuple[str, str]] = {
     "not_playable": ("not playable", "not playable"),
     "open": ("not judged", "not judged"),
 }
-"""Each state in words, of one build and of several."""
+"""Words for each state: for one build, and for several."""
 _PERCENTILES = (5, 95)
-"""Percentiles of the calibration times that show by how much the machine's speed varied."""
+"""Percentiles of the calibration times, whose ratio measures the variation of the machine's speed."""
 
 
 def sentence(ranking: Ranking, unfinished: int = 0) -> str:
-    """Return the verdict: the cheapest set-up that is right in everything, or that none is.
+    """Return the verdict: the cheapest set-up that is right in all units, or a sentence that no set-up is.
 
     Args:
         ranking: the ranking of the study.
@@ -56,16 +56,16 @@ def sentence(ranking: Ranking, unfinished: int = 0) -> str:
 
 
 def name(set_up: SetUp) -> str:
-    """Return a set-up in words: ``rapier game with paper``."""
+    """Return a set-up in words, such as ``rapier game with paper``."""
     return f"{set_up.engine} {set_up.profile} {'alone' if set_up.policy == ALONE else f'with {set_up.policy}'}"
 
 
 def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
-    """Return the ranking as a table: place, set-up, counts, cost and the reason; no rows if nothing is judged.
+    """Return the ranking as a table: place, set-up, counts, costs and the reason; without rows if nothing is judged.
 
     Args:
         ranking: the ranking of the study.
-        records: its records, whose calibration shows how steady the machine was.
+        records: records of the study, whose calibration times show the variation of the machine's speed.
     """
     rows = tuple(
         (
@@ -85,7 +85,7 @@ def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
 
 
 def reasons(ranking: Ranking) -> list[str]:
-    """Return why each set-up has its place, in the order of the places."""
+    """Return the reason for the place of each set-up, in the order of the places."""
     found: list[str] = []
     for _, tied in groupby(ranking.places, key=lambda place: (place.right, place.wrong)):
         found += _reasons_of_tied(list(tied), len(found) + 1)
@@ -93,7 +93,7 @@ def reasons(ranking: Ranking) -> list[str]:
 
 
 def milliseconds(time_ms: float | None) -> str:
-    """Return a time [ms] with two significant digits; a dash for None."""
+    """Format a time [ms] with two significant digits; a dash for None."""
     if time_ms is None:
         return NOTHING
     decimals = 3 if time_ms < 1e-3 else max(0, 1 - math.floor(math.log10(time_ms)))
@@ -101,12 +101,12 @@ def milliseconds(time_ms: float | None) -> str:
 
 
 def counted(number: int, state: State) -> str:
-    """Return a number of builds in a state, such as ``2 false stands``."""
+    """Return a number of builds in a state in words, such as ``2 false stands``."""
     return f"{number} {STATE_WORDS[state][number != 1]}"
 
 
 def _everything(ranking: Ranking) -> str:
-    """Return what a set-up must be right in: ``all 53 pairs and 9 other scenes (1240 builds)``."""
+    """Return the units of the study in words, such as ``all 53 pairs and 9 other scenes (1240 builds)``."""
     names = ranking.pairs + ranking.scenes
     builds = f" ({len(ranking.units)} builds)" if len(ranking.units) > names else ""
     if names == 1:
@@ -118,7 +118,7 @@ def _everything(ranking: Ranking) -> str:
 
 
 def _caveat(ranking: Ranking) -> str:
-    """Return a warning if the study has one of the two outcomes only, which a set-up may always give."""
+    """Return a warning if all scenes demand the same outcome, because a set-up may always give that outcome."""
     return f", though every scene must {next(iter(ranking.outcomes))}" if len(ranking.outcomes) == 1 else ""
 
 
@@ -135,13 +135,13 @@ def _creep(creep: Creep | None) -> str:
 
 
 def _misses(place: Place) -> str:
-    """Return what a set-up is not right in: ``1 false stand, 2 undecided``."""
+    """Return the counts of the units that are not right in words, such as ``1 false stand, 2 undecided``."""
     counts = [counted(place.states[state], state) for state in STATES if state != "right" and place.states.get(state)]
     return ", ".join([*counts, *([f"{place.missing} without records"] if place.missing else [])])
 
 
 def _reasons_of_tied(places: Sequence[Place], first: int) -> Iterator[str]:
-    """Yield the reasons of set-ups with the same counts, of which frame time decides the order."""
+    """Yield the reason for the place of each set-up among set-ups with equal counts, sorted by frame time."""
     cheapest = places[0].frame_ms
     for place in places:
         base = _misses(place) or "right in all"

@@ -1,4 +1,4 @@
-"""Formats of numbers: with their interval, as a lower bound, or as a dash."""
+"""Formats of estimates, levels and lists as text."""
 
 from __future__ import annotations
 
@@ -21,25 +21,28 @@ _WENT_WRONG = {
 
 
 def some(names: Sequence[str], most: int = 3) -> str:
-    """Return the first names of a list, and how many more there are: ``a, b, c and 20 more``."""
+    """Return the first ``most`` names of a list and the number of the others, such as ``a, b, c and 20 more``."""
     more = len(names) - most
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
-    """Return a number with ``digits`` decimals, and its interval if that has a width: ``0.07 [0.06, 0.09]``."""
+    """Format an estimate with ``digits`` decimals and its interval, such as ``0.07 [0.06, 0.09]``; a dash for None.
+
+    An interval whose rounded ends are equal is left out. ``scale`` multiplies all numbers.
+    """
     if estimate is None:
         return NOTHING
     return _with_interval(estimate, digits, scale, "")
 
 
 def ratio_text(estimate: Estimate | None) -> str:
-    """Return a ratio with its interval, to 0.01; below 0.1 to 0.001: ``0.027 [0.026, 0.030]``."""
+    """Format a ratio with its interval, such as ``0.027 [0.026, 0.030]``: to 0.001 below 0.1, else to 0.01."""
     return number(estimate, 3 if estimate is not None and estimate.value < 0.1 else 2)
 
 
 def percent(estimate: Estimate | None) -> str:
-    """Return a share in percent, and its interval if that has a width: ``88 % [71, 97]``."""
+    """Format a share in percent with its interval, such as ``88 % [71, 97]``; a dash for None."""
     if estimate is None:
         return NOTHING
     return _with_interval(estimate, 0, 100.0, " %")
@@ -54,7 +57,10 @@ def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> 
 
 
 def median_level(survival: Survival | None) -> str:
-    """Return the median collapse level: ``9 [8, 11]``, or ``>30`` where most stacks outlived all built levels."""
+    """Format the median collapse level with its interval, such as ``9 [8, 11]``; a dash for None.
+
+    A median above all built levels is written ``>30``.
+    """
     if survival is None:
         return NOTHING
     highest = float(survival.level[-1])
@@ -70,7 +76,7 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """Return why trials of a group did not end: ``2 of 20 timed out``; empty if all ended."""
+    """Return the counts of trials that did not end in words, such as ``2 of 20 timed out``; empty if all ended."""
     counts = {status: sum(trial.status == status for trial in group.draws) for status in _WENT_WRONG}
     return ", ".join(
         f"{count} of {len(group.draws)} {_WENT_WRONG[status][count > 1]}" for status, count in counts.items() if count
