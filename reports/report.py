@@ -82,9 +82,9 @@ class Report:
     tables: tuple[Table, ...]
     """Tables that the terminal shows."""
     ranking: Table
-    """The ranking of the set-ups, without rows if the study judges nothing."""
+    """Table of the ranking of the set-ups; without rows if no trial is judged."""
     verdict: str
-    """The verdict in one sentence."""
+    """Verdict of the study in one sentence."""
     page: Path
     """Path of the page."""
     notices: tuple[str, ...]

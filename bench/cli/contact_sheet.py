@@ -18,9 +18,9 @@ from scenarios.geometry import Boxes, FloatArray
 from scenarios.model import Brick, Scene
 
 COLUMNS = 5
-"""Number of pictures in a row."""
+"""Number of scenes in a row."""
 CELL_IN = 2.6
-"""Edge of a picture [inch]."""
+"""Edge length of the picture of a scene [inch]."""
 AZIMUTH, ELEVATION = math.radians(-62), math.radians(20)
 """Direction of the viewer [rad]: 28 degrees to the right of the -y axis and 20 degrees above the ground."""
 LIGHT = np.array([0.35, -0.55, 0.76])
@@ -92,9 +92,12 @@ def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> t
 def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
     """Return the order in which to paint boxes that do not intersect, as indices from back to front.
 
-    This is the painter's algorithm. ``toward`` is the direction toward the viewer, shape (3,). A plane parallel to a
-    face of one box separates each two boxes; the box on the viewer's side of the plane is painted later. Boxes whose
-    pictures do not overlap may come in any order.
+    The painter's algorithm: a plane parallel to a face separates any two boxes, and the box on the viewer's side of the
+    plane is painted later. Boxes whose pictures do not overlap may come in any order.
+
+    Args:
+        boxes: n boxes that do not intersect, world frame.
+        toward: direction toward the viewer, shape (3,), world frame.
     """
     order: TopologicalSorter[int] = TopologicalSorter(dict.fromkeys(range(len(boxes)), ()))
     corners = boxes.corners

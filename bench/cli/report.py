@@ -16,21 +16,21 @@ if TYPE_CHECKING:
     from reports.report import Report
 
 _PLACES = 8
-"""Places of the ranking on the terminal; its files have all of them."""
+"""Greatest number of places of the ranking that the terminal shows; the files contain all places."""
 
 
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
 ) -> None:
-    """Write the page, figures and tables of a results folder; print the tables, and last the verdict."""
+    """Write the page, figures and tables of a results folder; print the tables and then the verdict."""
     with input_errors():
         made = make_report(folder, all_stills=stills)
     show(made)
 
 
 def make_report(folder: Path, *, all_stills: bool = False) -> Report:
-    """Write the report of a results folder, print its notices, and return it."""
+    """Write the report of a results folder, print its notices, and return the report."""
     from reports.report import build_report  # its imports take seconds, and other commands do not need them
 
     results = ResultsFolder(folder)
@@ -44,7 +44,7 @@ def make_report(folder: Path, *, all_stills: bool = False) -> Report:
 
 
 def show(report: Report) -> None:
-    """Print the tables of a report, the first places of its ranking, and last its verdict."""
+    """Print the tables of a report, the first places of its ranking, and then its verdict."""
     for table in report.tables:
         render(table, OUT)
     if report.ranking.rows:

@@ -62,12 +62,12 @@ class Machine(_Model):
 
 
 class Baseline(_Model):
-    """Content of a run with which later runs are compared."""
+    """Content of a run, as one side of comparisons with other runs."""
 
     format: Literal["stillstack-baseline-1"] = FORMAT
     study: str
     trial_wall_s: float = Field(gt=0)
-    """Wall time [s] after which a trial was stopped."""
+    """Wall time after which the run stopped a trial [s]."""
     tolerances: Mapping[str, Tolerance] = {}
     """Tolerances of the scenarios for which the study sets them, by name of the scenario."""
     machines: Mapping[str, Machine] = {}

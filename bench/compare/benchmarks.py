@@ -1,15 +1,15 @@
 """Comparison of two pytest-benchmark files by the frame ratio: frame time with the extension over that without it.
 
 ``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating.
-Only their ratio is compared, because the times of two runs depend on the machine. Each second of frames gives one
-ratio:
+The comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives
+one ratio:
 
     frame ratio            r_k = mean frame time of the k-th second with the extension
                                  / median frame time of the frames without it just before
     head against base      r_k of the head / r_k of the base, for every k and every stack of an engine
 
-``timing.judge_times`` judges the interval of the mean of "head against base". The time of a frame is cut off at
-``MOST`` times the median of the frames with the same index in all seconds, because a longer frame was interrupted.
+``timing.judge_times`` judges the interval of the mean of "head against base". A frame counts for at most ``MOST`` times
+the median of the frames with the same index in all seconds, because the system interrupted longer frames.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ class Group(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Name of the figure that is judged over all stacks of an engine, such as ``bullet.game.paper / none``."""
+        """Name of the figure for all stacks of an engine, such as ``bullet.game.paper / none``."""
         return f"{self.engine}.{self.profile}.{self.policy} / {ALONE}"
 
 

@@ -22,7 +22,7 @@ def run_interleaved(
 ) -> tuple[Baseline, Baseline]:
     """Run ``study`` with base and head, ``rounds`` times each in alternating order; return base and head.
 
-    The repeats of all rounds are joined. An interrupted run continues in the same folder.
+    Each side joins the repeats of all its rounds. An interrupted run continues in the same folder.
 
     Args:
         sides: checkouts of base and head.

@@ -1,7 +1,7 @@
 """Run a study on a Dask cluster: workers run the trials, each in its own process, and the client collects the outcomes.
 
-Scheduler and workers are started with Dask's commands (``dask scheduler``, ``dask worker``) from the same checkout. A
-worker runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another worker.
+The user starts scheduler and workers with Dask's commands (``dask scheduler``, ``dask worker``) from the same checkout.
+A worker runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another worker.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Estimate the duration of a plan from earlier trials, here or published, scaled to this machine.
 
-The earlier wall times are multiplied by the time of a fixed calculation (``bench.machine.calibration``) on this machine
-now, over its time beside the earlier trial. The estimate is the median over the first of these sets that is not empty:
+An earlier wall time is scaled by the speed of the machine: it is multiplied by the time of a fixed calculation
+(``bench.machine.calibration``) on this machine now, over the time of that calculation beside the earlier trial. The
+estimate is the median over the first of these sets that is not empty:
 
 1. records of the same trial;
 2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
@@ -25,8 +26,8 @@ from bench.studies.plan import Trial
 from bench.studies.policies import BENCH_POLICIES
 
 START_S = 0.3
-"""Overhead of each trial [s] for its process, its files and the harness, because it measured 0.3 to 0.5 s on a machine
-whose fixed calculation takes ``START_MS``."""
+"""Overhead of each trial [s] for its process, its files and the harness: the lower end of 0.3 to 0.5 s, measured on a
+machine whose fixed calculation takes ``START_MS``."""
 START_MS = 0.125
 """Time of the fixed calculation [ms] on the machine where ``START_S`` was measured."""
 RUN_S = 4.0

@@ -44,7 +44,7 @@ class Interruption(AbstractContextManager["Interruption"]):
         """Make the first interruption raise KeyboardInterrupt inside the block, for calls that cannot check the flag.
 
         Raises:
-            KeyboardInterrupt: also if a signal has arrived before.
+            KeyboardInterrupt: if a signal arrives inside the block, or has arrived before.
         """
         if self.signal is not None:
             raise KeyboardInterrupt

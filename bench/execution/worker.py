@@ -130,9 +130,9 @@ class IsolatedTrial:
     def stop(self) -> None:
         """End the process without an outcome.
 
-        The process is killed instead of cancelling its future, because a result that arrives at the same moment would
-        break the thread that waits for it. The future is cancelled only before the process has reported its process
-        id, because no result can arrive earlier.
+        This method kills the process instead of cancelling its future, because a result that arrives at the same moment
+        would break the thread that waits for it. It cancels the future only if the process has not yet reported its
+        process id, because no result can arrive earlier.
         """
         if self._pid is None:
             self.future.cancel()  # type: ignore[no-untyped-call]
@@ -147,8 +147,8 @@ class IsolatedTrial:
     def _stopped_itself(self, exitcode: int | None) -> bool:
         """Return whether the alarm of ``_run_in_child`` ended the process, not an earlier alarm set by the engine.
 
-        A step that does not return is ended by that alarm or by pebble's timeout. Pebble's timeout may come seconds
-        late after minutes, because it counts polls of 0.1 s, each of which takes slightly longer.
+        That alarm or pebble's timeout ends a step that does not return. Pebble's timeout comes seconds late after
+        minutes, because pebble counts polls of 0.1 s, each of which takes slightly longer.
         """
         return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 

@@ -1,4 +1,4 @@
-"""The trials of a study. Trials are identified by their ids, also when a run continues."""
+"""The trials of a study, identified by ids, so that a run that continues skips finished trials."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The schema of a study: engines, scenes, policies and the limits of a trial.
 
-A study is a TOML file. The studies in the folder of this module are known by their names. All names are checked before
-the run, and an error names the file, the field and its allowed values.
+A study is a TOML file. The studies in the folder of this module are known by their names. The schema checks all names
+before the run, and an error names the file, the field and its allowed values.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ class StudyError(ValueError):
 MOST_SEEDS = 100_000
 """Greatest number of seeds; a greater number is a typing error, and its plan would fill the memory."""
 MOST_REPEATS = 1_000
-"""Greatest number of repeats, for the same reason."""
+"""Greatest number of repeats; a greater number is a typing error, and its plan would fill the memory."""
 MOST_WATCH_S = 100 * 3600.0
-"""Greatest time of a watch [s], for the same reason."""
+"""Greatest time of a watch [s]; a longer time is a typing error."""
 
 
 def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:

@@ -1,7 +1,7 @@
 """Time the same standing stack without the extension: the baseline (all awake).
 
-A second run without the extension is no baseline, because its stack has often fallen. Therefore the stack that was
-built with the extension is loaded, at its actual poses, into a new world in which every brick is awake.
+A second run without the extension is no baseline, because its stack has often fallen. Therefore this module loads the
+stack that was built with the extension, at its actual poses, into a new world in which every brick is awake.
 """
 
 from __future__ import annotations

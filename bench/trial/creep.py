@@ -3,8 +3,8 @@
 The interval of the slope is that of Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator of
 Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
 frames. Frames are not independent, because a vibrating or oscillating brick is close to its position in the frame
-before, so that the usual interval finds creep in stacks that only oscillate. The estimator used here requires no choice
-of a bandwidth. Its interval becomes wide if a series oscillates slowly or its slope is not steady.
+before. Therefore the usual interval would find creep in stacks that only oscillate. The estimator used here requires no
+choice of a bandwidth. Its interval becomes wide if a series oscillates slowly or its slope is not steady.
 
     t_i         times minus their mean, i = 1 ... n
     v           sum t_i x_i / sum t_i^2                   slope of the position x along the brick's own direction

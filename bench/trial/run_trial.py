@@ -233,11 +233,7 @@ def _creep(playback: Playback, per_min: float) -> dict[str, float]:
 
 
 def _standing_rows(playback: Playback) -> list[FrameRow]:
-    """Return the frames up to the collapse.
-
-    Later frames are left out, because tumbling bricks are expensive, so that the times of fallen and standing stacks
-    would not be comparable.
-    """
+    """Return the frames up to the collapse, because later frames contain expensive tumbling bricks."""
     collapse = playback.monitor.collapse
     return playback.rows if collapse is None else [row for row in playback.rows if row.time_s <= collapse.time]
 

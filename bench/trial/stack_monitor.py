@@ -94,7 +94,8 @@ class StackMonitor:
             time: simulated time at the end of the frame [s].
             plan: plan of the n bricks in the world.
             position: centres of the bricks [m], shape (n, 3), world frame; the array must not change later.
-            quaternion: orientations of the bricks (w, x, y, z), shape (n, 4), world frame; likewise.
+            quaternion: orientations of the bricks (w, x, y, z), shape (n, 4), world frame; the array must not change
+                later.
             placed: time at which the last brick of each complete level was released [s], by level.
         """
         self._latest_s, self._thickness = time, plan.thickness

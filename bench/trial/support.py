@@ -1,7 +1,7 @@
 """Determine the bricks that lost their support because a brick was removed, and the distance that each can fall.
 
-A brick that sinks moves into the brick below. A brick whose support was removed moves down through free space. Planned
-poses are compared instead of actual poses, so that the same bricks lose their support on every engine.
+A brick that sinks moves into the brick below. A brick whose support was removed moves down through free space. This
+module compares planned poses instead of actual poses, so that the same bricks lose their support on every engine.
 """
 
 from __future__ import annotations

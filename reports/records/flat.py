@@ -72,4 +72,4 @@ def from_flat(row: Mapping[str, Any]) -> TrialRecord:
         return TrialRecord.model_validate(fields)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise ValueError(f"field '{'.'.join(map(str, first['loc']))}': {first['msg']}") from error
+        raise ValueError(f"field '{'.'.join(map(str, first['loc']))}': {first['msg']}; correct its value") from error

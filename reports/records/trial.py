@@ -22,7 +22,7 @@ from scenarios.model import Expectation
 Status: TypeAlias = Literal[
     "completed", "collapsed", "timeout", "diverged", "crashed", "error", "out_of_memory", "unsupported"
 ]
-"""End of a trial."""
+"""Status of a trial at its end."""
 Verdict: TypeAlias = Literal["right", "false_collapse", "false_stand", "creeps", "failed", "undecided", "none"]
 """Comparison of a trial's outcome with theory."""
 CollapseKind: TypeAlias = Literal["topple", "slide", "drop", "sink"]
@@ -84,7 +84,8 @@ class TrialRecord(BaseModel):
     repeat: int
     """Number of the repeat with the same seed, from 0."""
     status: Status
-    """End of the trial."""
+    """Status at the end of the trial: ``completed``, ``collapsed``, ``timeout``, ``diverged``, ``crashed``, ``error``,
+    ``out_of_memory`` or ``unsupported``."""
     message: str = ""
     """Reason for the end of the trial; empty if it completed."""
     levels_placed: int = 0
@@ -219,11 +220,11 @@ class TrialRecord(BaseModel):
     them."""
     cone_excess: float | None = None
     """Friction force of the worst contact in excess of mu times its normal force, in mean weights of a brick: mean over
-    the frames of ``carried_share``. Null as ``carried_share``."""
+    the frames of ``carried_share``. Null if ``carried_share`` is null."""
     complementarity: float | None = None
     """Greatest natural residual abs(min(f / w, s / h)) of a contact, with its normal force f, the mean weight w of a
     brick, its separation s (negative for an overlap) and the least thickness h of a brick: mean over the frames of
-    ``carried_share``. Null as ``carried_share``, and if the engine reports no separations."""
+    ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no separations."""
 
     memory_mib: float | None = None
     """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus its size just before

@@ -44,7 +44,7 @@ class Group:
 
     @property
     def pair(self) -> str:
-        """Id that the scene shares with its partner; empty if it has none."""
+        """Id that the scene shares with its partner; empty for a scene without a partner."""
         return self.trials[0].pair
 
     @property

@@ -51,7 +51,7 @@ class PairRow(NamedTuple):
     success_rates: SuccessRates | None
     """Success rates; None if no pair was judged."""
     undecided: int
-    """Number of pairs and seeds that were not decided."""
+    """Number of seeds that were not decided, summed over the pairs."""
 
 
 def pairs_of(groups: Sequence[Group]) -> list[Pair]:

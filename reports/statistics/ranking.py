@@ -59,7 +59,8 @@ class Place:
     frame_ms: float | None
     """Median over scenes of the median frame time [ms]; None without times, or with times of several machines."""
     frame_ms_p99: float | None
-    """Median over scenes of the 99th percentile of the frame time [ms]; None as ``frame_ms``."""
+    """Median over scenes of the 99th percentile of the frame time [ms]; None without times, or with times of several
+    machines."""
     creep: Creep | None
     """Worst creep of all stacks that must stand and did; None if no creep was measured."""
 
@@ -133,7 +134,8 @@ def _units(groups: Sequence[Group], sides: Mapping[str, frozenset[str]]) -> Iter
 def _states(build: Sequence[TrialRecord]) -> frozenset[State]:
     """Return the states of a unit of a pair.
 
-    The state is undecided or not playable if a trial is; right if all trials are right; else the kinds of error.
+    The state is ``not_playable`` or ``undecided`` if one of its trials has that state, and ``right`` if all trials are
+    right. In any other case the states are the kinds of error of the trials.
     """
     states = {state_of(trial) for trial in build}
     undecided = next((state for state in NOT_DECIDED if state in states), None)

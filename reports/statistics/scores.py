@@ -104,6 +104,6 @@ def _ratios(groups: Sequence[Group]) -> tuple[Estimate, ...]:
 
 
 def middle(groups: Sequence[Group], field: str) -> float | None:
-    """Return the median over scenes of a field; None if no scene has it."""
+    """Return the median over scenes of a field; None if no scene has a value."""
     estimates = [estimate.value for group in groups if (estimate := group.estimate(field)) is not None]
     return statistics.median(estimates) if estimates else None

@@ -10,7 +10,7 @@ from reports.records.trial import TrialRecord
 from reports.statistics.groups import grouped
 
 LEAST_WATCH_S = 60.0
-"""Shortest watch of a soak [s], because in a shorter watch solver noise hides a creep of a micrometre per second."""
+"""Shortest watch of a soak [s]; in a shorter watch, the noise of a solver hides a creep of a micrometre per second."""
 
 
 @dataclass(frozen=True, slots=True)

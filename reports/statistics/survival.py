@@ -71,7 +71,8 @@ class Survival:
     """Lower end of the pointwise interval of the share, shape (n,); equal to the share if that is 0 or 1; None for a
     single stack."""
     high: FloatArray | None
-    """Upper end of the pointwise interval, as ``low``."""
+    """Upper end of the pointwise interval of the share, shape (n,); equal to the share if that is 0 or 1; None for a
+    single stack."""
 
     @property
     def median(self) -> float:

@@ -1,4 +1,4 @@
-"""The table of thresholds: each engine's own limit in percent of the exact one, with its uncertainty."""
+"""The table of thresholds: the limit of each stack on each engine, also in percent of the exact limit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TITLE = "Thresholds by bisection"
 
 
 def threshold_tables(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Table]:
-    """Return the table of thresholds; none if the study bisects nothing."""
+    """Return the table of thresholds in a list, which is empty if the study has no bisected parameter."""
     found = thresholds_of(records, study)
     if not found:
         return []
