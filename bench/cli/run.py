@@ -117,7 +117,7 @@ def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
 
 
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
-    """Run the trials without a record and write each outcome as it finishes, also when the run is interrupted."""
+    """Run the trials without a record, write each outcome at once, and note the missing trials if interrupted."""
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
         note("the last line of trials.jsonl is incomplete after an interruption: that trial is run again")

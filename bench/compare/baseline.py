@@ -95,7 +95,7 @@ class Baseline(_Model):
     def is_limited(self, record: TrialRecord) -> bool:
         """Return whether the time limit may have decided how the trial ended.
 
-        A stack that is falling at the time limit is recorded as collapsed, although its fall may not be complete.
+        A stack that is falling at the time limit counts as collapsed, although its fall may not be complete.
         """
         slow = record.status == "collapsed" and record.wall_s is not None and record.wall_s >= self.trial_wall_s
         return record.status == "timeout" or slow
@@ -124,7 +124,7 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a baseline into a file atomically; an existing file is replaced only if it is a baseline.
+    """Write a baseline into a file atomically; replace an existing file only if it is a baseline.
 
     Raises:
         BaselineError: if ``path`` is a folder or a file of another kind, or cannot be written.

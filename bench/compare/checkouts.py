@@ -14,10 +14,10 @@ from rich.console import Console
 from bench.machine.source_digest import ROOT
 
 _HOME = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack" / "checkouts"
-"""Folder of the checkouts. They are kept, so that a later comparison need not install or compile them again."""
+"""Folder that keeps the checkouts, so that a later comparison need not install or compile them again."""
 _UV = os.environ.get("UV", "uv")  # 'uv run' sets this variable
 _INHERITED = ("VIRTUAL_ENV", "PYTHONPATH")
-"""Variables that are removed, because they would make a checkout use the environment of this process."""
+"""Environment variables to remove, because they would make a checkout use the environment of this process."""
 
 
 class CheckoutError(ValueError):

@@ -1,4 +1,4 @@
-"""Compare two sides trial by trial: gates judge the comparable trials, and the others are listed with a reason."""
+"""Compare two sides trial by trial: gates judge comparable trials, and other trials get a finding with the reason."""
 
 from __future__ import annotations
 

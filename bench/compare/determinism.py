@@ -2,7 +2,7 @@
 
 The gate judges only engines that repeat bit for bit across processes, for one version of the engine on one model of
 processor. A change is an alarm, not necessarily an error: a change of the core or of a scene may move bricks on
-purpose, and is then committed with a new baseline.
+purpose. The commit of such a change also contains a new baseline.
 """
 
 from __future__ import annotations

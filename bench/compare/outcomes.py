@@ -1,7 +1,7 @@
 """The outcome gate, which judges levels, collapse level, verdict, sink and creep.
 
-The caller excludes trials that the time limit may have ended. Trials of an engine that repeats bit for bit are compared
-one by one. Repeats of another engine are compared as groups, because a single trial is a random draw.
+The caller excludes trials that the time limit may have ended. For an engine that repeats bit for bit, the gate compares
+single trials. For another engine, it compares groups of repeats, because a single trial is a random draw.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...], rat
 
 
 def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) -> None:
-    """Print the tables and then the headline; markup in their text is escaped, because the text is untrusted."""
+    """Print the tables and then the headline, with markup escaped, because the text is untrusted."""
     for table in tables(comparison, fail_on):
         render(replace(_mapped(table, escape), notes=table.notes), console)
     console.print(headline(comparison, fail_on), style="bold", highlight=False)

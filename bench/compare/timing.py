@@ -31,7 +31,7 @@ Part: TypeAlias = Literal["engine", "readback", "core"]
 PARTS: tuple[Part, ...] = get_args(Part)
 """All parts of a frame."""
 LEAST_PAIRS = 3
-"""Fewest pairs of trials from which an interval is computed."""
+"""Fewest pairs of trials for an interval."""
 CONFIDENCE = 0.99
 """Confidence of the interval, chosen so that fifty comparisons of the same code raise no alarm by chance."""
 _LEAST_FRAMES = 60
@@ -72,8 +72,8 @@ def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
 def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
     """Return the geometric mean of the ratio head / base, with Student's interval of the mean of its logarithm.
 
-    A bootstrap is not used, because its percentiles lie too close together for the four to sixteen pairs of a short
-    study.
+    A bootstrap would be unsuitable, because its percentiles lie too close together for the four to sixteen pairs of a
+    short study.
 
     Args:
         pairs: figures (base, head), all positive.

@@ -1,8 +1,8 @@
 """Estimate the duration of a plan from earlier trials, here or published, scaled to this machine.
 
-An earlier wall time is scaled by the speed of the machine: it is multiplied by the time of a fixed calculation
-(``bench.machine.calibration``) on this machine now, over the time of that calculation beside the earlier trial. The
-estimate is the median over the first of these sets that is not empty:
+The scale of an earlier wall time is the time of a fixed calculation (``bench.machine.calibration``) on this machine
+now, over the time of that calculation beside the earlier trial. The estimate is the median of the scaled wall times
+over the first of these sets that is not empty:
 
 1. records of the same trial;
 2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
@@ -31,12 +31,12 @@ machine whose fixed calculation takes ``START_MS``."""
 START_MS = 0.125
 """Time of the fixed calculation [ms] on the machine where ``START_S`` was measured."""
 RUN_S = 4.0
-"""Time to start a run [s], in which engines and harness are loaded once."""
+"""Time to start a run [s], which loads engines and harness once."""
 LEAST_S = 0.2
 """Least estimated wall time of a trial [s], because opening an engine takes that long."""
 
 MOST_LISTED = 3
-"""Greatest number of folders with one parent that are listed by name."""
+"""Greatest number of folders with one parent that a summary lists by name."""
 
 Source: TypeAlias = Literal["same", "similar", "guessed"]
 """Origin of an estimated time: the same trial, trials of the same engine and scene, or trials of other scenes."""
@@ -165,7 +165,7 @@ _KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: (trial.engine, trial.scene, _is_steered(trial)),
     lambda trial: (trial.engine, trial.scene),
 )
-"""Keys of wall times, the closest first: a trial may be estimated from trials with an equal key."""
+"""Keys of wall times, the closest first; an estimate uses earlier trials with an equal key."""
 _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: (trial.engine, trial.profile, _is_steered(trial)),
     lambda trial: (trial.engine, _is_steered(trial)),
@@ -176,7 +176,7 @@ _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
 
 
 def _listed(folders: Sequence[Path]) -> str:
-    """Return a list of the folders in words; more than ``MOST_LISTED`` folders of one parent are only counted."""
+    """Return the folders in words; for more than ``MOST_LISTED`` folders of one parent, only their number."""
     by_parent = Counter(folder.parent for folder in folders)
     few = [str(folder) for folder in folders if by_parent[folder.parent] <= MOST_LISTED]
     many = [

@@ -53,7 +53,7 @@ def outcomes_on_cluster(
 ) -> Iterator[Outcome]:
     """Yield the outcomes of ``trials`` as the workers finish them.
 
-    Before each outcome, ``know`` is called with the environment of its worker.
+    The function calls ``know`` with the environment of the worker before each outcome.
 
     Raises:
         ClusterError: if no scheduler answers, the scheduler is lost, or a worker runs another checkout.

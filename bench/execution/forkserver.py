@@ -86,6 +86,6 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """Wrap ``function`` to run in a new process, which is ended after ``timeout_s`` [s] if that is not None."""
+    """Wrap ``function`` to run in a new process, with an end after ``timeout_s`` [s] if that is not None."""
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
     return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]

@@ -40,9 +40,9 @@ class PastTrial(NamedTuple):
 
 
 def past_trials(folder: Path) -> list[PastTrial]:
-    """Return the trials of a folder whose wall time is known; unreadable trials are left out.
+    """Return the readable trials of a folder with a known wall time.
 
-    The wall time of a trial that the engine does not support is 0 if it was not recorded.
+    A trial that the engine does not support and that has no wall time counts with a wall time of 0.
     """
     rows = [row for row in map(_with_refusals, _rows(folder)) if _known(row.get("wall_s")) and "trial" in row]
     taken = [row["calibration_ms"] for row in rows if _known(row.get("calibration_ms"))]
@@ -72,7 +72,7 @@ def _known(value: object) -> bool:
 
 
 def _rows(folder: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the readable rows; other rows are skipped without an error, because an estimate can do without them."""
+    """Yield the readable rows; skip other rows without an error, because an estimate can do without them."""
     try:
         if (folder / TRIALS).exists():
             with (folder / TRIALS).open(encoding="utf-8", errors="replace") as lines:

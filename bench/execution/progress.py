@@ -16,9 +16,9 @@ from bench.trial.playback import Progress
 from reports.records.trial import TrialRecord
 
 _FAILED = ("diverged", "crashed", "error", "out_of_memory")
-"""Statuses that are counted as failed."""
+"""Statuses that count as failed."""
 _UNEXPECTED = ("unsupported", *_FAILED)
-"""Statuses whose reason is printed when the trial ends."""
+"""Statuses for which the progress shows the reason when the trial ends."""
 
 
 class LiveProgress(AbstractContextManager["LiveProgress"]):

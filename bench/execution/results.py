@@ -1,7 +1,7 @@
 """The results folder of a run, whose file names are fixed.
 
 An interrupted run continues in its folder. After any interruption, even a power cut, a trial with a record on disk also
-has its other files, and a trial without a record is run again.
+has its other files, and the continued run repeats a trial without a record.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
 
 
 class Results:
-    """A results folder, to which the outcomes of a run are added one by one; a lock keeps other runs out."""
+    """A results folder, which receives the outcomes of a run one by one; a lock keeps other runs out."""
 
     def __init__(
         self,

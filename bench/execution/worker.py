@@ -1,7 +1,7 @@
 """Run one trial in a new process, so that an engine's crash ends this trial only.
 
-The process is forked from the fork server (``forkserver``). Therefore a trial starts in tens of milliseconds, shares no
-state with other trials, and runs the code that was on disk when the server started.
+The fork server (``forkserver``) forks the process. Therefore a trial starts in tens of milliseconds, shares no state
+with other trials, and runs the code that was on disk when the server started.
 """
 
 from __future__ import annotations
@@ -34,16 +34,15 @@ from reports.records.plain_text import plain_text
 from reports.records.trial import Status
 
 GRACE_S = 60.0
-"""Time after the limit on wall time [s] at which a trial that has not stopped is ended, and its engine counts as hung.
-"""
+"""Time after the limit on wall time [s] at which the harness ends a trial, because its engine counts as hung."""
 _ATTEND_S = 0.1
-"""Interval at which the memory of a process is checked while no message arrives [s]."""
+"""Interval of the checks of a process's memory while no message arrives [s]."""
 _REPORT_S = 0.25
 """Least interval between progress messages [s], so that they do not disturb the timing."""
 _MOST_OUTPUT = 2**24
 """Greatest size of the output of a trial's process [bytes], so that an engine cannot fill the disk."""
 _TAIL = 2**16
-"""Length of the end of the output in which an error message is searched [bytes]."""
+"""Length of the end of the output that is searched for an error message [bytes]."""
 _MEBI = 2**20
 _HUNG = "the engine hung and was stopped; its progress is unknown"
 

@@ -20,7 +20,7 @@ _CORE = ROOT / "stability_core"
 def keep_kernels_apart() -> None:
     """Set Numba's cache folder to the folder of this version, unless the user has set one.
 
-    This function must run before Numba is imported.
+    Call this function before the first import of Numba.
     """
     if _VARIABLE in os.environ:
         return

@@ -12,7 +12,7 @@ from bench.studies.plan import plan_trials
 from reports.records.folder import ResultsFolder, published_rows
 
 _MOST_NAMES = 7
-"""Greatest number of names that are listed; for more names, only their number is given."""
+"""Greatest number of names in a list; more names are replaced by their number."""
 _SETTINGS = ("substeps", "frame_s")
 """Settings of a profile besides its knobs."""
 
@@ -29,8 +29,7 @@ def holdings(folder: Path) -> str:
 def differences(folder: Path, publication: Publication) -> str:
     """Describe in one line how a run today would differ from a published folder; empty if it would not.
 
-    Trials are compared by their ids. Profiles are compared by their settings, as the environment file of the folder
-    records them.
+    The comparison uses the ids of trials, and the settings of profiles in the environment file of the folder.
     """
     results = ResultsFolder(folder)
     rows = list(published_rows(results.trials_file))

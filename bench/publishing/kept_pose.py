@@ -3,11 +3,11 @@
 ``uv run python -m bench.publishing.kept_pose`` writes ``docs/results/equilibrium/kept_pose.md`` and a picture of each
 fall beside it.
 
-A real leaning tower turns about the edge of its lowest plank and does not break up before it hits the ground. The fall
-is measured from the frame before the core unfreezes the tower to the first frame in which a falling plank touches the
-ground. A plank keeps its pose if, relative to the plank below, it has moved by less than half a thickness and turned by
-less than 5 degrees. The lowest plank is not counted, because it does not fall, nor the second, because it turns on the
-lowest.
+A real leaning tower turns about the edge of its lowest plank and does not break up before it hits the ground. The
+measured fall begins with the frame before the core unfreezes the tower, and ends with the first frame in which a
+falling plank touches the ground. A plank keeps its pose if, relative to the plank below, it has moved by less than half
+a thickness and turned by less than 5 degrees. The count leaves out the lowest plank, because it does not fall, and the
+second, because it turns on the lowest.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Marks on published pages: the digest of the core that made a page, and a banner if that is not the present core.
 
-Each page below ``docs/results`` ends with a line ``core: DIGEST``, which is written together with its numbers and never
-changed afterwards. The banner at the top depends on that digest; ``uv run python -m bench.publishing --mark`` renews
-all banners.
+Each page below ``docs/results`` ends with a line ``core: DIGEST``, which its generator writes together with the numbers
+and nobody changes later. The banner at the top depends on that digest; ``uv run python -m bench.publishing --mark``
+renews all banners.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """``uv run python -m bench.publishing NAME [DIR]``: publish a study in ``docs/results/NAME``.
 
-Without DIR the study is run first, into ``results/published-NAME``, where an interrupted run continues. Tables, figures
-and trials are then copied, and the generated blocks of the documents are filled, so that they agree with the tables.
+Without DIR the command first runs the study, into ``results/published-NAME``, where an interrupted run continues. It
+then copies tables, figures and trials, and fills the generated blocks of the documents, so that they agree with the
+tables.
 
 ``uv run python -m bench.publishing --mark`` runs no study: it marks the pages that an earlier core made, and fills the
 generated blocks.
@@ -41,9 +42,9 @@ PICTURE = "stills.png"
 FIGURE = "figure.svg"
 """File name of the published figure."""
 _FIGURES = ("cost.svg", "figures/pairs.svg", "figures/speed.svg")
-"""Candidates for the figure of a publication without a picture; the first that the report contains is published."""
+"""Candidates for the figure of a publication without a picture, in order of preference."""
 _EARLIER = ("trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg", "figures")
-"""Files of earlier versions, which are removed because "bench report" makes them from the published folder."""
+"""Files of earlier versions to remove, because "bench report" makes them from the published folder."""
 _STILL_PIXELS, _PICTURE_DPI = 480, 120
 """Edge of a still [pixels], and resolution of the picture [dots per inch]."""
 

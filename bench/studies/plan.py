@@ -55,9 +55,9 @@ class Trial:
 def plan_trials(study: Study) -> list[Trial]:
     """Return all trials that are known before the run.
 
-    Trials are ordered by scene, so that engines and policies are compared at similar times. The policies on one stack
-    follow each other in alternating order (A B, then B A), which cancels slow drifts of the machine's speed. For a
-    bisected parameter, only the trials at both ends are known; ``next_trials`` returns the others.
+    The trials of a scene follow each other, so that all engines and policies play it at similar times. The policies on
+    one stack follow each other in alternating order (A B, then B A), which cancels slow drifts of the machine's speed.
+    For a bisected parameter, the list contains only the trials at both ends; ``next_trials`` returns the others.
     """
     return [
         trial

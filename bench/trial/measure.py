@@ -121,8 +121,8 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
 def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
     """Return the sink of each brick's level relative to the level below [m], shape (n,); the ground does not sink.
 
-    The means of levels are compared. Therefore a tower that leans as a rigid body does not sink: it lowers one side of
-    a level and lifts the other.
+    The sink compares the means of levels. Therefore a tower that leans as a rigid body does not sink: it lowers one
+    side of a level and lifts the other.
     """
     if not len(position):
         return np.empty(0)

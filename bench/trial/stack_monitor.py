@@ -88,7 +88,7 @@ class StackMonitor:
     ) -> None:
         """Record one frame.
 
-        A level is measured until the next level starts, because later the stack may already be falling.
+        The measurement of a level ends when the next level starts, because later the stack may already be falling.
 
         Args:
             time: simulated time at the end of the frame [s].

@@ -98,7 +98,7 @@ class SteeredFrames:
     def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
         """Make the extension judge a prebuilt stack before the next step; return the bodies that it froze.
 
-        The times and changes are added to those of the next frame.
+        The times and changes count for the next frame.
         """
         self._before.append(self._timed(self._simulation.find_contacts, lambda: self._extension.adopt(bodies)))
         return tuple(self._before[-1][1].frozen)

@@ -1,4 +1,4 @@
-"""Ports that measure the time or the instructions of their calls, which are subtracted from those of the core.
+"""Ports that measure the time or the instructions of their calls, so that the harness can subtract them.
 
 The core itself reads no clock.
 """

@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file that works offline and is made from raw records only."""
+"""The page of a study: one HTML file, made from raw records only, that works offline."""
 
 from __future__ import annotations
 

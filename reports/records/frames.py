@@ -14,15 +14,15 @@ import pyarrow.parquet as pq
 from reports.records.atomic import atomic_file
 
 UNTIMED_FRAMES = 5
-"""Number of frames at the start of a trial that no timing includes, because the engine builds its caches, the first
-brick lands, and kernels for the first contacts are compiled in them."""
+"""Number of frames at the start of a trial that no timing includes, because they contain single costs: the engine
+builds its caches, the first brick lands, and kernels for the first contacts compile."""
 
 
 class FrameRow(NamedTuple):
     """Counts and times of one frame. A column with default None is null in trials without an extension."""
 
     frame: int
-    """Number of the frame, from 0. The first five are left out of a record's timings."""
+    """Number of the frame, from 0. The timings of a record leave out the first five frames."""
     time_s: float
     """Simulated time at the end of the frame [s]."""
     level: int

@@ -1,8 +1,8 @@
 """The recording of a trial: the pose of every brick in every frame, with a row only for each change.
 
-A row gives the pose of a brick from the row's frame until the brick's next row. Positions are rounded to 0.01 mm, and
-components of quaternions to 1e-4. A motion within the dead band (0.05 mm, about 0.05 degrees) counts as rest. Rows are
-sorted by brick, then by frame, and columns are stored as differences, so that a standing stack of 100 planks takes
+A row gives the pose of a brick from the row's frame until the brick's next row. The resolution is 0.01 mm for positions
+and 1e-4 for components of quaternions. A motion within the dead band (0.05 mm, about 0.05 degrees) counts as rest. The
+file sorts rows by brick, then by frame, and stores columns as differences, so that a standing stack of 100 planks takes
 about 0.1 MB.
 """
 

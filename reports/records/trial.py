@@ -1,8 +1,8 @@
 """The record of a trial: its schema, its writer and its reader.
 
 A file has one line of JSON per trial, which is appended and flushed, so that an interrupted run keeps every finished
-trial. A value that does not exist is null; NaN and infinity are rejected. Records are raw data: derive other data from
-them, but never edit them.
+trial. A value that does not exist is null; the schema rejects NaN and infinity. Records are raw data: derive other data
+from them, but never edit them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ NOT_JUDGED: frozenset[Verdict] = frozenset({"none", "undecided"})
 """Verdicts that count as neither right nor wrong."""
 
 FORMAT: Literal[3] = 3
-"""Version of the schema, which increases when a field changes its meaning. Older records are converted when read:
+"""Version of the schema, which increases when a field changes its meaning. The reader converts older records:
 
 - format 1: the verdict of a trial that its time limit stopped was ``failed``, and becomes ``undecided``;
 - formats 1 and 2: ``creep_m_s`` was the mean motion over the whole watch, and becomes ``mean_motion_m_s``. The verdict
@@ -54,7 +54,7 @@ class RecordWarning(UserWarning):
 class TrialRecord(BaseModel):
     """Results of one trial. A value that does not exist is null, never zero.
 
-    ``docs/columns.md`` is generated from the docstrings of the fields.
+    ``reports.records.columns`` writes ``docs/columns.md`` from the docstrings of the fields.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -107,7 +107,7 @@ class TrialRecord(BaseModel):
     relative to its thickness; null if the stack did not stand throughout, and for trials from before format 3."""
     frame_ms_p50: float | None = None
     """Median time [ms] of a frame: engine, read-back, core and port calls, without the bridge to an engine in a
-    separate process. The first five frames are left out."""
+    separate process; without the first five frames."""
     frame_ms_p95: float | None = None
     """95th percentile of the time [ms] of a frame."""
     frame_ms_p99: float | None = None

@@ -19,7 +19,7 @@ from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Reco
 from scenarios.model import Brick
 
 COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
-"""Colours by state: linear red, green and blue from 0 to 1. Removed bricks are not shown."""
+"""Colours by state: linear red, green and blue from 0 to 1. The animation does not show removed bricks."""
 _FIXED = "fixed"
 _MATERIALS = {**COLOURS, _FIXED: (0.30, 0.32, 0.34)}
 """Colours by state, and the colour of fixed boxes."""
@@ -132,7 +132,8 @@ def _keyframes(
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return the frames and the rows of a brick's keyframes.
 
-    A row that holds for more than one kept frame is repeated just before the next row, because glTF interpolates.
+    A row that holds for more than one kept frame has a second keyframe just before the next row, because glTF
+    interpolates between keyframes.
 
     Args:
         recording: the recording.

@@ -29,8 +29,8 @@ _OVERSAMPLING = 2
 _TO_SUN = np.array([-0.5, -0.9, 1.6])
 """Direction toward the sun, shape (3,), world frame, not normalised."""
 _SUNS, _SUN_RADIUS = 8, 0.12
-"""Number of points on the disc of the sun, and radius of the disc for a distance of 1. Their shadows are averaged for
-soft edges, because PyVista's own shadows are hard and grey."""
+"""Number of points on the disc of the sun, and radius of the disc for a distance of 1. The average of the shadows of
+these points has soft edges; PyVista's own shadows are hard and grey."""
 _DARKEST, _SHADOW_PIXELS, _BLUR_PIXELS = 110, 320, 1.5
 """Opacity of the full shadow (0 to 255), edge of its picture [pixels] and radius of its blur [pixels]."""
 _EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "line_width": 1.5}

@@ -1,8 +1,8 @@
 """A replay: a page for any browser, offline, that plays recorded trials side by side.
 
-The page draws with three.js, which the wheel `jupyter-threejs-sage` contains. The script of three.js is written once
-beside the replays, because a page opened from disk may load a classic script from its own folder, but neither modules
-nor data.
+The page draws with three.js, which the wheel `jupyter-threejs-sage` contains. All replays of a folder share one file
+with the script of three.js, because a page opened from disk may load a classic script from its own folder, but neither
+modules nor data.
 """
 
 from __future__ import annotations

@@ -149,8 +149,8 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 
 
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Return the trials that were decided and whose scene has a known answer.
+    """Return the decided trials whose scene has a known answer.
 
-    A trial stopped by its time limit is left out, because it was slow, not wrong.
+    A trial stopped by its time limit is not among them, because it was slow, not wrong.
     """
     return [trial for trial in trials if trial.is_judged]

@@ -1,8 +1,8 @@
 """Pairs of scenes: one scene must stand, its partner must fall, and they differ in little but the deciding quantity.
 
-A pair counts as correct only if both outcomes are correct, because single trials reward trivial rules. A rule that
-freezes everything also holds the scene that must fall. A rule that freezes nothing may let the scene that must stand
-fall. Either rule gets half of all trials right.
+A pair counts as correct only if both outcomes are correct, because single trials reward trivial policies. A policy that
+freezes everything also holds the scene that must fall. A policy that freezes nothing may let the scene that must stand
+fall. Either policy gets half of all trials right.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The ranking of set-ups (engine, profile and policy) by correct outcomes and then by frame time.
 
 A unit is one seed of a pair of scenes, or of a scene without a partner, with a known answer. A unit of a pair is right
-only if both trials are right, so that a policy that freezes everything, or nothing, is never right. Every set-up is
-compared on all units of the study: a unit that was not played or not decided is not right.
+only if both trials are right, so that a policy that freezes everything, or nothing, is never right. The ranking counts
+all units of the study for every set-up: a unit that was not played or not decided is not right.
 """
 
 from __future__ import annotations
@@ -95,8 +95,8 @@ class Ranking:
 def rank(groups: Sequence[Group]) -> Ranking:
     """Return the ranking of the set-ups of all groups.
 
-    Set-ups are sorted by the number of right units (descending), then by the number of wrong units, then by frame time,
-    and then by the order of the groups.
+    The sort keys are the number of right units (descending), then the number of wrong units, then the frame time, and
+    then the order of the groups.
     """
     sides = _sides(groups)
     by_set_up = grouped(groups, "key.engine", "key.profile", "key.policy")

@@ -162,8 +162,9 @@ def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
 def holm(p_values: Sequence[float]) -> list[float]:
     """Return the p-values of several tests, corrected for multiple testing by Holm's method (1979).
 
-    The smallest of m p-values is multiplied by m, the next by m - 1, and so on. A corrected value is never smaller than
-    the corrected value before it, and at most 1.
+    With p_1 <= ... <= p_m the sorted p-values of m tests:
+
+        corrected p_k = min(1, max over j <= k of (m - j + 1) p_j)
     """
     order = np.argsort(p_values, kind="stable")
     factors = np.arange(len(p_values), 0, -1)

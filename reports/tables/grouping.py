@@ -32,10 +32,10 @@ def engine_names(trials: pd.DataFrame) -> pd.Series:
 
 
 def played_in_order(trials: pd.DataFrame) -> pd.DataFrame:
-    """Return the trials with timed frames, sorted by scene, engine and profile, and policy.
+    """Return the trials with timed frames, stably sorted by scene, engine and profile, and policy.
 
-    Scenes, engines and profiles are sorted by their first appearance, and policies by their usual order. The sort is
-    stable.
+    The order of scenes, and of engines with profiles, is that of their first appearance; policies have their usual
+    order.
     """
     scene = pd.factorize(trials["scene"])[0]
     set_up = trials.groupby(["engine", "profile"], sort=False).ngroup()

@@ -1,7 +1,7 @@
 """The tables of every study: outcomes, correctness, frame time and stability metrics.
 
-With several seeds, an entry of the table of outcomes gives the median and the range of the levels. A trial that its
-time limit stopped is censored: its levels are marked "≥", and it counts as neither right nor wrong.
+With several seeds, an entry of the table of outcomes gives the median and the range of the levels. The levels of a
+trial that its time limit stopped are only lower bounds ("≥"), and the trial counts as neither right nor wrong.
 """
 
 from __future__ import annotations

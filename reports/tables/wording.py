@@ -29,7 +29,7 @@ def some(names: Sequence[str], most: int = 3) -> str:
 def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
     """Format an estimate with ``digits`` decimals and its interval, such as ``0.07 [0.06, 0.09]``; a dash for None.
 
-    An interval whose rounded ends are equal is left out. ``scale`` multiplies all numbers.
+    The text has no interval if its rounded ends are equal. ``scale`` multiplies all numbers.
     """
     if estimate is None:
         return NOTHING
@@ -59,7 +59,7 @@ def _with_interval(estimate: Estimate, digits: int, scale: float, unit: str) -> 
 def median_level(survival: Survival | None) -> str:
     """Format the median collapse level with its interval, such as ``9 [8, 11]``; a dash for None.
 
-    A median above all built levels is written ``>30``.
+    The text is ``>30`` if the median lies above the highest built level, 30.
     """
     if survival is None:
         return NOTHING
