@@ -18,6 +18,8 @@ from reports.figures.speed import speed_figure
 from reports.figures.style import for_page, save
 from reports.figures.survival import has_survival, survival_figure
 from reports.page.gallery import shelves
+from reports.page.heat_map import heat_maps
+from reports.page.scene_names import own_names, scene_names
 from reports.page.summary import verdicts
 from reports.page.traces import traces
 from reports.records.atomic import write_atomic
@@ -25,12 +27,16 @@ from reports.records.folder import ResultsFolder
 from reports.records.trial import Status, TrialRecord
 from reports.statistics.groups import Group, grouped, groups_of, ordered_policies
 from reports.statistics.pairs import PairRow, pair_rows
+from reports.statistics.ranking import rank
 from reports.statistics.scores import EngineScores, engine_scores
+from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.capabilities import capability_table
 from reports.tables.comparison import COLUMNS, ComparisonRow, comparison_rows, comparison_table
 from reports.tables.latex import pairs_to_latex, to_latex
 from reports.tables.pairs import pair_tables, pairs_csv
+from reports.tables.policies import POLICY_SENTENCES
 from reports.tables.table import to_markdown, write_table_csv
+from reports.tables.verdict import ranking_table, sentence
 from reports.tables.wording import percent, some
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -38,6 +44,9 @@ _REM = 16.0
 """Default font size of browsers [px]."""
 _MOST_MESSAGES = 3
 """Greatest number of distinct messages in one row."""
+_ROWS_SHOWN = 200
+"""Rows of the comparison that are shown at first: more take seconds to lay out."""
+_SCRIPTS = ("theme.js", "comparison.js", "heat_map.js", "traces.js")
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
 
 
@@ -56,20 +65,29 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     figures = report / "figures"
     figures.mkdir(parents=True, exist_ok=True)
     kept, groups = ResultsFolder(folder), groups_of(records)
-    scores, engines = engine_scores(groups), kept.engines
+    scores, engines, names = engine_scores(groups), kept.engines, scene_names(records)
+    fixed = of_fixed_scenes(records, kept.study)
+    judged = rank(groups_of(fixed))
     sentences = verdicts(scores)
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")
     rows, of_pairs, study_caption = comparison_rows(groups), pair_rows(groups), caption(folder, records)
     policies = ordered_policies(group.key.policy for group in groups)
     page = (
-        _environment(study is not None, folder)
+        _environment()
         .get_template("page.html.j2")
         .render(
-            study=study or folder.resolve().name,
+            title=some(own_names(records)) or study or folder.resolve().name,
             caption=study_caption,
             css=_part("page.css"),
-            js=_part("page.js"),
+            scripts=[_part(name) for name in _SCRIPTS],
+            verdict=sentence(judged, len(missing)),
+            ranking=ranking_table(judged, records),
+            maps=heat_maps(groups_of(fixed), judged, names),
+            names=names,
+            policies={name: POLICY_SENTENCES.get(name, "A policy of your own.") for name in policies},
+            row_data=_row_data(groups, names, _study_file(folder) if study is not None else None),
+            shown=_ROWS_SHOWN,
             inks=inks(policies),
             problems=_problems(records, missing, without_frames),
             verdicts=sentences,
@@ -79,10 +97,10 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             rows=rows,
             columns=COLUMNS,
             marks=_MARKS,
-            choices=_choices(groups),
-            survival=_survival(groups, figures, policies),
+            choices=_choices(groups, names),
+            survival=_survival(groups, figures, policies, names),
             speed=_speed(scores, figures, policies),
-            traces=thinned,
+            traces=[{**trace, "scene": names[trace["scene"]]} for trace in thinned],
             shelves=shelves(report, groups),
             engines=engines,
             capabilities=capability_table(engines) if engines else None,
@@ -119,13 +137,14 @@ def caption(folder: Path, records: Sequence[TrialRecord]) -> str:
     return f"n = {len(records)} trials, {seeds} seed{'s' * (seeds > 1)}; {', '.join(versions)}{when}{commit}."
 
 
-def _environment(has_study: bool, folder: Path) -> jinja2.Environment:
+def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
     )
     environment.filters["percent"] = percent
     environment.filters["messages"] = _messages
-    environment.filters["command"] = lambda row: _command(row, _study_file(folder) if has_study else None)
+    environment.filters["seeds"] = lambda row: max(trial.seed for trial in row.group.trials) + 1
+    environment.filters["sort_key"] = lambda key: f"{key:.6g}"
     return environment
 
 
@@ -139,12 +158,14 @@ def _study_file(folder: Path) -> str:
     return os.path.relpath(folder / "study.toml")
 
 
-def _command(row: ComparisonRow, study: str | None) -> str:
-    """Return the command that reproduces the numbers of a row."""
-    key, group = row.group.key, row.group
-    words = ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])]
-    words += ["--engine", key.engine, "--profile", key.profile, "--scenario", group.scenario, "--policy", key.policy]
-    return shlex.join([*words, "--seeds", str(max(trial.seed for trial in group.trials) + 1)])
+def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | None) -> dict[str, Any]:
+    """Return what the page needs to build the command that reproduces a row, and the theory of its scene."""
+    return {
+        "command": ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])],
+        "scenes": {
+            names[group.key.scene]: {"scenario": group.scenario, "theory": group.expectation.theory} for group in groups
+        },
+    }
 
 
 def _messages(row: ComparisonRow) -> list[str]:
@@ -154,11 +175,14 @@ def _messages(row: ComparisonRow) -> list[str]:
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])
 
 
-def _choices(groups: Sequence[Group]) -> dict[str, list[str]]:
-    fields = ("scene", "engine", "profile")
-    names = {field: list(dict.fromkeys(getattr(group.key, field) for group in groups)) for field in fields}
-    names["policy"] = ordered_policies(group.key.policy for group in groups)
-    return {**names, "outcome": ["right", "wrong", "mixed", "open"]}
+def _choices(groups: Sequence[Group], names: Mapping[str, str]) -> dict[str, list[str]]:
+    choices = {
+        "scene": list(names.values()),
+        "engine": list(dict.fromkeys(group.key.engine for group in groups)),
+        "profile": list(dict.fromkeys(group.key.profile for group in groups)),
+        "policy": ordered_policies(group.key.policy for group in groups),
+    }
+    return {**choices, "outcome": ["right", "wrong", "mixed", "open"]}
 
 
 def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
@@ -215,12 +239,14 @@ def _pairs(rows: Sequence[PairRow], folder: Path, policies: Sequence[str]) -> di
     return {"tables": pair_tables(rows), "figure": _drawing(svg, "Shares of pairs correct and not", policies)}
 
 
-def _survival(groups: Sequence[Group], folder: Path, policies: Sequence[str]) -> list[dict[str, Any]]:
+def _survival(
+    groups: Sequence[Group], folder: Path, policies: Sequence[str], names: Mapping[str, str]
+) -> list[dict[str, Any]]:
     drawn = []
     for (scene, profile), those in grouped(groups, "key.scene", "key.profile").items():
         if has_survival(those):
             svg = save(survival_figure(those), folder / f"survival-{scene}-{profile}")
-            title = f"{scene}, {profile}: theory says it {those[0].expectation}"
+            title = f"{names[scene]}, {profile}: theory says it {those[0].expectation}"
             drawn.append({"title": title, **_drawing(svg, f"Survival by level of {title}", policies)})
     return drawn
 

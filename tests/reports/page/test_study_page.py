@@ -61,6 +61,9 @@ def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None
     ]
     opened = open_page(page_of(tmp_path, frozen))
     assert opened.locator(".card .headline").inner_text() == "At best 0 % of the pairs right, alone."
+    assert (
+        opened.locator("#verdict .answer").inner_text().startswith("No set-up is right in all 2 pairs; the nearest is")
+    )
     assert opened.locator(".card tbody tr").inner_text().split() == ["none", *["0", "%", "100", "%"], *["0", "%"] * 3]
     assert opened.locator("#pairs table").count() == 2
     assert opened.locator("#pairs svg").count() == 1
@@ -122,14 +125,75 @@ def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
         assert words in output
 
 
+def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
+    output = page.read_text(encoding="utf-8")
+    sections = re.findall(r'<section id="(\w+)"', output)
+    assert sections[:5] == ["verdict", "ranking", "map", "policies", "verdicts"]
+    assert output.index("No set-up is right in all 2 scenes (7 builds)") < output.index("Read this first")
+
+
+def test_the_heat_map_is_walked_by_keys_and_leads_to_the_numbers(page, open_page) -> None:
+    opened = open_page(page)
+    heat = opened.locator(".heat table")
+    assert heat.locator("thead th[scope=col]").count() == 2 + len({one.scene for one in RECORDS})
+    states = heat.locator("tbody tr", has_text="bullet game paper").locator("td:not(.figure)").all_inner_texts()
+    assert [state.strip() for state in states] == ["6 correct of 6", "false stand"]
+    heat.locator("tbody td:not(.figure)").first.focus()
+    opened.keyboard.press("ArrowDown")
+    opened.keyboard.press("End")
+    where = opened.locator(".cell").inner_text()
+    row = opened.evaluate("Object.values({...document.activeElement.parentElement.dataset})")
+    assert where.startswith(" ".join(row) + " on ")
+    opened.keyboard.press("Enter")
+    opened.wait_for_function(f"document.querySelector('#filters [name=policy]').value === {row[2]!r}")
+    assert all(all(word in text for word in row) for text in shown(opened))
+
+
+def test_many_scenes_have_a_map_by_family_first(tmp_path, open_page) -> None:
+    towers = [record(scene=f"tower-{n}", verdict="false_stand" if n < 3 else "right") for n in range(29)]
+    opened = open_page(page_of(tmp_path, [*towers, record(scene="wall"), record(scene="arch")]))
+    maps = opened.locator(".heat table")
+    assert [one.get_attribute("data-by") for one in maps.all()] == ["text", "scene"]
+    assert maps.first.locator("tbody td b").all_inner_texts() == ["3 false stands of 29", "correct", "correct"]
+    assert not maps.last.is_visible()
+
+
+def test_own_scenes_have_the_names_of_their_files(tmp_path) -> None:
+    file = {"scenario": "own_scene", "parameters": {"file": "my/lintel.toml", "size": 3.0, "mass": 1.0, "yaw": 0.0}}
+    output = page_of(tmp_path, [record(scene="own_scene-lintel-0eb37ace", **file)]).read_text(encoding="utf-8")
+    assert "<title>lintel, size 3: Stillstack</title>" in output
+    assert '<th scope="row">lintel, size 3</th>' in output
+
+
 def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
     assert "last words &lt;b&gt;of&lt;/b&gt; an engine" in page.read_text(encoding="utf-8")
 
 
-def test_every_row_shows_the_command_that_makes_it_again(page) -> None:
-    commands = re.findall(r"<summary>how</summary><code>(.*?)</code>", page.read_text(encoding="utf-8"))
-    assert len(commands) == len({(one.scene, one.engine, one.profile, one.policy) for one in RECORDS})
-    assert commands[0].endswith("--engine bullet --profile game --scenario four_stack --policy none --seeds 6")
+def test_every_row_shows_the_command_that_makes_it_again(page, open_page) -> None:
+    opened = open_page(page)
+    assert len(shown(opened)) == len({(one.scene, one.engine, one.profile, one.policy) for one in RECORDS})
+    opened.locator("#table summary").first.click()
+    line = opened.locator("#table tbody tr").first.locator(".command")
+    command = line.locator("code").inner_text()
+    assert command.startswith("uv run -m bench run ")
+    assert command.endswith("study.toml --engine bullet --profile game --scenario four_stack --policy none --seeds 6")
+    line.get_by_role("button", name="copy").click()
+    assert opened.evaluate("getSelection().toString()") in ("", command), "copied, or selected where that is forbidden"
+    assert line.get_by_role("button").inner_text() in ("copied", "selected")
+
+
+def test_the_address_keeps_filters_and_order(page, open_page) -> None:
+    opened = open_page(page)
+    opened.select_option("#filters [name=policy]", "paper")
+    opened.fill("#filters [name=text]", "four")
+    opened.get_by_role("button", name=re.compile("^p50")).click()
+    expected = shown(opened)
+    address = opened.evaluate("location.hash")
+    linked = open_page(page)
+    linked.evaluate(f"location.hash = {address!r}")
+    linked.wait_for_function("document.querySelector('#filters [name=policy]').value === 'paper'")
+    assert shown(linked) == expected
+    assert linked.locator("th[aria-sort=ascending]").inner_text().startswith("p50")
 
 
 def test_pairs_are_tested_and_medians_are_bounds_where_most_stood(page, open_page) -> None:

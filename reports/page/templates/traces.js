@@ -1,47 +1,5 @@
 "use strict";
 (() => {
-  const root = document.documentElement;
-  document.getElementById("theme").addEventListener("click", () => {
-    const dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-    root.dataset.theme = dark ? "light" : "dark";
-  });
-
-  // The comparison: filter and sort.
-  const table = document.getElementById("table"), body = table.tBodies[0], rows = [...body.rows];
-  const filters = document.getElementById("filters"), count = document.getElementById("count");
-  const words = new Map(rows.map(row => [row, row.textContent.toLowerCase()]));
-  const filter = () => {
-    const { text, ...wanted } = Object.fromEntries(new FormData(filters));
-    const sought = text.toLowerCase().split(/\s+/);
-    let shown = 0;
-    for (const row of rows) {
-      const fits = Object.entries(wanted).every(([name, value]) => !value || row.dataset[name] === value);
-      row.hidden = !(fits && sought.every(word => words.get(row).includes(word)));
-      shown += !row.hidden;
-    }
-    count.textContent = `${shown} of ${rows.length}`;
-  };
-  filters.addEventListener("input", filter);
-  filters.addEventListener("reset", () => setTimeout(filter));
-  filters.addEventListener("submit", event => event.preventDefault());
-
-  const heads = [...table.tHead.rows[0].cells];
-  heads.forEach((head, column) => head.querySelector("button")?.addEventListener("click", () => {
-    const down = head.getAttribute("aria-sort") === "ascending";
-    heads.forEach(other => other.hasAttribute("aria-sort") && other.setAttribute("aria-sort", "none"));
-    head.setAttribute("aria-sort", down ? "descending" : "ascending");
-    const value = row => {
-      const cell = row.cells[column];
-      return cell.classList.contains("figure") ? ("sort" in cell.dataset ? +cell.dataset.sort : NaN) : cell.textContent;
-    };
-    const order = (a, b) => {
-      if (typeof a === "string") return a.localeCompare(b, "en", { numeric: true }) * (down ? -1 : 1);
-      if (isNaN(a) || isNaN(b)) return isNaN(a) - isNaN(b); // what does not exist comes last either way
-      return (a - b) * (down ? -1 : 1);
-    };
-    body.append(...[...body.rows].sort((a, b) => order(value(a), value(b))));
-  }));
-
   // Frame times of one scene on one engine, all policies over each other.
   const source = document.getElementById("trace-data");
   if (!source) return;
