@@ -38,7 +38,7 @@
     };
     const order = (a, b) => {
       if (typeof a === "string") return a.localeCompare(b, "en", { numeric: true }) * (down ? -1 : 1);
-      if (isNaN(a) || isNaN(b)) return isNaN(a) - isNaN(b); // what does not exist comes last either way
+      if (isNaN(a) || isNaN(b)) return isNaN(a) - isNaN(b); // missing values come last in both directions
       return (a - b) * (down ? -1 : 1);
     };
     const keys = new Map(rows.map(row => [row, value(row)]));

@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-  // Frame times of one scene on one engine, all policies over each other.
+  // Frame times of one scene on one engine: the curves of all policies in one plot.
   const source = document.getElementById("trace-data");
   if (!source) return;
   const traces = JSON.parse(source.textContent), chosen = document.getElementById("chosen");

@@ -4,7 +4,7 @@
   const LIVE = new THREE.Color("#e0a030"), FROZEN = new THREE.Color("#5b9fc9"), FALLEN = new THREE.Color("#a8425a");
   const FIXED = "#969a9e";
 
-  // Deflated differences, byte by byte, back to columns of numbers.
+  // Restore columns of numbers from deflated differences, which are grouped by byte.
   const unpack = async (text, rows) => {
     const packed = Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -20,7 +20,7 @@
     });
   };
 
-  // The rows of each body, and where it was first: what is later far from there has fallen.
+  // The rows of each body, of which the first gives its initial position: a body far from it has fallen.
   const bodiesOf = (trial, columns) => {
     const bodies = [];
     for (let begin = 0, end; begin < trial.rows; begin = end) {
@@ -83,7 +83,7 @@
     return { trial, renderer, scene, sun, bricks, cursors: trial.bodies.map(body => body.begin) };
   }).filter(view => view);
 
-  // What there is to see: every brick where it was laid, and the fixed boxes.
+  // The visible space: every brick at its initial position, and the fixed boxes.
   const span = new THREE.Box3();
   for (const { fixed } of trials)
     for (const { size, position } of fixed)
@@ -94,7 +94,7 @@
         new THREE.Vector3(...[X, Y, Z].map(axis => columns[axis][begin] * steps[0])), new THREE.Vector3(...size)));
   span.getCenter(camera.target);
   const radius = span.getSize(new THREE.Vector3()).length() / 2;
-  camera.distance = 1.05 * radius / Math.sin(Math.PI / 12); // all of it, in a field of view of 30 degrees
+  camera.distance = 1.05 * radius / Math.sin(Math.PI / 12); // shows the visible space in a field of view of 30 degrees
   for (const { sun } of views) {
     sun.position.copy(camera.target).add(new THREE.Vector3(-.5, -.9, 1.6).multiplyScalar(3 * radius));
     sun.target.position.copy(camera.target);
@@ -118,7 +118,7 @@
       place.set(columns[X][row], columns[Y][row], columns[Z][row]).multiplyScalar(steps[0]);
       turned.set(columns[QX][row], columns[QY][row], columns[QZ][row], columns[QW][row]).normalize();
       const after = row + 1;
-      if (after < body.end && columns[FRAME][after] - columns[FRAME][row] <= trial.every) { // neighbours in time: in between
+      if (after < body.end && columns[FRAME][after] - columns[FRAME][row] <= trial.every) { // interpolate between neighbouring frames
         const share = (frame - columns[FRAME][row]) / (columns[FRAME][after] - columns[FRAME][row]);
         place.lerp(new THREE.Vector3(columns[X][after], columns[Y][after], columns[Z][after]).multiplyScalar(steps[0]), share);
         turned.slerp(next.set(columns[QX][after], columns[QY][after], columns[QZ][after], columns[QW][after]).normalize(), share);
@@ -150,7 +150,7 @@
       const { width, height } = view.renderer.domElement.parentElement.getBoundingClientRect();
       view.renderer.setSize(width, height);
       shared.aspect = width / height;
-      shared.fov = width < height ? 30 * height / width : 30; // a narrow panel sees as much sideways
+      shared.fov = width < height ? 30 * height / width : 30; // a narrow panel shows the same width
       shared.updateProjectionMatrix();
       pose(view, Math.min(time / view.trial.frame_s, view.trial.frames - 1));
       view.renderer.render(view.scene, shared);
@@ -213,5 +213,5 @@
       request();
     }, { passive: false });
   }
-  seek(end); // the end first: that is what a still would show
+  seek(end); // begin with the final state, as in a still
 })();
