@@ -65,13 +65,13 @@ PUBLICATIONS: dict[str, Publication] = {
         gallery=Gallery("bullet", "game", ("four_stack", "card_house-3", "leaning_tower")),
     ),
     "publish": Publication(
-        "those stacks with 20 seeds on six engines, profile `game`, without the extension and with `at_rest`, "
+        "the same stacks with 20 seeds on six engines, profile `game`, without the extension and with `at_rest`, "
         "`paper` and `equilibrium`",
         "publish",
     ),
     "truth": Publication(
-        "every scene with a known answer, most of them in pairs: engines in `tuned` by every policy; as shipped "
-        "(`default`) and in `game` alone, by their own sleeping and with `equilibrium`",
+        "every scene with a known answer, most of them in pairs: profile `tuned` with every policy; profiles `default` "
+        "(as shipped) and `game` without the extension, with the engine's own sleeping and with `equilibrium`",
         "truth",
         Selection(engines=("bullet", "mujoco", "dart", "physx", "rapier", "box3d")),
     ),
@@ -96,12 +96,14 @@ PUBLICATIONS: dict[str, Publication] = {
         "at_once",
         Selection(profiles=("game",)),
     ),
-    "issues": Publication("stacks of public threads: reported, measured on six engines in `game`, and exact", "issues"),
+    "issues": Publication(
+        "stacks of public threads: reported outcomes, outcomes on six engines in `game`, and exact outcomes", "issues"
+    ),
     "heavy": Publication(
         "heavy on light: column, pyramid of 55 and off-centre pair on six engines, at the origin and 100 m from it",
         "heavy",
     ),
-    "soak": Publication("how fast stacks creep that must stand: 600 s on six engines, `game` and `tuned`", "soak"),
+    "soak": Publication("creep of stacks that must stand: 600 s on six engines, `game` and `tuned`", "soak"),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",
         "paper",
@@ -114,14 +116,17 @@ PUBLICATIONS: dict[str, Publication] = {
     "unity4": Publication(
         "the paper's stacks on an emulation of its engine, 30 seeds, without and with the extension", "unity4"
     ),
-    "unity4_leaning": Publication("flatter Vs and higher card houses there, 10 seeds", "unity4_leaning"),
+    "unity4_leaning": Publication(
+        "flatter Vs and higher card houses on the emulation of the paper's engine, 10 seeds", "unity4_leaning"
+    ),
     "claims": Publication(
         "the paper's three stacks on PhysX and Rapier, profile `game`, seed 0",
         "paper",
         Selection(engines=("physx", "rapier"), scenarios=_THREE_STACKS, policies=("none", "paper")),
     ),
     "cost": Publication(
-        "levels reached against milliseconds a frame: substeps and iterations of six engines, with the figure", "cost"
+        "levels that stood against milliseconds per frame: substeps and iterations of six engines, with the figure",
+        "cost",
     ),
     "thresholds": Publication(
         "each engine's own limits by bisection, in percent of the exact ones: friction, height over width, overhang, "
@@ -134,8 +139,8 @@ PUBLICATIONS: dict[str, Publication] = {
         "tilt",
     ),
     "sleep": Publication(
-        "what must move though it rests or is slow: for how long engines (`native`, `raised`) and the extension let it "
-        "sleep, every profile",
+        "bricks at rest or slow that must move: the time for which engines (`native`, `raised`) and the extension let "
+        "them sleep, every profile",
         "sleep",
     ),
     "forces": Publication(
