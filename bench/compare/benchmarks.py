@@ -32,7 +32,7 @@ from bench.studies.tolerance import Tolerance
 from stability_core.port import FloatArray
 
 FORMAT = "stillstack-frame-1"
-"""Value of ``extra_info.format`` in benchmarks of frame times; ``read_benchmarks`` skips the others."""
+"""Value of ``extra_info.format`` in benchmarks of frame times; ``read_benchmarks`` skips other benchmarks."""
 ALONE = "none"
 """Name of the policy of frames without the extension."""
 MOST = 2.0

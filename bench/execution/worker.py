@@ -34,7 +34,7 @@ from reports.records.plain_text import plain_text
 from reports.records.trial import Status
 
 GRACE_S = 60.0
-"""Time after the limit on wall time [s] at which the harness ends a trial, because its engine counts as hung."""
+"""Time after the limit on wall time [s] at which the harness ends the process of a trial whose engine hangs."""
 _ATTEND_S = 0.1
 """Interval of the checks of a process's memory while no message arrives [s]."""
 _REPORT_S = 0.25

@@ -12,7 +12,7 @@ from bench.studies.plan import plan_trials
 from reports.records.folder import ResultsFolder, published_rows
 
 _MOST_NAMES = 7
-"""Greatest number of names in a list; more names are replaced by their number."""
+"""Greatest number of names in a list; for more names, the text gives only their number."""
 _SETTINGS = ("substeps", "frame_s")
 """Settings of a profile besides its knobs."""
 

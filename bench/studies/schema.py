@@ -166,7 +166,7 @@ class Limits(_Model):
     trial_wall_s: float = Field(default=60.0, gt=0)
     """Wall time [s] after which a trial stops, so that its levels are only lower bounds (censored)."""
     memory_mib: int = Field(default=4096, ge=1)
-    """Greatest resident memory [MiB] of a trial's process, which else ends; a hundred planks take about 300 MiB."""
+    """Resident memory [MiB] above which the harness ends a trial's process; a hundred planks take about 300 MiB."""
     creep_per_min: float = Field(default=CREEP_LIMIT_PER_MIN, gt=0)
     """Greatest creep of a stack that must stand, in thicknesses of a brick per minute."""
     ratio: bool = True

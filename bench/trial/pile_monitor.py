@@ -25,9 +25,9 @@ HALF_BELOW = 1 - 0.5 ** (1 / 3)
 def slope_deg(position: FloatArray) -> float | None:
     """Return the angle of repose of a pile of equal bricks [deg]; None if the median radius is zero.
 
-    The angle is that of the cone with the same median height and median radius as the pile, because medians do not
-    depend on single bricks that rolled away. Half of a cone's volume lies within half its radius, and half lies below
-    ``HALF_BELOW`` of its height.
+    The angle is that of the cone with the same median height and median radius as the pile. Medians are used, because
+    they do not depend on single bricks that rolled away. Half of a cone's volume lies within half its radius, and half
+    lies below ``HALF_BELOW`` of its height.
 
     Args:
         position: centres of the bricks [m], shape (n, 3), world frame.

@@ -1,6 +1,6 @@
 """The heat map of a study: a row per set-up in the order of the ranking, a column per scene, the state in each cell.
 
-A study of many scenes has a map by family of scenes first, which fits on a screen.
+A study of many scenes also has a map by family of scenes, which fits on a screen and comes first.
 """
 
 from __future__ import annotations
@@ -18,68 +18,68 @@ from reports.statistics.success_rates import MISSES
 from reports.tables.verdict import STATE_WORDS, counted
 
 MISSING = "missing"
-"""Class of a cell without a trial."""
+"""State of a cell without a trial, as a class of the page."""
 MOST_SCENES = 30
-"""Most scenes of a study without a map by family: about the columns that fit on a screen."""
+"""Greatest number of scenes of a study without a map by family, because about 30 columns fit on a screen."""
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A scene, or a family of scenes."""
+    """Column of a heat map: a scene, or a family of scenes."""
 
     name: str
-    """Its name in the comparison."""
+    """Name of the scene or family in the comparison."""
     family: str
-    """Name of its scenario; empty for a scene of the user's own."""
+    """Name of the scenario of a scene; empty for a user's own scene, and for a family."""
     rest: str
-    """The name without the family."""
+    """Name without the family."""
     is_first: bool
     """True for the first column of its family."""
     note: str
-    """The outcome that theory demands, or the number of scenes."""
+    """Outcome that theory demands of a scene, or the number of scenes of a family."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """The outcomes of a set-up in a column."""
+    """Cell of a heat map: the outcomes of a set-up in a column."""
 
     state: str
     """State that the cell shows, or ``MISSING``."""
     count: str
-    """Number of builds in that state if others are in another; else empty."""
+    """Number of builds in that state if some builds have another state; else empty."""
     words: str
-    """What it shows, in words."""
+    """Description of the cell in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A set-up."""
+    """Row of a heat map: a set-up with its cells."""
 
     set_up: SetUp
     right: str
-    """Correct builds of all: ``52/53``."""
+    """Right units over all units, such as ``52/53``."""
     cells: tuple[Cell, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class HeatMap:
-    """A whole map."""
+    """Heat map with its columns, rows and legend."""
 
     by: str
-    """What a column is, as a filter of the comparison: ``scene``, or ``text`` for a family."""
+    """Filter of the comparison that selects a column: ``scene`` for a scene, ``text`` for a family."""
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
     legend: tuple[tuple[str, str], ...]
-    """The states that occur, in order, with their words."""
+    """States that occur in the map, each with its description, in the order of ``STATES``."""
 
 
 def heat_maps(groups: Sequence[Group], ranking: Ranking, names: Mapping[str, str]) -> list[HeatMap]:
-    """Return the map by scene; of a study of more than ``MOST_SCENES``, the map by family before it.
+    """Return the map by scene; for more than ``MOST_SCENES`` scenes of several families, also the map by family first.
 
     Args:
         groups: all groups of the study.
-        ranking: their ranking, whose order the rows have.
-        names: names of the scenes by id.
+        ranking: ranking of the study, which gives the order of the rows.
+        names: names of the scenes, by id.
     """
     scenes = grouped(groups, "key.scene")
     by_scene = _map("scene", scenes, _scene_columns([group for (group, *_) in scenes.values()], names), ranking)
@@ -134,7 +134,10 @@ def _cell(states: Counter[State] | None) -> Cell:
 
 
 def _shown(states: Counter[State]) -> State:
-    """Return the state that stands for several builds: the most frequent error, without one any but correct."""
+    """Return the state that a cell of several builds shows.
+
+    The state is the most frequent error; without errors, the most frequent state that is not right; else right.
+    """
     for candidates in (MISSES, [state for state in STATES if state != "right"]):
         present = [state for state in candidates if states.get(state)]
         if present:

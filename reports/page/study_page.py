@@ -45,7 +45,7 @@ _REM = 16.0
 _MOST_MESSAGES = 3
 """Greatest number of distinct messages in one row."""
 _ROWS_SHOWN = 200
-"""Rows of the comparison that are shown at first: more take seconds to lay out."""
+"""Number of rows of the comparison that the page shows at first, because more rows take seconds to lay out."""
 _SCRIPTS = ("theme.js", "comparison.js", "heat_map.js", "traces.js")
 _MARKS = {"right": "✓", "wrong": "✗", "mixed": "~"}
 
@@ -159,7 +159,7 @@ def _study_file(folder: Path) -> str:
 
 
 def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | None) -> dict[str, Any]:
-    """Return what the page needs to build the command that reproduces a row, and the theory of its scene."""
+    """Return the data from which the page builds the command that reproduces a row, and the theory of each scene."""
     return {
         "command": ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])],
         "scenes": {

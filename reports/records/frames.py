@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from reports.records.atomic import atomic_file
 
 UNTIMED_FRAMES = 5
-"""Number of frames at the start of a trial that no timing includes, because they contain single costs: the engine
+"""Number of frames at the start of a trial that no timing includes, because they contain one-time costs: the engine
 builds its caches, the first brick lands, and kernels for the first contacts compile."""
 
 
