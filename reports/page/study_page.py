@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shlex
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,11 +33,11 @@ from reports.statistics.ranking import rank
 from reports.statistics.scores import EngineScores, engine_scores
 from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.capabilities import capability_table
-from reports.tables.comparison import COLUMNS, ComparisonRow, comparison_rows, comparison_table
+from reports.tables.comparison import COLUMNS, ComparisonRow, Entry, comparison_rows, comparison_table
 from reports.tables.latex import pairs_to_latex, to_latex
 from reports.tables.pairs import pair_tables, pairs_csv
 from reports.tables.policies import POLICY_SENTENCES
-from reports.tables.table import to_markdown, write_table_csv
+from reports.tables.table import NOTHING, to_markdown, write_table_csv
 from reports.tables.verdict import ranking_table, sentence
 from reports.tables.wording import percent, some
 
@@ -89,6 +91,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             row_data=_row_data(groups, names, _study_file(folder) if study is not None else None),
             shown=_ROWS_SHOWN,
             inks=inks(policies),
+            numbers={policy: number for number, policy in enumerate(policies)},
             problems=_problems(records, missing, without_frames),
             verdicts=sentences,
             share_note=_share_note(groups, bool(of_pairs)),
@@ -143,8 +146,8 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters["percent"] = percent
     environment.filters["messages"] = _messages
-    environment.filters["seeds"] = lambda row: max(trial.seed for trial in row.group.trials) + 1
-    environment.filters["sort_key"] = lambda key: f"{key:.6g}"
+    environment.filters["seeds"] = lambda row: _seeds(row.group)
+    environment.filters["sort_key"] = _sort_key
     return environment
 
 
@@ -162,10 +165,25 @@ def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | No
     """Return the data from which the page builds the command that reproduces a row, and the theory of each scene."""
     return {
         "command": ["uv", "run", "-m", "bench", "run", *([study] if study is not None else [])],
+        "seeds": Counter(map(_seeds, groups)).most_common(1)[0][0],
         "scenes": {
             names[group.key.scene]: {"scenario": group.scenario, "theory": group.expectation.theory} for group in groups
         },
     }
+
+
+def _seeds(group: Group) -> int:
+    """Return the option ``--seeds`` that plays all seeds of a group."""
+    return max(trial.seed for trial in group.trials) + 1
+
+
+def _sort_key(entry: Entry) -> str:
+    """Return the attributes of an entry: its sort key, unless its text is that number, or that there is nothing."""
+    if entry.text == NOTHING:
+        return Markup(' class="n"')
+    if math.isnan(entry.sort) or re.fullmatch(r"[\d.]+", entry.text):
+        return ""
+    return Markup(f' data-sort="{entry.sort:.6g}"')
 
 
 def _messages(row: ComparisonRow) -> list[str]:

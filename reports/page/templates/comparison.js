@@ -3,7 +3,7 @@
   const table = document.getElementById("table"), body = table.tBodies[0], rows = [...body.rows];
   const filters = document.getElementById("filters"), count = document.getElementById("count");
   const more = document.getElementById("more"), LINK = "#rows:";
-  const { command, scenes } = JSON.parse(document.getElementById("row-data").textContent);
+  const { command, scenes, seeds } = JSON.parse(document.getElementById("row-data").textContent);
   const COLUMNS = { scene: 0, engine: 2, profile: 3, policy: 4 };
   const AT_FIRST = rows.filter(row => !row.hidden).length;
   const valueOf = (row, name) => name === "outcome" ? row.className : row.cells[COLUMNS[name]].textContent;
@@ -34,7 +34,7 @@
     head.setAttribute("aria-sort", down ? "descending" : "ascending");
     const value = row => {
       const cell = row.cells[column];
-      return cell.classList.contains("figure") ? ("sort" in cell.dataset ? +cell.dataset.sort : NaN) : cell.textContent;
+      return heads[column].classList.contains("figure") ? Number(cell.dataset.sort ?? cell.textContent) : cell.textContent;
     };
     const order = (a, b) => {
       if (typeof a === "string") return a.localeCompare(b, "en", { numeric: true }) * (down ? -1 : 1);
@@ -79,8 +79,8 @@
     const how = event.target, row = how.closest("tr");
     if (!how.open || how.querySelector("code")) return;
     const { scenario, theory } = scenes[valueOf(row, "scene")];
-    const options = { engine: valueOf(row, "engine"), profile: valueOf(row, "profile"), scenario, policy: valueOf(row, "policy"), seeds: row.dataset.seeds };
-    const all = [...command, ...Object.entries(options).flatMap(([name, value]) => [`--${name}`, value])];
+    const options = { engine: valueOf(row, "engine"), profile: valueOf(row, "profile"), scenario, policy: valueOf(row, "policy"), seeds: row.dataset.seeds ?? seeds };
+    const all = [...command, ...Object.entries(options).flatMap(([name, value]) => [`--${name}`, `${value}`])];
     const line = document.createElement("p"), code = document.createElement("code"), copy = document.createElement("button"), why = document.createElement("p");
     code.textContent = all.map(quoted).join(" ");
     Object.assign(copy, { type: "button", className: "copy", textContent: "copy" });

@@ -18,6 +18,5 @@
       getSelection().selectAllChildren(code);
       button.textContent = "selected";
     }
-    setTimeout(() => { button.textContent = "copy"; }, 1500);
   });
 })();
