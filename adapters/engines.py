@@ -92,6 +92,37 @@ class WasmEntry:
         return getattr(importlib.import_module(self.module), self.simulation)
 
 
+@dataclass(frozen=True, slots=True)
+class LibraryEntry:
+    """An engine in a shared library that comes from one of several places; its adapter can be loaded without it."""
+
+    module: str
+    simulation: str
+    adapter: str
+    """Module of the adapter."""
+    library: str
+    """Module that loads the library, and has its ``VERSION``."""
+    group: str
+    """Dependency group that brings one of the libraries."""
+
+    @property
+    def remedy(self) -> str:
+        """The fix if the engine cannot be opened."""
+        return f"install it with: uv sync --group {self.group}"
+
+    def version(self) -> str:
+        """Return the version of the library that was found.
+
+        Raises:
+            ImportError: if there is none.
+        """
+        return str(importlib.import_module(self.library).VERSION)
+
+    def load(self) -> Any:
+        """Return the class of the adapter."""
+        return getattr(importlib.import_module(self.adapter), self.simulation)
+
+
 ENGINES: dict[str, EngineEntry] = {
     "bullet": Entry("adapters._bullet", "BulletSimulation", "pybullet"),
     "mujoco": Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
@@ -102,6 +133,7 @@ ENGINES: dict[str, EngineEntry] = {
     "box3d": Entry("adapters._box3d", "Box3dSimulation", "robox3d"),
     "jolt": WasmEntry("adapters._jolt", "JoltSimulation", "jolt-physics"),
     "havok": WasmEntry("adapters._havok", "HavokSimulation", "@babylonjs/havok"),
+    "ode": LibraryEntry("adapters._ode_world", "OdeSimulation", "adapters._ode", "adapters._ode_library", "ode"),
 }
 
 

@@ -15,13 +15,13 @@ from pytest_benchmark.utils import get_tag
 import bench  # noqa: F401 - chooses where kernels are cached, before a test imports the core
 import tests.bytecode  # noqa: F401 - before the first long import
 from adapters import ENGINES, EngineNotInstalledError, check_installed
-from adapters.engines import WasmEntry
+from adapters.engines import LibraryEntry, WasmEntry
 from bench.compare.benchmarks import FORMAT
 
 COLUMNS = ("median", "mean", "min", "max", "stddev", "rounds")
 """Of the tables of benchmarks: what fits a line."""
 
-OPTIONAL = [name for name, entry in ENGINES.items() if isinstance(entry, WasmEntry)]
+OPTIONAL = [name for name, entry in ENGINES.items() if isinstance(entry, WasmEntry | LibraryEntry)]
 """Engines of dependency groups that are not installed by default."""
 MOST_WORKERS = 4
 """Processes that share the tests: each may run a study of its own, of two processes more."""

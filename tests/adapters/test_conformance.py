@@ -57,6 +57,8 @@ def test_engine_keeps_the_contract(engine: str, profile: str, check: Check) -> N
         pytest.xfail("Bullet keeps the normals of contacts between bodies that turn together")
     if (engine, profile) == ("havok", "default") and check.name in SLIDES_OF_HAVOK:
         pytest.xfail("Havok's first touching step has no friction: a plank slides 82 mm instead of 52 at 1/60 s a step")
+    if (engine, profile) == ("ode", "default") and check.name in FRICTION_OF_ODE:
+        pytest.xfail("20 iterations of QuickStep leave friction inexact: a plank creeps by 6 mm/s across a slope")
     hold_to(check, engine, profile)
 
 
@@ -76,6 +78,8 @@ SLIDES_OF_HAVOK = (
     "slides_sideways_above_the_friction_angle",
     "slides_on_a_fixed_slope_above_the_friction_angle",
 )
+
+FRICTION_OF_ODE = ("slides_sideways_above_the_friction_angle", "keeps_forces_within_the_laws_of_contact")
 
 
 def hold_to(check: Check, engine: str, profile: str) -> None:

@@ -12,7 +12,7 @@ from scenarios.model import Brick, World
 from stability_core import PortError, check_port
 
 PLANK = (0.117, 0.0234, 0.0078)
-ENGINES = ("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "jolt", "havok", "pymunk")
+ENGINES = ("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "jolt", "havok", "ode", "pymunk")
 
 
 def lying(engine: str):

@@ -10,7 +10,7 @@ from adapters.conformance.rig import plank
 from scenarios.lookup import UnknownNameError
 from stability_core.port import GROUND
 
-ENGINES = ("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "pymunk")
+ENGINES = ("bullet", "mujoco", "dart", "physx", "rapier", "box3d", "ode", "pymunk")
 KNOBS = {
     "bullet": ("numSolverIterations", 77),
     "mujoco": ("option.impratio", 5.0),
@@ -18,6 +18,7 @@ KNOBS = {
     "physx": ("solver_position_iterations", 7),
     "rapier": ("contact_softness.natural_frequency", 120.0),
     "box3d": ("contactRecycleDistance", 0.01),
+    "ode": ("ERP", 0.25),
     "pymunk": ("iterations", 5),
 }
 

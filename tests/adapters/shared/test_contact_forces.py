@@ -78,7 +78,7 @@ def test_forces_of_the_wrong_shape_are_refused() -> None:
         check_shapes(replace(output, force=[[0.0, 0.0, 0.0]] * 2), masses)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("engine", ["bullet", "mujoco", "dart", "physx", "rapier", "box3d"])
+@pytest.mark.parametrize("engine", ["bullet", "mujoco", "dart", "physx", "rapier", "box3d", "ode"])
 def test_a_profile_without_forces_reports_none_and_moves_alike(engine: str) -> None:
     ends = []
     for profile in ("tuned", "tuned@forces=0"):

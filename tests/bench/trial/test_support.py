@@ -144,7 +144,7 @@ time = 1.0
 
 
 @pytest.mark.parametrize("support", [0.2, 0.05], ids=["cube", "shim"])
-@pytest.mark.parametrize("engine", ["bullet", "mujoco", "dart", "physx", "rapier", "box3d", "jolt", "havok"])
+@pytest.mark.parametrize("engine", ["bullet", "mujoco", "dart", "physx", "rapier", "box3d", "jolt", "havok", "ode"])
 def test_every_engine_drops_a_cube_whose_support_is_taken(tmp_path, engine: str, support: float) -> None:
     file = tmp_path / "undermined.toml"
     file.write_text(OWN_SCENE.format(support=support, half=support / 2, upper=support + 0.1))

@@ -1,0 +1,174 @@
+"""ODE's C API: from Debian's double-precision library, or else from the single-precision one in Panda3D's wheel.
+
+Python calls ``lib``, a ctypes library whose functions have their types; compiled code calls the same functions by what
+``c_call`` returns. Handles are addresses, as integers.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.metadata
+import importlib.util
+from ctypes import POINTER, c_int, c_size_t, c_ulong
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from adapters._ode_knobs import KNOBS, WHOLE_NUMBERS
+
+_DEBIAN = "libode.so.8"
+_PANDA = "libpandaode.*"
+"""Panda3D's own library, whose file ends as the platform's libraries do."""
+
+
+def _opened() -> tuple[ctypes.CDLL, str]:
+    """Return the library, and the name and version of what brought it.
+
+    Raises:
+        ImportError: if there is none.
+    """
+    try:
+        library = ctypes.CDLL(_DEBIAN)
+    except OSError:
+        return _opened_panda()
+    mapped = Path("/proc/self/maps").read_text(encoding="utf-8").splitlines()
+    return library, next(Path(line.split()[-1]).name for line in mapped if _DEBIAN in line)
+
+
+def _opened_panda() -> tuple[ctypes.CDLL, str]:
+    spec = importlib.util.find_spec("panda3d")
+    folders = (spec.submodule_search_locations if spec else None) or ()
+    files = [file for folder in folders for file in sorted(Path(folder).glob(_PANDA))]
+    if not files:
+        raise ImportError(f"neither {_DEBIAN} nor the package 'panda3d' is installed")
+    library = ctypes.CDLL(str(files[0]))
+    if not hasattr(library, "dWorldCreate"):
+        raise ImportError(f"{files[0]} does not export ODE's functions on this platform")
+    return library, f"panda3d {importlib.metadata.version('panda3d')}"
+
+
+lib, _origin = _opened()
+lib.dGetConfiguration.restype = ctypes.c_char_p
+_is_double = b"ODE_double_precision" in lib.dGetConfiguration()
+VERSION = f"{_origin}, {'double' if _is_double else 'single'} precision"
+"""Origin and precision of the library; ODE does not report its own version."""
+
+REAL = np.dtype(np.float64 if _is_double else np.float32)
+"""Type of ODE's numbers (``dReal``)."""
+_real: Any = ctypes.c_double if _is_double else ctypes.c_float
+_handle, _address = c_size_t, c_size_t
+
+_SURFACE = np.dtype([("mode", "i4"), ("mu", REAL), ("others", REAL, 13)], align=True)
+_CONTACT_GEOM = np.dtype(
+    [("position", REAL, 4), ("normal", REAL, 4), ("depth", REAL), ("geoms", np.uintp, 2), ("sides", "i4", 2)],
+    align=True,
+)
+CONTACT = np.dtype([("surface", _SURFACE), ("geom", _CONTACT_GEOM), ("friction_direction", REAL, 4)], align=True)
+"""ODE's structure ``dContact``: a contact point and its surface."""
+FEEDBACK = np.dtype([("force_1", REAL, 4), ("torque_1", REAL, 4), ("force_2", REAL, 4), ("torque_2", REAL, 4)])
+"""ODE's structure ``dJointFeedback``: forces and torques of a joint on its two bodies."""
+
+
+class Mass(ctypes.Structure):
+    """ODE's structure ``dMass``: mass, centre and inertia."""
+
+    _fields_ = (("mass", _real), ("center", _real * 4), ("inertia", _real * 12))
+
+
+QUATERNION: Any = _real * 4
+"""ODE's ``dQuaternion``: w, x, y, z."""
+_VECTOR = (_real, _real, _real)
+_TYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "dInitODE": (None, ()),
+    "dRandSetSeed": (None, (c_ulong,)),
+    "dRandGetSeed": (c_ulong, ()),
+    "dWorldCreate": (_handle, ()),
+    "dWorldDestroy": (None, (_handle,)),
+    "dWorldSetGravity": (None, (_handle, *_VECTOR)),
+    "dWorldQuickStep": (c_int, (_handle, _real)),
+    "dBodyCreate": (_handle, (_handle,)),
+    "dBodyDestroy": (None, (_handle,)),
+    "dBodySetMass": (None, (_handle, POINTER(Mass))),
+    "dBodySetKinematic": (None, (_handle,)),
+    "dBodySetPosition": (None, (_handle, *_VECTOR)),
+    "dBodySetQuaternion": (None, (_handle, QUATERNION)),
+    "dBodySetLinearVel": (None, (_handle, *_VECTOR)),
+    "dBodySetAngularVel": (None, (_handle, *_VECTOR)),
+    "dBodyGetPosition": (_address, (_handle,)),
+    "dBodyGetQuaternion": (_address, (_handle,)),
+    "dBodyGetLinearVel": (_address, (_handle,)),
+    "dBodyGetAngularVel": (_address, (_handle,)),
+    "dBodyAddForce": (None, (_handle, *_VECTOR)),
+    "dBodyEnable": (None, (_handle,)),
+    "dBodyDisable": (None, (_handle,)),
+    "dBodyIsEnabled": (c_int, (_handle,)),
+    "dBodyGetMass": (None, (_handle, POINTER(Mass))),
+    "dMassSetBoxTotal": (None, (POINTER(Mass), _real, *_VECTOR)),
+    "dSimpleSpaceCreate": (_handle, (_handle,)),
+    "dSpaceDestroy": (None, (_handle,)),
+    "dSpaceCollide": (None, (_handle, _address, _address)),
+    "dCreateBox": (_handle, (_handle, *_VECTOR)),
+    "dGeomDestroy": (None, (_handle,)),
+    "dGeomSetBody": (None, (_handle, _handle)),
+    "dGeomSetData": (None, (_handle, c_size_t)),
+    "dGeomSetPosition": (None, (_handle, *_VECTOR)),
+    "dGeomSetQuaternion": (None, (_handle, QUATERNION)),
+    "dJointGroupCreate": (_handle, (c_int,)),
+    "dJointGroupDestroy": (None, (_handle,)),
+    "dJointGroupEmpty": (None, (_handle,)),
+}
+for _name, (_result, _arguments) in _TYPES.items():
+    _function = getattr(lib, _name)
+    _function.restype, _function.argtypes = _result, _arguments
+lib.dInitODE()
+
+for _name in KNOBS:
+    _number = c_int if _name in WHOLE_NUMBERS else _real
+    _set, _get = getattr(lib, f"dWorldSet{_name}"), getattr(lib, f"dWorldGet{_name}")
+    _set.restype, _set.argtypes = None, (_handle, _number)
+    _get.restype, _get.argtypes = _number, (_handle,)
+
+
+def reals_at(address: int, count: int) -> npt.NDArray[Any]:
+    """Return a view of numbers (count,) in ODE's own memory."""
+    memory: Any = (_real * count).from_address(address)
+    return np.ctypeslib.as_array(memory)
+
+
+def address_of(name: str) -> int:
+    """Return the address of one of ODE's functions, for compiled code."""
+    address: int | None = ctypes.cast(getattr(lib, name), ctypes.c_void_p).value
+    assert address is not None, "a function that was found has an address"
+    return address
+
+
+def c_call(signature: Any) -> Any:
+    """Return a function for compiled code that calls a C function: of its address, and a tuple of its arguments.
+
+    Numba's first-class functions cost 30 us each as they are passed, and C functions that compiled code names
+    keep it out of the cache.
+
+    Args:
+        signature: the C function's, in Numba's types; handles and addresses are ``intp``.
+    """
+
+    @intrinsic
+    def call(typing: Any, address: Any, arguments: Any) -> Any:  # noqa: ARG001 - Numba reads their names
+        def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
+            taken = [context.get_value_type(kind) for kind in signature.args]
+            returned = (
+                ir.VoidType() if signature.return_type == types.void else context.get_value_type(signature.return_type)
+            )
+            function = builder.inttoptr(values[0], ir.FunctionType(returned, taken).as_pointer())
+            result = builder.call(function, [builder.extract_value(values[1], place) for place in range(len(taken))])
+            return context.get_dummy_value() if signature.return_type == types.void else result
+
+        taken_all = types.Tuple(signature.args)  # type: ignore[no-untyped-call]
+        return signature.return_type(types.intp, taken_all), generate
+
+    return call
