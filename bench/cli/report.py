@@ -22,10 +22,17 @@ _PLACES = 8
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")],
     stills: Annotated[bool, typer.Option("--stills", help="Draw the final state of all trials, however many.")] = False,
+    single: Annotated[
+        bool, typer.Option("--single", help="Write the page also as one file with stills and replays inside.")
+    ] = False,
 ) -> None:
     """Write the page, figures and tables of a results folder; print the tables and then the verdict."""
     with input_errors():
         made = make_report(folder, all_stills=stills)
+        if single:
+            from reports.page.single import write_single  # only this option needs its imports
+
+            note(f"the page as one file: {relative(write_single(made.page))}")
     show(made)
 
 

@@ -1,0 +1,67 @@
+"""The page as one file with everything inside: stills and replays are packed into it, and open without a folder."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import json
+import re
+import zlib
+from pathlib import Path
+from urllib.parse import unquote
+
+from PIL import Image
+
+from reports.records.atomic import write_atomic
+
+SINGLE = "single.html"
+"""Name of the file in the report."""
+_STILL_PX = 320
+"""Greatest edge of a still [px]: twice its size on the page, so that it is sharp on dense screens."""
+_SCRIPT = re.compile(r'<script src="([\w.-]+)"></script>')
+_PLAYER = (Path(__file__).parent / "templates" / "single.html").read_text(encoding="utf-8")
+
+
+def write_single(page: Path) -> Path:
+    """Write ``single.html`` beside a page: the page with its stills and replays inside; return its path.
+
+    Args:
+        page: ``index.html`` of a report.
+
+    Raises:
+        OSError: if a still or replay to which the page links cannot be read.
+    """
+    text = page.read_text(encoding="utf-8")
+    text = re.sub(r'src="(stills/[^"]+)"', lambda found: f'src="{_still(page.parent / _path(found[1]))}"', text)
+    replays = sorted(set(re.findall(r'href="(replays/[^"]+)"', text)))
+    if replays:
+        text = text.replace("</body>", f"{_packed_replays(page.parent, replays)}</body>")
+    write_atomic(page.parent / SINGLE, text.encode())
+    return page.parent / SINGLE
+
+
+def _packed_replays(report: Path, links: list[str]) -> str:
+    """Return the player of packed replays. The scripts that they share are packed once."""
+    pages = {link: (report / _path(link)).read_text(encoding="utf-8") for link in links}
+    scripts = {name for page in pages.values() for name in _SCRIPT.findall(page)}
+    shared = {name: _deflated((report / "replays" / name).read_text(encoding="utf-8")) for name in sorted(scripts)}
+    packed = {"pages": {link: _deflated(page) for link, page in pages.items()}, "scripts": shared}
+    return _PLAYER.replace("{{ packed }}", json.dumps(packed))
+
+
+def _path(link: str) -> str:
+    return unquote(html.unescape(link))
+
+
+def _still(path: Path) -> str:
+    """Return a still as a data URI, reduced to the size at which the page shows it."""
+    with Image.open(path) as still:
+        still.thumbnail((_STILL_PX, _STILL_PX))
+        data = io.BytesIO()
+        still.save(data, "WEBP", quality=85)
+    return f"data:image/webp;base64,{base64.b64encode(data.getvalue()).decode()}"
+
+
+def _deflated(text: str) -> str:
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
