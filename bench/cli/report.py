@@ -10,13 +10,16 @@ import typer
 from bench.cli.console import OUT, input_errors, note, printed_warnings, relative
 from bench.execution.results import missing_trials
 from reports.records.folder import ResultsFolder
-from reports.tables.table import first_rows, render
+from reports.tables.table import first_rows, render, with_short_notes
 
 if TYPE_CHECKING:
     from reports.report import Report
 
 _PLACES = 8
 """Greatest number of places of the ranking that the terminal shows; the files contain all places."""
+
+_NOTE = 700
+"""Greatest length of a note on the terminal; ``tables.md`` has the whole notes."""
 
 
 def report(
@@ -53,7 +56,7 @@ def make_report(folder: Path, *, all_stills: bool = False) -> Report:
 def show(report: Report) -> None:
     """Print the tables of a report, the first places of its ranking, and then its verdict."""
     for table in report.tables:
-        render(table, OUT)
+        render(with_short_notes(table, _NOTE), OUT)
     if report.ranking.rows:
         render(first_rows(report.ranking, _PLACES), OUT)
     OUT.print(report.verdict, style="bold", markup=False, highlight=False, soft_wrap=True)

@@ -21,7 +21,7 @@ from reports.figures.style import for_page, save
 from reports.figures.survival import has_survival, survival_figure
 from reports.page.gallery import shelves
 from reports.page.heat_map import heat_maps
-from reports.page.scene_names import own_names, scene_names
+from reports.page.scene_names import scene_names, title_of
 from reports.page.summary import verdicts
 from reports.page.traces import traces
 from reports.records.atomic import write_atomic
@@ -79,7 +79,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
         _environment()
         .get_template("page.html.j2")
         .render(
-            title=some(own_names(records)) or study or folder.resolve().name,
+            title=title_of(records, study or folder.resolve().name),
             caption=study_caption,
             css=_part("page.css"),
             scripts=[_part(name) for name in _SCRIPTS],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NOTHING = "-"
+_REST = " ... (the rest: report/tables.md)"
 """Text of an entry without a value."""
 
 
@@ -51,6 +53,12 @@ def first_rows(table: Table, most: int) -> Table:
         return table
     note = f"{more} more rows: report/tables/{table.id}.csv."
     return replace(table, rows=table.rows[:most], notes=(note, *table.notes))
+
+
+def with_short_notes(table: Table, most: int) -> Table:
+    """Return a table whose notes of more than ``most`` characters end at a word, and name the file with the rest."""
+    notes = (note if len(note) <= most else textwrap.shorten(note, most, placeholder=_REST) for note in table.notes)
+    return replace(table, notes=tuple(notes))
 
 
 def render(table: Table, console: Console) -> None:

@@ -74,7 +74,7 @@ def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
             f"{place.right}/{len(ranking.units)}",
             milliseconds(place.frame_ms),
             milliseconds(place.frame_ms_p99),
-            NOTHING if place.creep is None else f"{place.creep.m_s * 1e6:.2f}",
+            _micrometres(place.creep),
             reason,
         )
         for number, (place, reason) in enumerate(zip(ranking.places, reasons(ranking), strict=True), start=1)
@@ -134,6 +134,14 @@ def _creep(creep: Creep | None) -> str:
     return f", creeps {speed:.1f} µm/s" if speed >= 0.05 else ", creeps less than 0.05 µm/s"
 
 
+def _micrometres(creep: Creep | None) -> str:
+    """Return a creep [µm/s] to 0.01, from 100 on to 1; a dash for None."""
+    if creep is None:
+        return NOTHING
+    speed = creep.m_s * 1e6
+    return f"{speed:.2f}" if speed < 100 else f"{speed:.0f}"
+
+
 def _misses(place: Place) -> str:
     """Return the counts of the units that are not right in words, such as ``1 false stand, 2 undecided``."""
     counts = [counted(place.states[state], state) for state in STATES if state != "right" and place.states.get(state)]
@@ -157,8 +165,8 @@ def _reasons_of_tied(places: Sequence[Place], first: int) -> Iterator[str]:
 
 def _notes(ranking: Ranking, records: Sequence[TrialRecord]) -> tuple[str, ...]:
     order = (
-        f"Order: most right of all {len(ranking.units)} builds with a known answer (of pairs both scenes, of other "
-        "scenes each; not playable and undecided ones are not right), then fewest wrong, then the least p50."
+        f"Order: most right of {len(ranking.units)} with a known answer (builds of pairs, of other scenes each alone; "
+        "not playable and undecided ones are not right), then fewest wrong, then the least p50."
     )
     units = (
         "p50, p99 [ms]: median over scenes of the median and of the 99th percentile of the frame time. creep [µm/s]: "

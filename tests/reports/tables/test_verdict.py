@@ -5,7 +5,7 @@ import pytest
 from reports.statistics.groups import groups_of
 from reports.statistics.ranking import rank
 from reports.tables.policies import POLICY_SENTENCES
-from reports.tables.table import first_rows
+from reports.tables.table import first_rows, with_short_notes
 from reports.tables.verdict import milliseconds, ranking_table, reasons, sentence
 from scenarios.model import Expectation
 from tests.reports.studies import FALLS, fallen, record
@@ -77,6 +77,11 @@ def test_every_place_has_its_reason() -> None:
     assert [row[0] for row in table.rows] == ["1", "2", "3", "4"]
     assert first_rows(table, 2).rows == table.rows[:2]
     assert first_rows(table, 2).notes[0] == "2 more rows: report/tables/ranking.csv."
+    (short, *_) = with_short_notes(table, 90).notes
+    assert len(short) <= 90
+    assert short.startswith("Order: most right of 1 with a known answer")
+    assert short.endswith("... (the rest: report/tables.md)")
+    assert with_short_notes(table, 1000) == table
 
 
 def test_an_unsteady_machine_is_named_under_the_ranking() -> None:
