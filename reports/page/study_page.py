@@ -101,6 +101,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
             columns=COLUMNS,
             marks=_MARKS,
             choices=_choices(groups, names),
+            set_up_names=list(dict.fromkeys(" ".join(group.key[1:]) for group in groups)),
             survival=_survival(groups, figures, policies, names),
             speed=_speed(scores, figures, policies),
             traces=[{**trace, "scene": names[trace["scene"]]} for trace in thinned],

@@ -10,6 +10,7 @@ from reports.page.study_page import write_page
 from reports.records.trial import TrialRecord
 from tests.reports.studies import FALLS, STANDS, failed, fallen, record, write_study
 
+TIMES = "\N{MULTIPLICATION SIGN}"
 SEEDS = range(6)
 RECORDS = [
     *(fallen(4 + seed, seed=seed, frame_ms_p50=9.0) for seed in SEEDS),
@@ -184,6 +185,33 @@ def test_every_row_shows_the_command_that_makes_it_again(page, open_page) -> Non
     ).json_value()
     selected = opened.evaluate("getSelection().toString()")
     assert selected == (command if said == "selected" else ""), "selected where a page may not copy"
+
+
+def test_the_selection_is_copied_as_text_for_other_programs(page, open_page, browser) -> None:
+    opened = open_page(page)
+    opened.evaluate("navigator.clipboard.writeText = async text => { window.copied = text; }")
+    opened.select_option("#filters [name=engine]", "pymunk")
+    copies = {}
+    for name in ("CSV", "Markdown", "LaTeX"):
+        opened.locator("#copy").get_by_role("button", name=name).click()
+        opened.wait_for_function(f"document.getElementById('copied').textContent === '1 rows copied as {name}'")
+        copies[name] = opened.evaluate("window.copied").splitlines()
+    assert [copies["CSV"][0][:35], copies["CSV"][1][:39]] == [
+        "scene,theory,engine,profile,policy,",
+        "four_stack,stands,pymunk,game,none,1,n/",
+    ]
+    assert copies["Markdown"][1].count(" --- |") == copies["Markdown"][0].count("|") - 1
+    assert copies["LaTeX"][0].startswith(r"\begin{tabular}{l")
+    assert copies["LaTeX"][3].startswith(r"four\_stack & stands & pymunk & game & none & ")
+
+
+def test_frame_times_are_compared_with_a_set_up_that_the_reader_chooses(page, open_page) -> None:
+    opened = open_page(page)
+    opened.select_option("#filters [name=base]", "mujoco tuned paper")
+    [alone] = [row for row in shown(opened) if "four_stack" in row and "bullet\tgame\tnone" in row]
+    assert alone.split("\t")[10].endswith(f" {TIMES}7.2"), "9.0 ms over the median of 1.0 to 1.5 ms"
+    opened.select_option("#filters [name=base]", "")
+    assert TIMES not in "".join(shown(opened))
 
 
 def test_the_address_keeps_filters_and_order(page, open_page) -> None:
