@@ -6,10 +6,13 @@ from pathlib import Path
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
+from reports.page import study_page
 from reports.page.study_page import write_page
 from reports.records.trial import TrialRecord
 from tests.reports.studies import FALLS, STANDS, failed, fallen, record, write_study
 
+DOCS = Path(__file__).parents[3] / "docs"
+TEMPLATES = Path(study_page.__file__).parent / "templates"
 TIMES = "\N{MULTIPLICATION SIGN}"
 SEEDS = range(6)
 RECORDS = [
@@ -132,6 +135,19 @@ def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
     sections = re.findall(r'<section id="(\w+)"', output)
     assert sections[:5] == ["verdict", "ranking", "map", "policies", "verdicts"]
     assert output.index("No set-up is right in all 2 scenes (7 builds)") < output.index("Read this first")
+
+
+def test_the_places_that_the_documents_name_are_on_the_page() -> None:
+    document = (DOCS / "reading_a_page.md").read_text(encoding="utf-8")
+    questions = [
+        line for line in document.splitlines() if line.startswith("| ") and line.split("|")[1].strip().endswith("?")
+    ]
+    templates = "".join(path.read_text(encoding="utf-8") for path in TEMPLATES.glob("*.j2"))
+    assert len(questions) == 20
+    for question in questions:
+        places = re.findall(r"`#(\w+)`", question)
+        assert places, question
+        assert all(f'<section id="{place}">' in templates for place in places), question
 
 
 def test_the_heat_map_is_walked_by_keys_and_leads_to_the_numbers(page, open_page) -> None:
