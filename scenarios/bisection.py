@@ -1,8 +1,9 @@
 """Bisection of a threshold: the value of a parameter at which an answer changes from "stands" to "falls".
 
-Both ends are tried first. If their answers agree, or one end has no answer, the search reports the reason why there is
-no threshold, instead of a number. Otherwise the middle of the bracket is tried until the bracket is no wider than the
-tolerance. The search keeps no state: each step follows from the answers so far, so that a search can be resumed.
+The search tries both ends first. If their answers agree, or an end has no answer, the search reports the reason why
+there is no threshold, instead of a number. Otherwise the search tries the middle of the bracket until the bracket is no
+wider than the tolerance. The search keeps no state: each step follows from the answers so far, so that a caller can
+resume a search.
 """
 
 from __future__ import annotations

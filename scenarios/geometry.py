@@ -25,9 +25,9 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 _FIRST, _SECOND = np.triu_indices(6, 1)
 _SIGNS = np.array([[i, j, k] for i in (-1.0, 1.0) for j in (-1.0, 1.0) for k in (-1.0, 1.0)])
 _PARALLEL = 1e-9
-"""Sine of the angle below which two directions count as parallel: rounding leaves about 1e-16."""
+"""Sine of the angle below which two directions count as parallel, because rounding leaves about 1e-16."""
 _GRAZE = 1e-9
-"""Overlap [m] below which boxes only graze each other: flush planks do not stand on one another."""
+"""Overlap [m] below which boxes only graze each other, because flush planks do not stand on each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +85,10 @@ def height_above_ground(boxes: Boxes) -> FloatArray:
 
 
 def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
-    """Return how far [m] each upper box can sink straight down until it touches each lower box, shape (m, n).
+    """Return the distance [m] by which each upper box can sink straight down to each lower box, shape (m, n).
 
-    Infinite where the boxes do not overlap in plan; negative where the upper box must be raised to come free.
+    The distance is infinite where the boxes do not overlap in plan, and negative where the upper box must be raised to
+    come free.
     """
     clearance = np.full((len(upper), len(lower)), np.inf)
     apart = np.abs(upper.center[:, None, :2] - lower.center[None, :, :2])
@@ -117,7 +118,7 @@ def resting_shift(
 ) -> float:
     """Return the shift along z [m] that puts a rigid group ``CLEARANCE`` above its support.
 
-    The box that meets the support first decides.
+    The first box that meets the support determines the shift.
 
     Args:
         group: the boxes that are released together, in their planned poses; in a prebuilt stack they touch each other.
@@ -137,7 +138,7 @@ def resting_shift(
 
 
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
-    """Return how far [m] a rigid group can sink until it first touches a fixed box below; infinite without such a box.
+    """Return the distance [m] by which a rigid group can sink to a fixed box below it; infinite without such a box.
 
     A box that must be raised by more than half its own height to come free counts as below the fixed box, as under a
     ceiling. Overlaps by placement noise on a slope are smaller than 1 mm.
@@ -148,7 +149,7 @@ def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
 
 
 def _lowest_difference(center: FloatArray, half_axes: FloatArray) -> FloatArray:
-    """Return the height [m] at which the z axis enters each zonotope, shape (p,); infinite if it misses.
+    """Return the height [m] at which the z axis enters each zonotope, shape (p,); infinite if the axis misses.
 
     Args:
         center: centres [m], shape (p, 3).

@@ -17,8 +17,8 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 CLEARANCE = 0.5e-3
-"""Gap [m] between a released brick and its actual support. With planned absolute heights, the drops would grow as the
-stack sinks."""
+"""Gap [m] between a released brick and its actual support. Heights are relative to the actual support, because with
+planned absolute heights the drops would grow as the stack sinks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class World:
     """Gravitational acceleration [m/s2]."""
     fixed: tuple[Brick, ...] = ()
     """Boxes that never move: walls, tables, ceilings. They may touch each other and the ground; their mass and level
-    are ignored. In contacts they are part of the ground."""
+    have no effect. In contacts they are part of the ground."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,24 +48,25 @@ class Brick:
     level: int = 1
     """Level of the stack that the brick belongs to, from 1."""
     moved: bool = False
-    """True for a body that only the host moves: a lift, a belt, a door. It carries the bricks on it. Keep it clear of
-    the ground, of fixed boxes and of other moved bodies. Its mass is ignored."""
+    """True for a body that only the host moves: a lift, a belt, a door. It carries the bricks on it. It must
+    not touch the ground, fixed boxes or other moved bodies. Its mass has no effect."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """Release bricks together, as one rigid group, a little above their actual support.
 
-    The group keeps its planned x, y, orientation and relative heights. It is lowered until the first of its bricks is
-    ``height`` above the body that is actually below.
+    The group keeps its planned x, y, orientation and relative heights. The harness lowers the group until its first
+    brick is ``height`` above the body that is actually below the brick.
     """
 
     time: float
     """Start of the action [s], from the start of the trial."""
     bricks: tuple[Brick, ...]
     height: float = CLEARANCE
-    """Release height [m] above the actual support. With zero, the group is placed without a gap: a prebuilt stack,
-    which may have several levels. The harness lets a stability extension judge it before the next engine step."""
+    """Release height [m] above the actual support. With zero, the harness places the group without a gap, as a
+    prebuilt stack, which may have several levels, and lets a stability extension judge the stack before the next engine
+    step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,12 +165,12 @@ class Drive:
     """Duration [s] of the acceleration, which is uniform from the present velocities; with 0 the velocity changes at
     once."""
     carries: bool = False
-    """True if monitors expect bricks of higher levels to travel with the platform; False if they expect them in
-    place."""
+    """True if monitors expect bricks of higher levels to travel with the platform; False if monitors expect
+    these bricks to stay in place."""
 
     @property
     def until(self) -> float:
-        """Time [s] at which the velocity is reached, from the start of the trial."""
+        """Time [s] at which the brick has reached the velocity, from the start of the trial."""
         return self.time + self.seconds
 
 
@@ -196,11 +197,11 @@ class Expectation:
 
     outcome: Literal["stand", "fall", "study"]
     theory: str
-    """The reason, in one line, with its source."""
+    """Reason of the outcome, in one line, with its source."""
     level: int | None = None
     """Level at which the scene must fall; None unless ``outcome`` is "fall"."""
     not_before_s: float = 0.0
-    """Earliest time [s] of the fall: a scene from which a brick is removed must stand until then."""
+    """Earliest time [s] of the fall, because a scene from which a brick is removed must stand until then."""
     within_s: float | None = None
     """Time [s] after ``not_before_s`` within which the scene must fall; a later fall counts as standing. None for no
     limit."""
@@ -237,9 +238,9 @@ class Scene:
     watch_s: float = 5.0
     """Time [s] for which the trial continues after the last action."""
     must_move: tuple[MustMove, ...] = ()
-    """Bricks that must not sleep; the harness measures how long they do sleep."""
+    """Bricks that must not sleep. The harness measures the time for which they do sleep."""
     size: float = 1.0
-    """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows with it."""
+    """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows by it too."""
     bricks: tuple[Brick, ...] = field(init=False)
     """All bricks in the order of placement."""
     levels: int = field(init=False)
@@ -257,7 +258,7 @@ class Scene:
 
     @property
     def done_s(self) -> float:
-        """Time [s] at which the last action is over."""
+        """Time [s] at which the last action ends."""
         return max(
             action.until if isinstance(action, Pull | Press | Tilt | Drive) else action.time for action in self.actions
         )

@@ -107,7 +107,7 @@ Friction: TypeAlias = Annotated[float, Real(0, 2)]
 def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str, Value]) -> str:
     """Return the id of a variant: the scenario's name, then every value that differs from its default.
 
-    The first parameter is written without its name, ``card_house-2``; the others follow their names,
+    The id gives the first parameter without its name, ``card_house-2``, and each other parameter after its name,
     ``card_house-2-theta75``. So no two variants share an id, and an id is a valid file name.
     """
     parts = [name]

@@ -2,13 +2,13 @@
 
 The perturbation is a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three
 standard deviations. A draw depends on the scene's variant, the seed and the brick's index only, and not on the engine,
-the order of trials or earlier falls. It is computed from a hash through the inverse of the normal distribution, so that
-it is the same on every machine, with any library.
+the order of trials or earlier falls. The module computes each draw from a hash through the inverse of the normal
+distribution, so that the draw is the same on every machine, with any library.
 
-A draw that pushes a brick into a neighbour or a fixed box is repeated. So noise can only open a joint between planned
-neighbours that touch, and only seed 0 builds the joint closed. In a row of touching bricks the errors add up, and a
-brick may need more than three standard deviations to find room; therefore the shift grows with the number of draws. A
-brick that fits exactly between two fixed walls has no room for noise: such a scene is refused for every other seed.
+The module repeats a draw that pushes a brick into a neighbour or a fixed box. So noise can only open a joint between
+planned neighbours that touch, and only seed 0 builds the joint closed. In a row of touching bricks the errors add up,
+and a brick may need more than three standard deviations to find room; therefore the shift grows with the number of
+draws. A brick that fits exactly between two fixed walls has no room for noise: every seed but 0 raises ``NoRoomError``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ CUT = 3.0
 _DRAWS = 500
 """Number of draws after which placement fails. Between planks 2 mm apart the first draw nearly always succeeds."""
 _WIDENED = 25
-"""Number of draws after which the shift grows by one standard deviation, each time."""
+"""Number of draws between two increases of the shift, each by ``SHIFT``."""
 
 
 class NoRoomError(ValueError):
@@ -43,9 +43,9 @@ class NoRoomError(ValueError):
 def with_placement_noise(scene: Scene, seed: int) -> Scene:
     """Return the scene with placement noise; the scene itself for seed 0.
 
-    A group moves as one rigid body, turning about its centroid. In a planar scene it moves along x only. A draw is
-    repeated if the group would overlap an earlier brick of the same level, or a brick or fixed box that is planned
-    beside the group.
+    A group moves as one rigid body, turning about its centroid. In a planar scene the group moves along x only. The
+    function repeats a draw if the group would overlap an earlier brick of the same level, or a brick or fixed box that
+    is planned beside the group.
 
     Raises:
         ValueError: if the seed is negative.
@@ -83,7 +83,7 @@ def _perturbed(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[B
 
 
 def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> BoolArray:
-    """Return which laid bricks and fixed boxes each brick of a group must not overlap, shape (m, n).
+    """Return the mask of the laid bricks and fixed boxes that each brick of a group must not overlap, shape (m, n).
 
     Bricks of the same level count, and bricks and fixed boxes planned beside the brick. In a poured scene only the
     level counts, because bricks do not lie where they were planned.

@@ -21,21 +21,21 @@ THICKNESS = 7.8e-3
 MASS = 11.9e-3
 """Mean mass [kg]."""
 MU = 0.45
-"""Coulomb coefficient of every pair. The value is chosen: reported values for pine on pine spread from 0.12 to 0.45,
-and only near the upper end does a card house stand with any normal that an engine reports at its ridge (see
+"""Coulomb coefficient of every pair. The value is the upper end of the reported values for pine on pine, 0.12 to
+0.45, because only near the upper end does a card house stand with any normal that an engine reports at its ridge (see
 ``card_house``)."""
 GRAVITY = 9.81
 """Strength [m/s2] of the gravity of ``World``."""
 DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
 """Mean density [kg/m3]."""
 GAP = 2.0e-3
-"""Gap [m] between neighbours of one level. With 0.5 mm, placement noise would push one plank into the next."""
+"""Gap [m] between neighbours of a level, because with 0.5 mm placement noise would push a plank into its neighbour."""
 
 
 def lay(
     x: float, y: float = 0.0, *, level: int, yaw: float = 0.0, bottom: float | None = None, length: float = LENGTH
 ) -> Brick:
-    """Return a plank lying flat, its length along x before it is turned.
+    """Return a plank lying flat, its length along x before the turn ``yaw``.
 
     Args:
         x: centre along x [m].
@@ -95,7 +95,7 @@ def box(
         level: level of the brick, from 1.
         bottom: height of its lower face [m].
         yaw: turn about z [rad].
-        mass: mass [kg]; by default that of a box of the planks' wood.
+        mass: mass [kg]; by default the mass of a box of the planks' wood.
     """
     turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
     return Brick(size, math.prod(size) * DENSITY if mass is None else mass, (x, y, bottom + size[2] / 2), turn, level)

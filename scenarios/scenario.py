@@ -66,7 +66,7 @@ class Scenario(Generic[P]):
 
     @property
     def description(self) -> str:
-        """One line about the scene."""
+        """The description of the scene, in one line."""
         return (inspect.getdoc(self.builder) or "").partition("\n")[0]
 
     @property

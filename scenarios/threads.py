@@ -30,7 +30,7 @@ def threads() -> Mapping[str, Thread]:
 
 
 def thread_of(parameters: Mapping[str, object]) -> Thread | None:
-    """Return the thread behind the scene with these parameters; None without a thread, or if changed."""
+    """Return the thread behind the scene with these parameters; None if there is no thread or the scene is changed."""
     changed = [parameters.get(name, usual) != usual for name, usual in (("size", 1.0), ("mass", 1.0), ("yaw", 0.0))]
     file = parameters.get("file")
     return threads().get(Path(str(file)).stem) if file is not None and not any(changed) else None

@@ -24,7 +24,7 @@ from scenarios.planks import GRAVITY, MU, box
 from scenarios.scenario import Plan, dynamic_scenario
 
 PAUSE_S = 8.0
-"""Time [s] for which a stack rests first: every engine puts it to sleep by then."""
+"""Time [s] for which a stack rests first, so that every engine has put the stack to sleep."""
 EDGE = 0.1
 """Edge of a block [m]."""
 PILLAR = 0.4
@@ -45,7 +45,7 @@ TIPPED = 0.01
 
 @dynamic_scenario
 def asleep(*, case: Annotated[str, Choice("support", "pair", "striker")] = "support") -> Plan:
-    """Bodies that have come to rest, or fall together, and must move.
+    """Build bodies that have come to rest, or fall together, and must move.
 
     Args:
         case: "support": a support is removed; "pair": two blocks fall; "striker": a block drops on a balanced plank.
@@ -60,7 +60,7 @@ def _support() -> Plan:
         world=World(friction=MU),
         actions=(Place(0.0, (pillar, block), 0.0), Remove(PAUSE_S, 0)),
         expectation=Expectation(
-            "fall", f"without its support it falls by {FALL:g} m in {FALL_S:.3f} s", 2, not_before_s=PAUSE_S
+            "fall", f"without its support the block falls by {FALL:g} m in {FALL_S:.3f} s", 2, not_before_s=PAUSE_S
         ),
         look_for="a block that hangs in the air",
         planar=True,
@@ -73,7 +73,7 @@ def _pair() -> Plan:
     return Plan(
         world=World(friction=MU),
         actions=(Place(0.0, blocks, DROP),),
-        expectation=Expectation("study", f"both fall by {FALL:g} m in {FALL_S:.3f} s; how they land is not asked"),
+        expectation=Expectation("study", f"both fall by {FALL:g} m in {FALL_S:.3f} s; no landing is demanded"),
         look_for="blocks that stop in the air because they do not move against each other",
         planar=True,
         watch_s=2.0,
@@ -91,7 +91,7 @@ def _striker() -> Plan:
         world=World(friction=MU),
         actions=(Place(0.0, (pillar, plank), 0.0), Place(PAUSE_S, (block,), STRIKER)),
         expectation=Expectation(
-            "fall", "three times its mass at its end, 0.10 m beyond the edge, tip the plank", 3, not_before_s=PAUSE_S
+            "fall", "a block of three times its mass, 0.10 m beyond the edge, tips the plank", 3, not_before_s=PAUSE_S
         ),
         look_for="a plank that carries a load at its end beyond its balance",
         planar=True,

@@ -20,9 +20,9 @@ from scenarios.scenario import Plan, dynamic_scenario
 EDGE = 0.04
 """Edge of a cube [m]."""
 BELT = (2.4, 0.2, 0.02)
-"""Edges of the belt [m]. It is longer than the path of the column."""
+"""Edges of the belt [m]. The belt is longer than the path of the column."""
 BOTTOM = 0.01
-"""Height of the belt's lower face [m], clear of the ground."""
+"""Height of the belt's lower face [m], above the ground."""
 PAUSE_S = 2.0
 """Time from the last cube to the start of the belt [s]."""
 START_S = 0.5
@@ -34,7 +34,7 @@ MIN_FACTOR = 1.4
 
 @dynamic_scenario
 def belt_tower(*, start: Annotated[float, Real(0.1, 3.0)] = 1.5, levels: Annotated[int, Whole(3, 10)] = 4) -> Plan:
-    """A column of cubes on a conveyor belt that starts and stops.
+    """Build a column of cubes on a conveyor belt that starts and stops.
 
     Args:
         start: acceleration of the belt, in units of g / n, at which the column tips.
@@ -57,7 +57,7 @@ def belt_tower(*, start: Annotated[float, Real(0.1, 3.0)] = 1.5, levels: Annotat
         world=World(friction=MU),
         actions=tuple(actions),
         expectation=_expected(start, levels, time),
-        look_for="the column travels with the belt; started too fast, it tips backwards as a live column does",
+        look_for="the column travels with the belt; if the belt starts too fast, the column tips backwards",
         partner={"start": 1.5},
         planar=True,
     )
@@ -70,4 +70,4 @@ def _expected(start: float, levels: int, time: float) -> Expectation:
         return Expectation("stand", f"{theory}, too slowly to tip {levels} cubes")
     if start >= MIN_FACTOR and start / levels < MU / 1.1:
         return Expectation("fall", f"{theory}: the column tips", levels + 1, not_before_s=time)
-    return Expectation("study", f"{theory}: near the limit, or so fast that it slides")
+    return Expectation("study", f"{theory}: near the limit, or so fast that the column slides")

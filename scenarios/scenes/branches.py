@@ -1,4 +1,4 @@
-"""A trunk that splits: a plate on one trunk carries two, three or four columns, and one of them is loaded.
+"""A trunk that splits: a plate on one trunk carries two, three or four columns, and one column is loaded.
 
 Theory: plate and columns together (mass M) have their centre of mass above the middle of the trunk, whose half width is
 a. A load p on the column at x = r tips the whole stack about the trunk's edge if p (r - a) > M a.
@@ -26,7 +26,7 @@ HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
 
 @scenario
 def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 4.0) -> Plan:
-    """A plate on one trunk with columns around it, one of which is loaded.
+    """Build a plate with columns on one trunk, and load one column.
 
     Args:
         columns: 2, 3 or 4; two stand on a plank, more on a square plate.
@@ -57,9 +57,9 @@ def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, 
         world=World(friction=MU),
         actions=one_a_second([[trunk], [plate], standing, [load]]),
         expectation=by_margin(
-            margin, f"a load of {limit / borne:.2f} times all that stands on the trunk, about its edge", falls_at=4
+            margin, f"a load of {limit / borne:.2f} times the mass on the trunk, by moments about its edge", falls_at=4
         ),
-        look_for="each branch stands by itself; only all of them, seen from the trunk, tip",
+        look_for="each column alone stands on the plate; all columns together tip about the trunk's edge",
         partner={"margin": abs(margin)},
         planar=is_planar,
     )

@@ -23,7 +23,7 @@ from scenarios.scenario import Plan, scenario
 def brick_wall(
     *, courses: Annotated[int, Whole(1, 200)] = 8, width: Annotated[int, Whole(2, 50)] = 3, gap: Gap = 2.0
 ) -> Plan:
-    """A wall of planks along x in running bond, each course a level.
+    """Build a wall of planks along x in running bond, each course a level.
 
     Args:
         courses: number of courses.
@@ -36,7 +36,7 @@ def brick_wall(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "pressure through the middles of the half-plank joints balances every plank"),
-        look_for="joints that open at the ends, where a half plank loads one side of a whole one",
+        look_for="joints that open at the ends, where a half plank loads one side of a whole plank",
         planar=True,
     )
 

@@ -37,7 +37,7 @@ def cantilever(
     taken: Annotated[str, Choice("nothing", "load", "counterweight")] = "nothing",
     scale: Scale = 1.5,
 ) -> Plan:
-    """A beam that reaches beyond its pier, held by a counterweight; then the load or the counterweight is removed.
+    """Build a beam beyond its pier, held by a counterweight; then remove the load or the counterweight.
 
     Args:
         margin: share by which the load is lighter than the limit; negative if the load is heavier.
@@ -46,8 +46,8 @@ def cantilever(
     """
     if taken != "nothing" and margin <= 0:
         raise ValueError(
-            f"margin must be positive if something is taken, got {margin:g}: the beam would fall before; use a "
-            "positive margin, or taken = 'nothing'"
+            f"margin must be positive with taken = '{taken}', got {margin:g}, because the beam would fall before the "
+            "removal; use a positive margin, or taken = 'nothing'"
         )
     length, width, thickness, mass = plank_of(scale)
     top, piece = PIER * thickness, (PIECE * length, width, thickness)
@@ -65,9 +65,9 @@ def cantilever(
         actions += (Remove(time, {"counterweight": 2, "load": 3}[taken]),)
         common["taken"] = "load"
     if taken == "load":
-        expectation = Expectation("stand", "without its load the beam is held all the better")
+        expectation = Expectation("stand", "without the load the counterweight still holds the beam")
     elif taken == "counterweight":
-        expectation = Expectation("fall", "alone the beam carries a sixth of its mass", 4, not_before_s=time)
+        expectation = Expectation("fall", "alone the beam carries at most a sixth of its mass", 4, not_before_s=time)
     return Plan(
         world=World(friction=MU),
         actions=actions,

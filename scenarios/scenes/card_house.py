@@ -11,9 +11,9 @@ planks do not fit, so the planks between the outermost two are shortened to leav
 
 Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
 ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
-- If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P), which grows with the load, from
-  (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the ridges
-  together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
+- If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P). The limit grows with the load,
+  from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the
+  ridges together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
 - Two edges meet at the ridge, and most engines report a plank's face as the normal there (not Jolt and Havok, whose
   normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta. This
   requires more friction, at any load: 0.325 at 72 deg.
@@ -55,7 +55,7 @@ def card_house(
     friction: Friction = MU,
     gap: Gap = 2.0,
 ) -> Plan:
-    """Leaning pairs of planks under flat roofs: one storey is the inverted V.
+    """Build leaning pairs of planks under flat roofs; one storey is the inverted V.
 
     Args:
         storeys: number of storeys, and of Vs on the ground.
@@ -68,7 +68,7 @@ def card_house(
         world=World(friction=friction),
         actions=one_a_second(_groups(storeys, angle, gap * 1e-3)),
         expectation=expected(angle, friction),
-        look_for="feet that creep apart and a ridge that drops; too little friction that holds is a false stand",
+        look_for="feet that creep apart and a ridge that drops; a house that stands below its limit is a false stand",
         partner={"friction": MU},
         planar=True,
     )
@@ -93,8 +93,8 @@ def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
     spacing = LENGTH - 2 * (edge + RIDGE_GAP / 2 + OVERHANG)
     if storeys > 1 and spacing < 2 * (spread + edge) + gap:
         raise ValueError(
-            f"theta must be at least 70 for more than one storey, got {math.degrees(theta):g}: "
-            "Vs that lean further collide before a roof plank reaches two ridges"
+            f"theta must be at least 70 deg for more than one storey, got {math.degrees(theta):g}, because Vs that "
+            "lean further collide before a roof plank reaches two ridges; use a larger theta, or storeys = 1"
         )
     height = LENGTH * math.sin(theta) + THICKNESS * math.cos(theta)
     groups: list[Sequence[Brick]] = []

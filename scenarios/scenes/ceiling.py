@@ -1,9 +1,9 @@
-"""A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
+"""A column that fills the room between the ground and a fixed ceiling; then bricks of the column are removed.
 
 Theory: the ceiling touches the topmost brick and can only push it down. Without the bricks below it, the topmost brick
-falls freely. Without the topmost brick, the others stand as before, under less load.
+falls freely. Without the topmost brick, the other bricks stand as before, under less load.
 
-The topmost brick is set on the column without a gap, because there is no room above it.
+The scene places the topmost brick on the column without a gap, because there is no room above the brick.
 
 Look for: a contact above a brick is no support. A brick that stays under the ceiling hangs from it.
 """
@@ -29,7 +29,7 @@ PAUSE_S = 2.0
 def ceiling(
     *, bricks: Annotated[int, Whole(2, 20)] = 3, taken: Annotated[str, Choice("upper", "lower")] = "upper"
 ) -> Plan:
-    """A column that fills the room between the ground and a fixed ceiling; then bricks are taken from it.
+    """Build a column that fills the room between ground and ceiling; then remove bricks of the column.
 
     Args:
         bricks: number of bricks of the column.
@@ -41,14 +41,14 @@ def ceiling(
     actions.append(Place(bricks - 1.0, (column[-1],), height=0.0))
     actions += [Remove(time, index) for index in ([bricks - 1] if taken == "upper" else range(bricks - 1))]
     if taken == "upper":
-        expectation = Expectation("stand", "what is left stood before, under more load")
+        expectation = Expectation("stand", "the remaining bricks stood before, under more load")
     else:
         expectation = Expectation("fall", "a ceiling can only push down", bricks, time)
     return Plan(
         world=World(friction=MU, fixed=(box(CEILING, 0.0, level=1, bottom=bricks * BRICK[2]),)),
         actions=tuple(actions),
         expectation=expectation,
-        look_for="a contact above a brick is no support: what stays under the ceiling hangs from it",
+        look_for="a contact above a brick is no support; a brick that stays under the ceiling hangs from it",
         partner={"taken": "upper"},
         planar=True,
     )

@@ -35,7 +35,7 @@ character."""
 
 @dynamic_scenario
 def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
-    """A plank on a pedestal and a prop, on which a character moves; the prop is removed, then the character.
+    """Build a plank on pedestal and prop, on which a character moves; remove the prop, then the character.
 
     Args:
         margin: distance of the plank's middle inside the pedestal's edge, over half its length; negative if outside.

@@ -28,7 +28,7 @@ SHARED = 0.15
 
 @scenario
 def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin = 0.1, scale: Scale = 2.0) -> Plan:
-    """Two sides of planks that step inward, and a capstone across the gap.
+    """Build two sides of planks that step inward, and a capstone across the gap.
 
     Args:
         courses: planks of each side.
@@ -43,7 +43,10 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
     step = (1 - margin) * limit
     if courses * step >= 1:
         least = 1 - 1 / (courses * limit)
-        raise ValueError(f"margin must be above {least:.3f} with {courses} courses, or the sides fall by themselves")
+        raise ValueError(
+            f"margin must be above {least:.3f} with {courses} courses, got {margin:g}, because below it the sides fall "
+            "before the capstone is placed; use a larger margin, or fewer courses"
+        )
     top_inner_end = (length - 2 * SHARED * length) / 2
     foot = top_inner_end + length / 2 + (courses - 1) * step * length
     groups: list[list[Brick]] = []

@@ -1,6 +1,6 @@
 """The paper's 4-stack: four planks a level in a pinwheel, whose sense of rotation alternates.
 
-Each plank's end meets the next one's side across a gap. The next level turns the other way round, so that every plank
+Each plank's end meets the next plank's side across a gap. The next level turns the other way round, so that every plank
 lies on one plank for most of its length and bridges the joint to the next plank with its end.
 
 Theory: on each of the four sides the planks are shifted along their length, alternately left and right, by half a gap
@@ -24,7 +24,7 @@ from scenarios.scenario import Plan, scenario
 
 @scenario
 def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) -> Plan:
-    """Four planks a level in a pinwheel that turns the other way at each level.
+    """Build levels of four planks in a pinwheel that turns the other way at each level.
 
     Args:
         levels: number of levels, of four planks each.
@@ -35,7 +35,7 @@ def four_stack(*, levels: Annotated[int, Whole(1, 200)] = 30, gap: Gap = 2.0) ->
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "each side alone carries its weight: in equilibrium at any height"),
-        look_for="sinking, then one side gives; planks have two supports, whose shares are easily wrong",
+        look_for="sinking, until one side gives way; an engine may share loads wrongly between the two supports",
     )
 
 

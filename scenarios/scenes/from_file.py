@@ -13,14 +13,15 @@
     size = [0.02, 0.1, 0.1]
     position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
 
-Bricks must touch their support to within 0.2 mm, and must not overlap. Bricks with the same time are then lowered or
-raised as one group until the group touches exactly. The level follows from the bricks below: a brick on the ground is
-of level 1, any other brick is one level above the highest brick that it stands on or leans against. Bricks with the
-same time that form several levels are a prebuilt stack: they are placed without a gap, not dropped from ``CLEARANCE``.
+Bricks must touch their support to within 0.2 mm, and must not overlap. The module then lowers or
+raises bricks with the same time as one group, until the group touches exactly. The level follows from the bricks below:
+a brick on the ground is of level 1, any other brick is one level above the highest brick that it stands on or leans
+against. Bricks with the same time that form several levels are a prebuilt stack, placed without a gap and not dropped
+from ``CLEARANCE``.
 
 ``size``, ``mass`` and ``yaw`` change the whole scene: a factor on lengths, the clearance included; a factor on masses;
-a turn about z. Statics does not depend on them, so the answer must not either. Falls take sqrt(``size``) times as long,
-so for a ``size`` above 1 all times grow by that factor, including ``watch_s``.
+a turn about z. Statics does not depend on these factors, so the answer must not depend on them either. Falls take
+sqrt(``size``) times as long, so for a ``size`` above 1 all times grow by that factor, including ``watch_s``.
 
 Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. If the two answers
 differ, or no proof is found, the scene is a study. Statics ignores energy: keep the deciding quantity 5 % away from its
@@ -66,7 +67,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 MOST_FIXED = 200
 """Greatest number of fixed boxes in a file."""
 MOST = 200
-"""Greatest number of bricks in a file. Statics is solved whenever the scene is built, which takes about a minute for
+"""Greatest number of bricks in a file. Each build of the scene solves statics, which takes about a minute for
 the largest scenes."""
 WATCH_S = 5.0
 """Least and default duration [s] of the trial after the last action, for a scene of size 1."""
@@ -84,7 +85,7 @@ def own_scene(
     mass: Annotated[float, Real(1e-3, 1e3)] = 1.0,
     yaw: Annotated[float, Real(-360, 360)] = 0.0,
 ) -> Scene:
-    """Your own bricks, from a TOML file.
+    """Build your own bricks, from a TOML file.
 
     Args:
         file: path of the file, or the name of a file in ``scenarios/examples``.
@@ -139,7 +140,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
         world=World(friction=friction, fixed=fixed),
         actions=_actions(bricks, laid, size),
         expectation=Expectation("study", "not yet judged"),
-        look_for="does it stand or fall as exact statics says, and when?",
+        look_for="whether the bricks stand or fall as exact statics says, and when",
         planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
         watch_s=watch_s * pace_of(size),
         size=size,
@@ -184,7 +185,7 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed
     try:
         patches = contact_patches(bricks, fixed)
     except ValueError as error:
-        raise ValueError(f"numbered in the order of time, {error}") from error
+        raise ValueError(f"invalid positions (bricks count from 0, in the order of their times): {error}") from error
     touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
     for patch in patches:
         for one, other in ((patch.first, patch.second), (patch.second, patch.first)):
@@ -243,15 +244,15 @@ def _judged(scene: Scene) -> Expectation:
     except UndecidedError as error:
         return Expectation("study", f"exact statics finds no proof: {error}")
     if len(falls) > 1:
-        return Expectation("study", "the normal at a ridge decides, which is a convention")
+        return Expectation("study", "the answer depends on the normal at a ridge, which is a convention")
     level = falls.pop()
     if level is None:
-        return Expectation("stand", "exact statics finds forces that hold it")
-    return Expectation("fall", "exact statics finds no forces that hold it", level, _due_s(scene))
+        return Expectation("stand", "exact statics finds forces that hold the bricks")
+    return Expectation("fall", "exact statics finds no forces that hold the bricks", level, _due_s(scene))
 
 
 def _due_s(scene: Scene) -> float:
-    """Return the time [s] of the removal after which a scene first falls; 0 if a placed brick makes it fall."""
+    """Return the time [s] of the removal after which a scene first falls; 0 if a placed brick makes the scene fall."""
     for index, action in enumerate(scene.actions):
         if isinstance(action, Remove):
             before, after = (replace(scene, actions=scene.actions[:end]) for end in (index, index + 1))

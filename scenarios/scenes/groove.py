@@ -14,8 +14,8 @@ much: DART always does, Bullet and PhysX do for a bar at rest. So the default ma
 limit the outcome depends on an engine's law of friction.
 
 Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges them into one
-contact, with a normal between theirs, treats the bar as lying on a flat floor, and lets it slide or stand at the wrong
-tilt.
+contact, with a normal between both normals, treats the bar as lying on a flat floor, and lets it slide or stand at the
+wrong tilt.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ LIES_AT = 0.40
 
 @scenario
 def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35) -> Plan:
-    """A bar of square section in a tilted V-groove.
+    """Build a bar of square section in a tilted V-groove.
 
     Args:
         tilt: angle [deg] of the groove's length to the ground.

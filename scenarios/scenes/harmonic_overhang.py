@@ -2,8 +2,8 @@
 
 Theory: of n planks of length L, the k-th from the top may reach L / (2 k) beyond the plank below it (the lowest plank:
 beyond the table). Then the centre of mass of the upper k planks lies just above the edge that carries them, for every
-k. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge; if they are larger by s, it lies
-as far outside. Before the last plank is placed, the planks are farther from their limits.
+k. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge; if they are larger by s, the
+centre lies as far outside. Before the last plank is placed, the planks are farther from their limits.
 
 Look for: all joints reach their limit at once, so the planks tip together or not at all; the tip reaches out by
 L (1 + 1/2 + 1/3 ...) / 2. A tower that settles by some tenths of a millimetre leans outward, and falls early.
@@ -25,7 +25,7 @@ TABLE = 6.0
 
 @scenario
 def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margin = 0.15, scale: Scale = 1.0) -> Plan:
-    """Planks at a table's edge, each reaching beyond the plank below by a harmonic offset.
+    """Build a stack of planks at a table's edge, each beyond the plank below by a harmonic offset.
 
     Args:
         bricks: number of planks, without the table.
@@ -43,7 +43,7 @@ def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margi
         world=World(friction=MU),
         actions=one_a_second([brick] for brick in tower),
         expectation=by_margin(margin, "offsets of L / (2 k), k planks from the top", falls_at=bricks + 1),
-        look_for="every joint gives at once, so it tips as one; a tower that settles unevenly leans outward first",
+        look_for="all joints give way at once, so the planks tip together; a tower that settles unevenly falls early",
         partner={"margin": abs(margin)},
         planar=True,
     )

@@ -23,7 +23,7 @@ EDGE = 0.1
 MASS = 0.5
 """Mass of a light cube [kg], which has half the density of water."""
 PITCH = 1.02 * EDGE
-"""Distance between the middles of neighbours in a row of the pyramid [m]; neighbours do not touch."""
+"""Distance between the middles of neighbours in a row of the pyramid [m], so large that neighbours do not touch."""
 
 
 @scenario
@@ -34,23 +34,25 @@ def heavy_top(
     aside: Annotated[float, Real(0, 0.9)] = 0.0,
     rows: Annotated[int, Whole(2, 10)] = 10,
 ) -> Plan:
-    """A heavy cube on light cubes: a column of two, or a pyramid with a heavy cap.
+    """Build a heavy cube on light cubes: a column of two, or a pyramid with a heavy cap.
 
     Args:
         stack: "column" of two cubes, or "pyramid" of ``rows`` rows.
         ratio: mass of the topmost cube over the mass of every other cube.
-        aside: how far the topmost cube of a column lies off the middle, as a share of its edge.
+        aside: offset of the topmost cube of a column from the middle, as a share of the cube's edge.
         rows: number of rows of the pyramid; 10 rows have 55 cubes.
     """
     if stack == "pyramid" and aside:
-        raise ValueError("aside is for a column: leave it out, or use stack = 'column'")
+        raise ValueError(
+            f"aside is for a column, got {aside:g} with stack = 'pyramid': leave aside out, or use stack = 'column'"
+        )
     cubes = [_cube(0.0, 1), _cube(aside * EDGE, 2)] if stack == "column" else _pyramid(rows)
     cubes[-1] = _cube(cubes[-1].position[0], cubes[-1].level, ratio)
     return Plan(
         world=World(friction=MU),
         actions=one_a_second([cube] for cube in cubes),
         expectation=_expectation(stack, aside),
-        look_for="light cubes that sink or are pressed out from under a heavy one",
+        look_for="light cubes that sink or are pressed out from under a heavy cube",
         partner={"aside": min(aside, round(1 - aside, 9))} if aside else None,
         planar=True,
     )
@@ -59,7 +61,7 @@ def heavy_top(
 def _expectation(stack: str, aside: float) -> Expectation:
     if stack == "column" and aside:
         return by_margin(1 - 2 * aside, "half an edge aside", falls_at=2)
-    return Expectation("stand", "the load is passed down in equal halves, whatever it weighs")
+    return Expectation("stand", "every cube passes its load down in equal halves, at any load")
 
 
 def _pyramid(rows: int) -> list[Brick]:

@@ -5,8 +5,8 @@ leans on a heavy block's edge. The slab itself needs less than two thirds of tha
 of its weight presses on the ground and on the block's corner. On the lower half of the ramp, the tile's centre is lower
 than the ramp's centre, although the tile lies on the ramp.
 
-Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks below
-it was frozen where it landed.
+Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks at mu
+just below tan(theta) was frozen where it landed.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def incline(
     margin: Margin = 0.15,
     half: Annotated[str, Choice(*LIES_AT)] = "upper",
 ) -> Plan:
-    """A tile on a ramp.
+    """Build a tile on a ramp.
 
     Args:
         theta: angle [deg] between ramp and ground.

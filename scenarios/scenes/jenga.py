@@ -1,8 +1,8 @@
 """Jenga: three planks a level, each level across the level below; then two planks of one or more levels are removed.
 
-Theory: the part above a robbed level has its centre of mass over the tower's middle. If the middle plank is left, that
+Theory: the part above a robbed level has its centre of mass over the tower's middle. If the middle plank remains, that
 centre lies half a width (11.7 mm) inside the plank's edges, so the tower stands, with any number of such levels. If a
-side plank is left, the centre lies half a width and the gap between planks (13.7 mm) beyond the nearest edge, so the
+side plank remains, the centre lies half a width and the gap between planks (13.7 mm) beyond the nearest edge, so the
 tower falls. With two planks left the tower stands in either case, so the first removal from a level does no harm.
 
 Planks are removed at once, or pulled out slowly along their length. A pulled plank drags the tower with mu times the
@@ -44,7 +44,7 @@ def jenga(
     speed: Annotated[float, Real(0, 1)] = 0.0,
     gap: Gap = 2.0,
 ) -> Plan:
-    """Three planks a level, alternately along and across; then two of the second level are removed, and so on upward.
+    """Build levels of three planks, alternately along and across; then remove two planks from one or more levels.
 
     Args:
         levels: number of levels, of three planks each.
@@ -63,11 +63,11 @@ def jenga(
             time = PAUSE_S + (before.until if isinstance(before, Pull) else before.time)
             actions += (_taken(3 * (level - 1) + place, level, time, speed),)
     if left == "middle":
-        expectation = Expectation("stand", "the upper part's centre of mass lies over the plank that is left")
+        expectation = Expectation("stand", "the upper part's centre of mass lies over the remaining plank")
     else:
         expectation = Expectation(
             "fall",
-            f"the upper part's centre of mass lies {WIDTH * 1e3 / 2 + gap:.1f} mm beside the plank that is left",
+            f"the upper part's centre of mass lies {WIDTH * 1e3 / 2 + gap:.1f} mm beside the remaining plank",
             levels,
             actions[-1].time,
         )
@@ -75,7 +75,7 @@ def jenga(
         world=World(friction=MU),
         actions=actions,
         expectation=expectation,
-        look_for="does it turn over about the plank that is left, in one piece?",
+        look_for="whether the upper part turns over about the remaining plank, in one piece",
         partner={"left": "middle"},
     )
 

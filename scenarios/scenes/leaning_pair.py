@@ -22,7 +22,7 @@ from scenarios.scenes.card_house import expected
 
 @dynamic_scenario
 def leaning_pair(*, theta: Annotated[float, Real(30, 88)] = 75.0, friction: Friction = 0.3) -> Plan:
-    """Two planks that lean against each other, at rest.
+    """Build two planks that lean against each other, at rest.
 
     Args:
         theta: angle [deg] between a plank and the ground.

@@ -29,7 +29,7 @@ noise."""
 def leaning_tower(
     *, ratio: Annotated[float, Real(1.1, 1000)] = 8.5, levels: Annotated[int, Whole(1, 500)] = 13, scale: Scale = 1.0
 ) -> Plan:
-    """Flat planks, each shifted along x by the same offset, until they topple.
+    """Build a tower of flat planks, each shifted along x by the same offset.
 
     Args:
         ratio: a plank's length over the offset; below 2 a plank falls off the plank below.
@@ -45,7 +45,7 @@ def leaning_tower(
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=expected(ratio, levels),
-        look_for="turns about its lowest plank's edge, whole; standing any longer is a false stand",
+        look_for="the tower turns about its lowest plank's edge in one piece; longer standing is a false stand",
         partner={"levels": 13},
         planar=True,
     )
@@ -57,7 +57,7 @@ def expected(ratio: float, levels: int) -> Expectation:
     last = min(fall - 1, levels)  # the highest tower that must stand
     room_before, overhang = 1 - last / ratio, fall / ratio - 1
     if room_before < MIN_MARGIN or (fall <= levels and overhang < MIN_MARGIN):
-        return Expectation("study", f"n d = L within {MIN_MARGIN:.0%}: how the planks are laid decides")
+        return Expectation("study", f"n d = L within {MIN_MARGIN:.0%}: placement errors decide")
     if fall > levels:
         return Expectation(
             "stand", f"n d < L for all n up to {levels}: the centre of mass stays inside the lowest edge"

@@ -2,7 +2,7 @@
 
 Theory: a lift that accelerates at less than g carries the bricks on it. On a slope of angle a, a plank holds
 while tan a <= mu, under any load: below the friction angle of 24.2 deg the tower stands, above it the planks slide.
-They lie along the slope, and the tower is much longer than high, so that it cannot tip.
+The planks lie along the slope, and the tower is much longer than high, so that it cannot tip.
 
 Look for: a frozen stack must travel with the platform, and must react to its tilt.
 """
@@ -28,7 +28,7 @@ RISE, RISE_S = 0.1, 2.0
 
 @dynamic_scenario
 def lifted_tower(*, angle: Annotated[float, Real(0.0, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 3) -> Plan:
-    """A tower of planks on a platform that lifts it and then tilts it.
+    """Build a tower of planks on a platform that lifts it and then tilts it.
 
     Args:
         angle: final angle of the platform [deg].
@@ -55,7 +55,7 @@ def lifted_tower(*, angle: Annotated[float, Real(0.0, 45.0)] = 28.0, levels: Ann
         world=World(friction=MU),
         actions=tuple(actions),
         expectation=on_slope(angle, levels + 1, tilt),
-        look_for="the tower rises and tilts with the platform; above the friction angle it slides off",
+        look_for="the tower rises and tilts with the platform; above the friction angle the planks slide off",
         partner={"angle": 28.0},
         planar=True,
     )

@@ -23,7 +23,7 @@ APART = (LENGTH - WIDTH) / 2
 
 @scenario
 def log_cabin(*, levels: Annotated[int, Whole(1, 200)] = 8) -> Plan:
-    """Two parallel planks a level, each level across the level below.
+    """Build levels of two parallel planks, each level across the level below.
 
     Args:
         levels: number of levels, of two planks each.
@@ -39,5 +39,5 @@ def log_cabin(*, levels: Annotated[int, Whole(1, 200)] = 8) -> Plan:
         expectation=Expectation(
             "stand", "every plank carries two loads and has two supports, symmetric about its middle"
         ),
-        look_for="four columns of squares that must stay plumb; the cabin rocks on a column that sank deeper",
+        look_for="four columns of contact squares that must stay vertical; the cabin rocks if one column sinks deeper",
     )

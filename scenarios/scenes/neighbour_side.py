@@ -1,10 +1,10 @@
-"""A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken away.
+"""A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is removed.
 
 Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if the
 centre is beyond. The neighbour touches the brick's inner end, but cannot hold it. When the brick begins to turn about
 the edge, at angle w and with the edge as origin, a point (-a, z) of its inner end moves by (w z, w a): up, and away
-from the neighbour. So the neighbour never presses on it, and without pressure there is no friction. The margin is the
-distance of the centre of mass from the edge, inward, over half a brick's length.
+from the neighbour. So the neighbour never presses on the brick, and without pressure there is no friction. The margin
+is the distance of the centre of mass from the edge, inward, over half a brick's length.
 
 Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour and balance an
 overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need prestress, which nothing supplies.
@@ -34,7 +34,7 @@ PAUSE_S = 2.0
 
 @scenario
 def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: Gap = 0.0, scale: Scale = 2.0) -> Plan:
-    """A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is taken.
+    """Build a brick that overhangs its pedestal beside a heavy neighbour; then remove its counterweight.
 
     Args:
         margin: distance of the brick's middle inside the pedestal's edge, over half its length; negative if outside.
@@ -65,7 +65,7 @@ def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: G
         world=World(friction=MU),
         actions=actions,
         expectation=by_margin(margin, limit, falls_at=3, not_before_s=time),
-        look_for="a brick that stays in the air is held by friction at a side that nothing presses on",
+        look_for="a brick that stays in the air is held by friction at an unloaded contact",
         partner={"margin": abs(margin)},
         planar=True,
     )

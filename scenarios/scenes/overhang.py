@@ -23,7 +23,7 @@ TABLE = 6 * THICKNESS
 
 @dynamic_scenario
 def overhang(*, reach: Annotated[float, Real(0.1, 0.9)] = 0.4) -> Plan:
-    """A plank at rest on a table, reaching beyond its edge.
+    """Build a plank at rest on a table, reaching beyond its edge.
 
     Args:
         reach: part beyond the edge, as a share of the plank's length.
@@ -33,6 +33,6 @@ def overhang(*, reach: Annotated[float, Real(0.1, 0.9)] = 0.4) -> Plan:
         world=World(friction=MU, fixed=(table,)),
         actions=(Place(0.0, (lay((reach - 0.5) * LENGTH, level=1, bottom=TABLE),), 0.0),),
         expectation=by_margin(1 - 2 * reach, "reach = 0.5", falls_at=1),
-        look_for="a plank that tips though its centre lies on the table, or stays though it does not",
+        look_for="a plank that tips with its centre above the table, or stays with its centre beyond the edge",
         planar=True,
     )

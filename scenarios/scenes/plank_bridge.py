@@ -29,7 +29,7 @@ ARM = TIP - SHARED
 
 @scenario
 def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
-    """Two planks that reach out from piers, and a third that lies on their tips.
+    """Build two planks that reach out from piers, and a third plank that lies on their tips.
 
     Args:
         margin: share by which the middle plank is lighter than the limit without friction; if negative, it is heavier
@@ -51,7 +51,7 @@ def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
     return Plan(
         world=World(friction=MU),
         actions=one_a_second([piers, outer, [middle]]),
-        expectation=by_margin(margin, f"a middle of {limit:.2f} times an outer plank, by moments", falls_at=3),
+        expectation=by_margin(margin, f"a middle plank of {limit:.2f} times an outer plank, by moments", falls_at=3),
         look_for="both outer planks tip at once, and the middle plank drops between them",
         partner={"margin": abs(margin)},
         planar=True,

@@ -19,7 +19,7 @@ from scenarios.scenario import Plan, scenario
 
 @scenario
 def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
-    """Flat planks straight above each other, one a level.
+    """Build a tower of flat planks straight above each other, one plank a level.
 
     Args:
         levels: number of planks. With the default of 26, another plank follows level 25, at which frames are timed.
@@ -29,6 +29,6 @@ def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "every upper part's centre of mass lies over the middle of its support"),
-        look_for="sinking, level by level; then swaying until it topples",
+        look_for="sinking, level by level; then swaying until the tower topples",
         planar=True,
     )

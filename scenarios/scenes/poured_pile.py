@@ -1,13 +1,16 @@
 """Bricks poured into a pile one by one, each turned at random, as in Hsu and Keyser, "Piles of Objects", 2010.
 
-Theory: none, because dynamics decide where a brick comes to rest. Metrics: the time until the pile is at rest, how far
-it then sinks and creeps, the time of a frame, the number of bricks awake, and the height and slope of the pile. Its
-slope is at least atan(mu), which friction alone holds, because bricks also interlock; in a flatter pile bricks have
-slipped.
+Theory: none, because dynamics decide where a brick comes to rest. Metrics:
 
-Planned heights are those of a pile in which each brick stays where it first touches.
+- the time until the pile is at rest;
+- the sinking and the creep of the pile at rest;
+- the time of a frame, and the number of bricks awake;
+- the height and the slope of the pile. The slope is at least atan(mu), which friction alone holds, because bricks also
+  interlock. In a flatter pile bricks have slipped.
 
-Look for: whether the pile comes to rest, and whether a landing brick wakes the bricks that it moves, and no others.
+The planned height of each brick assumes that every brick stays where it first touches the pile.
+
+Look for: whether the pile comes to rest, and whether a landing brick wakes only the bricks that it moves.
 """
 
 from __future__ import annotations
@@ -26,8 +29,7 @@ from scenarios.scenario import Plan, dynamic_scenario
 SIZE = (LENGTH / 3, WIDTH, 2 * THICKNESS)
 """Edges of a brick [m], 5 : 3 : 2: a third of a plank, twice as thick."""
 PACE_S = 0.25
-"""Time between two bricks [s], long enough for a brick to fall and tumble, too short for the pile to sleep in
-between."""
+"""Time between two bricks [s], so that a brick has time to fall and tumble, and the pile has no time to sleep."""
 SPREAD = LENGTH / 4
 """Standard deviation [m] of the release position, in x and in y: about as wide as a brick is long."""
 WATCH_S = 10.0
@@ -42,7 +44,7 @@ def poured_pile(
     friction: Friction = MU,
     draw: Annotated[int, Whole(0, 10**9)] = 1,
 ) -> Plan:
-    """Bricks that are poured into a pile, one by one, each turned at random.
+    """Pour bricks into a pile, one by one, each turned at random.
 
     Args:
         bricks: number of bricks.
@@ -56,8 +58,8 @@ def poured_pile(
         actions=tuple(
             Place(PACE_S * number, (brick,), CLEARANCE + height * 1e-3) for number, brick in enumerate(poured)
         ),
-        expectation=Expectation("study", "where a poured brick comes to rest, dynamics decide"),
-        look_for="whether the pile comes to rest, and a landing brick wakes the bricks that it moves, and no others",
+        expectation=Expectation("study", "dynamics decide where a poured brick comes to rest"),
+        look_for="whether the pile comes to rest, and whether a landing brick wakes only the bricks that it moves",
         watch_s=WATCH_S,
         poured=True,
     )

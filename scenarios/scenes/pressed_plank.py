@@ -18,14 +18,15 @@ from scenarios.scenario import Plan, dynamic_scenario
 PAUSE_S = 2.0
 """Time from the last plank to the press [s]."""
 PRESS_S = 1.0
-"""Duration of the press [s]: at 1.5 times the limit a plank slides by its thickness within 0.1 s."""
+"""Duration of the press [s], long enough because at 1.5 times the limit a plank slides its thickness in 0.1 s."""
 MIN_FACTOR = 1.2
-"""Factor on either side of the limit beyond which the answer is known. Near the limit, planks creep in some engines."""
+"""Factor on either side of the limit beyond which the answer is known, because near the limit planks creep in some
+engines."""
 
 
 @dynamic_scenario
 def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Annotated[int, Whole(2, 100)] = 4) -> Plan:
-    """A tower whose topmost plank is pressed steadily along its length.
+    """Press the topmost plank of a tower steadily along its length.
 
     Args:
         force: force in units of the friction that holds the plank, mu m g.

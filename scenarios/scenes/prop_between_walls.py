@@ -1,10 +1,10 @@
-"""A block on a prop between two fixed walls that it touches; then the prop is taken away.
+"""A block on a prop between two fixed walls that the block touches; then the prop is removed.
 
 Theory: the walls touch the block without pressure, so their friction carries no weight: without its prop the block
 falls freely, at any friction. The partner scene has a ledge at each wall, below the block's ends, on which the block
 stands.
 
-In theory forces that hold the block exist, because rigid walls may squeeze it with any force. But nothing causes such
+In theory forces that hold the block exist, because rigid walls may squeeze it with any force. But nothing causes these
 forces.
 
 Look for: a block that stays between the walls is held by prestress that nothing supplies.
@@ -35,7 +35,7 @@ PAUSE_S = 2.0
 def prop_between_walls(
     *, carried: Annotated[str, Choice("ledges", "nothing")] = "ledges", friction: Friction = 0.2, gap: Gap = 0.0
 ) -> Plan:
-    """A block on a prop between two fixed walls that it touches; then the prop is taken away.
+    """Build a block on a prop between two fixed walls that the block touches; then remove the prop.
 
     Args:
         carried: support of the block after the removal, "nothing" or "ledges".
@@ -55,7 +55,7 @@ def prop_between_walls(
     if carried == "ledges":
         expectation = Expectation("stand", "both ends of the block lie on a ledge")
     else:
-        expectation = Expectation("fall", "walls that nothing presses on the block hold nothing", 2, time)
+        expectation = Expectation("fall", "walls that touch the block without pressure hold nothing", 2, time)
     return Plan(
         world=World(friction=friction, fixed=tuple(fixed)),
         actions=actions,

@@ -1,11 +1,11 @@
 """A tower from whose middle a plank is pulled out along its length, slowly or fast.
 
-Theory: the pulled plank drags the bodies above with mu times their weight, at any speed. Pulled slowly, all of them
-travel along, because they rest on nothing else. Pulled fast, the drag lasts for T = L / v only: it moves the upper part
-by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then the upper part drops by a thickness. Statics does not
-decide how it lands, so the scene is a study.
+Theory: the pulled plank drags the bodies above with mu times their weight, at any speed. In a slow pull, all bodies
+above travel along, because they rest on nothing else. In a fast pull, the drag lasts for T = L / v only: it moves the
+upper part by mu g T^2 / 2, which is 30 mm at 1 m/s and 1.2 mm at 5 m/s. Then the upper part drops by a thickness.
+Statics does not decide how the upper part lands, so the scene is a study.
 
-Look for: slowly pulled, the upper part travels with the plank; above some speed it stays behind and drops.
+Look for: in a slow pull the upper part travels with the plank; above some speed the upper part stays behind and drops.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ WAY = 1.2 * LENGTH
 
 @dynamic_scenario
 def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annotated[int, Whole(3, 100)] = 4) -> Plan:
-    """A tower whose last plank but one is pulled out along its length.
+    """Pull the last plank but one out of a tower, along its length.
 
     Args:
         speed: speed of the pull [m/s].
@@ -36,7 +36,7 @@ def pulled_plank(*, speed: Annotated[float, Real(0.01, 20)] = 0.1, levels: Annot
     return Plan(
         world=World(friction=MU),
         actions=actions,
-        expectation=Expectation("study", "how far the plank above comes along, and how it lands, dynamics decide"),
-        look_for="slowly pulled, the plank above travels along; pulled fast, it stays behind and drops",
+        expectation=Expectation("study", "dynamics decide how far the plank above travels along, and how it lands"),
+        look_for="in a slow pull the plank above travels along; in a fast pull it stays behind and drops",
         planar=True,
     )

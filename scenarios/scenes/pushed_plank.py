@@ -3,7 +3,7 @@
 Theory: an impulse J gives a plank of mass m the speed J / m. Friction stops it after s = (J / m)^2 / (2 mu g), and
 drags the tower below with at most mu m g, which the tower's own friction exceeds, so only the struck plank moves. The
 plank counts as out of place once it has moved by its thickness. With s at half a thickness the stack stands; with s
-well above a thickness the plank has slid; with s beyond L / 2 it falls off.
+well above a thickness the plank has slid; with s beyond L / 2 the plank falls off.
 
 Look for: only the struck plank may move. A frozen stack must react to the blow: the host names the brick that it
 strikes to the extension.
@@ -22,13 +22,13 @@ from scenarios.scenario import Plan, dynamic_scenario
 PAUSE_S = 2.0
 """Time from the last plank to the blow [s]."""
 MIN_FACTOR = 1.5
-"""Factor on the slide, over or under a thickness, beyond which the answer is known: engines apply friction in steps,
-and a real plank yaws a little."""
+"""Factor on the slide, over or under a thickness, beyond which the answer is known, because engines apply friction in
+steps, and a real plank yaws a little."""
 
 
 @dynamic_scenario
 def pushed_plank(*, slide: Annotated[float, Real(0.1, 1000)] = 4.0, levels: Annotated[int, Whole(2, 100)] = 4) -> Plan:
-    """A tower whose topmost plank is struck along its length.
+    """Strike the topmost plank of a tower along its length.
 
     Args:
         slide: planned slide [mm].
@@ -50,7 +50,7 @@ def pushed_plank(*, slide: Annotated[float, Real(0.1, 1000)] = 4.0, levels: Anno
 
 def _expected(slide: float, levels: int, time: float) -> Expectation:
     """Return the expectation for a plank that slides by ``slide`` [m]."""
-    way = f"it slides {slide * 1e3:g} mm = (J / m)^2 / (2 mu g)"
+    way = f"the plank slides {slide * 1e3:g} mm = (J / m)^2 / (2 mu g)"
     if slide * MIN_FACTOR <= THICKNESS:
         return Expectation("stand", f"{way}, less than its thickness")
     if slide >= MIN_FACTOR * THICKNESS and not LENGTH / 2 / MIN_FACTOR < slide < MIN_FACTOR * LENGTH / 2:

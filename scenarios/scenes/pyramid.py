@@ -20,7 +20,7 @@ from scenarios.scenario import Plan, scenario
 
 @scenario
 def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Real(0, 90)] = 58.5) -> Plan:
-    """Rows of planks, each row one plank shorter and across the gaps of the row below.
+    """Build rows of planks, each row one plank shorter and across the gaps of the row below.
 
     Args:
         rows: number of rows, and of planks in the lowest row.
@@ -36,6 +36,6 @@ def pyramid(*, rows: Annotated[int, Whole(1, 30)] = 4, gap: Annotated[float, Rea
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=Expectation("stand", "every plank shares its load in equal halves between two supports"),
-        look_for="the lowest row creeping apart; planks rest on their ends alone",
+        look_for="a lowest row that creeps apart, because planks rest on their ends only",
         planar=True,
     )

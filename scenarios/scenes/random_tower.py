@@ -1,14 +1,14 @@
 """A tower of planks, each placed at random on the plank below, with its middle anywhere between that plank's ends.
 
 Theory: n planks stand if, for every plank, the centre of mass of all planks above lies over it. The tower falls at the
-first n for which this does not hold. Two planks always stand. The third tips the second if the offsets satisfy
+first n for which this does not hold. Two planks always stand. The third plank tips the second if the offsets satisfy
 u2 + u3 / 2 > L / 2 or < -L / 2, which has probability 1/8; on average such a tower falls at its 7.11th plank.
 
 Each draw is one tower with a known answer, unless a centre of mass lies so near an edge that the energy of placing a
-plank may decide. To tip k planks takes the energy k m g e^2 / (k t) (e: distance from the edge, t: thickness). It
-exceeds ten times the energy of placing a plank if e > sqrt(10 t c), 6.2 mm (c: release height).
+plank may decide. To tip k planks takes the energy k m g e^2 / (k t) (e: distance from the edge, t: thickness). This
+energy exceeds ten times the energy of placing a plank if e > sqrt(10 t c), 6.2 mm (c: release height).
 
-Look for: which joint gives way. It need not be the topmost, and the fall must not come a plank early or late.
+Look for: which joint gives way. This need not be the topmost joint, and the fall must not come a plank early or late.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MOST = 60
 
 @scenario
 def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated[int, Whole(2, MOST)] = 12) -> Plan:
-    """Planks placed at random along x, each with its middle somewhere over the plank below.
+    """Build a tower of planks, each with its middle at a random position over the plank below.
 
     Args:
         draw: number of the tower, from which all its offsets follow.
@@ -44,7 +44,7 @@ def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated
         world=World(friction=MU),
         actions=one_a_second([plank] for plank in planks),
         expectation=expected(middles),
-        look_for="which joint gives: it need not be the topmost, and not a plank early or late",
+        look_for="which joint gives way (not always the topmost), and whether the fall comes a plank early or late",
         partner={"levels": 12},
         planar=True,
     )
@@ -78,8 +78,8 @@ def expected(middles: Sequence[float]) -> Expectation:
     is_known = all(room(standing[:n]) > MIN_DISTANCE for n in range(2, len(standing) + 1))
     if not is_known or (fall is not None and room(middles[:fall]) > -MIN_DISTANCE):
         return Expectation(
-            "study", f"a centre of mass within {MIN_DISTANCE * 1e3:.1f} mm of an edge: how it is laid decides"
+            "study", f"a centre of mass within {MIN_DISTANCE * 1e3:.1f} mm of an edge: placement errors decide"
         )
     if fall is None:
         return Expectation("stand", "every upper part's centre of mass lies over the plank below it")
-    return Expectation("fall", f"{fall} planks are the first with a centre of mass beside what carries it", fall)
+    return Expectation("fall", f"{fall} planks are the first with a centre of mass beside its support", fall)

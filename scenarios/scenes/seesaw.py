@@ -38,10 +38,10 @@ SUPPORT: tuple[float, float] = (0.02, 0.08)
 
 @scenario
 def seesaw(*, block: Annotated[str, Choice(*LIES_AT)] = "between") -> Plan:
-    """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
+    """Build a tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
     Args:
-        block: place of the block, "between" the two edges or "beyond" the lower one.
+        block: position of the block, "between" the two edges or "beyond" the lower edge.
     """
     plank = _on_slope(PLANK, math.prod(PLANK) * DENSITY, PLANK[0] / 2, 0.0, level=1)
     load = _on_slope(BLOCK, MASS, LIES_AT[block], PLANK[2], level=2)
@@ -54,7 +54,7 @@ def seesaw(*, block: Annotated[str, Choice(*LIES_AT)] = "between") -> Plan:
         world=World(friction=MU, fixed=(_support(LOWER), _support(UPPER))),
         actions=(Place(0.0, (plank,)), Place(1.0, (load,))),
         expectation=expectation,
-        look_for="the block lies lower than the plank's middle, and on it all the same",
+        look_for="the block lies on the plank, although its centre is lower than the plank's centre",
         partner={"block": "between"},
         planar=True,
     )
@@ -65,7 +65,7 @@ def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: i
 
     Args:
         size: edges [m].
-        mass: [kg].
+        mass: mass [kg].
         along: distance of its middle from the plank's lower end, along the plank [m].
         above: height of its lower face above the plank's lower face [m].
         level: level of the box.

@@ -33,7 +33,7 @@ def slope(
     friction: Friction = 0.6,
     ratio: Annotated[float, Real(0.1, 10)] = 0.2,
 ) -> Plan:
-    """A block at rest on a fixed slope.
+    """Build a block at rest on a fixed slope.
 
     Args:
         theta: angle [deg] between slope and ground.

@@ -71,7 +71,7 @@ def robbed_stack(
     gap: Gap = 2.0,
     pause: Annotated[float, Real(1, 100)] = PAUSE_S,
 ) -> Plan:
-    """A stack that stands, from which the topmost load or a support of the lowest level is removed.
+    """Build a stack that stands; then remove the topmost load, or a support of the lowest level.
 
     Args:
         stack: a name of ``STACKS``.
@@ -82,7 +82,7 @@ def robbed_stack(
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
         with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
-        raise ValueError(f"gap can be chosen for {with_gap} only: {stack} has no neighbours; leave it out")
+        raise ValueError(f"gap applies to {with_gap} only: {stack} has no neighbours; leave gap out")
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
     time = built.actions[-1].time + pause
@@ -90,14 +90,14 @@ def robbed_stack(
     bricks = [below + brick for brick in robbery.load] if taken == "load" else [robbery.support]
     removals: tuple[Action, ...] = tuple(Remove(time, brick) for brick in bricks)
     if taken == "load":
-        expectation = Expectation("stand", "what is left stood before, under more load")
+        expectation = Expectation("stand", "the remaining bricks stood before, under more load")
     else:
-        expectation = Expectation("fall", "exact statics finds no equilibrium without it", built.levels, time)
+        expectation = Expectation("fall", "exact statics finds no equilibrium without the support", built.levels, time)
     return Plan(
         world=built.world,
         actions=built.actions + removals,
         expectation=expectation,
-        look_for="bricks that rested on it must fall, and no others",
+        look_for="the bricks that rested on the removed brick must fall, and no other bricks",
         partner={"taken": "load"},
         planar=built.planar,
     )
@@ -112,7 +112,7 @@ def _two_blocks() -> Scene:
         parameters={},
         world=World(friction=MU),
         actions=one_a_second([block] for block in blocks),
-        expectation=Expectation("stand", "the upper block's centre of mass is above the lower one's middle"),
+        expectation=Expectation("stand", "the upper block's centre of mass is above the lower block's middle"),
         look_for="",
         planar=True,
     )

@@ -2,8 +2,8 @@
 
 Theory: toward the load, the foremost legs reach to the line x = a, and the centre of mass of the plate (mass m) lies at
 x = 0. So the table tips about that line if the moment of the load p at x = a + q is greater: p q > m a. With two legs
-the table is a beam in the x-z plane. With three legs, two stand on the load's side; a load as far out on the other side
-would tip the table sooner.
+the table is a beam in the x-z plane. With three legs, two legs stand on the load's side; a load as far out on the other
+side would tip the table sooner.
 
 Look for: the rear legs lift off while the front legs take the whole load. An engine that shares the load wrongly (a
 third to each leg, for instance) lifts no leg, and nothing falls.
@@ -41,7 +41,7 @@ LEGS = {
 
 @scenario
 def table(*, legs: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
-    """A plate on legs, and a load that lies beyond them.
+    """Build a plate on legs, and a load that lies beyond them.
 
     Args:
         legs: number of legs, 2, 3 or 4; two legs carry a plank, more legs a square plate.
@@ -65,7 +65,7 @@ def table(*, legs: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale:
         world=World(friction=MU),
         actions=one_a_second([*([leg] for leg in standing), [plate], [load]]),
         expectation=by_margin(margin, f"a load of {LIMIT:.1f} times the plate beyond its legs", falls_at=3),
-        look_for="the legs behind are freed of all load before it tips about those in front",
+        look_for="the rear legs lose all load before the table tips about the front legs",
         partner={"margin": abs(margin)},
         planar=legs == 2,
     )

@@ -1,4 +1,4 @@
-"""A prebuilt stack on ground that tilts slowly until something moves: gravity turns, 0.1 deg/s near the exact angle.
+"""A prebuilt stack on ground that tilts slowly until a brick moves: gravity turns, 0.1 deg/s near the exact angle.
 
 Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 deg: angle of leaning planks):
 
@@ -7,7 +7,7 @@ Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 d
 - V along: its four forces are statically determinate. Moments about both feet give the ridge's force (h, v), with
   v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))) at a slope a. The
   ridge slips where v / h = mu if its normal is the bisector, which is horizontal: 2.117 deg. With the face of either
-  plank as the normal, the limits are those of v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
+  plank as the normal, the limits follow from v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
 - V and card house of three storeys, across: they tip at atan(b / 2 z), z the height of the centre of mass: 11.631 and
   4.714 deg;
 - card house along: its top V slips first, as the V alone.
@@ -63,7 +63,7 @@ def tilt_test(
     stack: Annotated[str, Choice("column", "v", "card_house")] = "column",
     heading: Annotated[str, Choice(*AXES)] = "along",
 ) -> Plan:
-    """A stack on ground that tilts until something moves.
+    """Build a stack on ground that tilts until a brick moves.
 
     Args:
         stack: "column" of 10 planks, "v" of two, or "card_house" of three storeys.
@@ -78,7 +78,7 @@ def tilt_test(
         if degrees > 0:
             tilts.append(Tilt(time, AXES[heading], speed, degrees / speed))
             time += degrees / speed
-    theory = f"exact statics gives way at {limits.exact:.3f} deg"
+    theory = f"by exact statics the stack gives way at {limits.exact:.3f} deg"
     if limits.least < limits.greatest:
         theory += f", or from {limits.least:.3f} to {limits.greatest:.3f} deg with a face as the ridge's normal"
     begins = REST_S + slow_from / FAST
@@ -117,7 +117,7 @@ def tilt_limits(stack: str, heading: str) -> TiltLimits:
 
 
 def _slope_of_ridge(slip: float) -> float:
-    """Return the slope [deg] at which the ridge's force has the vertical part ``slip`` times its horizontal one."""
+    """Return the slope [deg] at which the ridge's force has the vertical part ``slip`` times its horizontal part."""
     cos, sin = math.cos(math.radians(THETA)), math.sin(math.radians(THETA))
     lever = cos * (LENGTH * cos - THICKNESS * sin) / (sin * (LENGTH * sin + THICKNESS * cos))
     return math.degrees(math.atan(slip * lever))

@@ -23,7 +23,7 @@ PAUSE_S = 2.0
 
 @dynamic_scenario
 def tilted_ground(*, angle: Annotated[float, Real(0.1, 45.0)] = 28.0, levels: Annotated[int, Whole(1, 6)] = 4) -> Plan:
-    """A tower of planks on ground that tilts: gravity turns.
+    """Build a tower of planks on ground that tilts: gravity turns.
 
     Args:
         angle: final angle of the ground [deg].

@@ -32,12 +32,12 @@ BALANCE = math.degrees(math.atan(WIDTH / HEIGHT))
 FALLEN = 15.0
 """Angle [deg] of rotation from which a brick counts as fallen."""
 FRICTION = 0.9
-"""Coulomb coefficient, high enough that the foot does not slip before the post has fallen."""
+"""Coulomb coefficient, so high that the foot does not slip before the post has fallen."""
 
 
 @dynamic_scenario
 def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0)] = 0.2) -> Plan:
-    """A post on its lower edge, leaning beyond its balance.
+    """Build a post on its lower edge, leaning beyond its balance.
 
     Args:
         beyond: angle [deg] beyond the balance.
@@ -53,12 +53,12 @@ def tipping_post(*, beyond: Annotated[float, Real(0.01, 5.0)] = 0.2) -> Plan:
         actions=(Place(0.0, (post,), 0.0),),
         expectation=Expectation(
             "fall",
-            f"{beyond:g} deg beyond its balance it turns by {FALLEN:g} deg in {seconds:.2f} s, and lies after "
+            f"{beyond:g} deg beyond its balance the post turns by {FALLEN:g} deg in {seconds:.2f} s, and lies after "
             f"{post_fall_s(beyond, 90.0 - BALANCE):.2f} s",
             1,
             within_s=round(WITHIN * seconds, 3),
         ),
-        look_for="it hardly moves at first: a rule that judges rest by speed alone freezes it, and must not",
+        look_for="the post hardly moves at first; a rule that judges rest by speed alone freezes it, which is wrong",
         planar=True,
         watch_s=WITHIN * seconds,
         must_move=(MustMove(0, 0.0, way, seconds),),

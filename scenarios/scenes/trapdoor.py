@@ -3,7 +3,7 @@
 Theory: the door drops faster than in free fall, so that it neither pulls nor pushes the planks. Then only the table
 carries the planks, and they stand if their centre of mass is above it.
 
-Look for: a frozen stack on a door must react when it opens; a stack that does not need the door must stay.
+Look for: a frozen stack on a door must react when the door opens; a stack that does not need the door must stay.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ edge that yields, may shift by tenths of a millimetre."""
 
 @dynamic_scenario
 def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Annotated[int, Whole(1, 10)] = 3) -> Plan:
-    """Planks that lie across a table and a trapdoor, which drops away below them.
+    """Build planks that lie across a table and a trapdoor, which drops away below them.
 
     Args:
         beyond: distance [mm] of the planks' centres beyond the table's edge; negative if above the table.
@@ -51,7 +51,7 @@ def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Anno
         world=World(friction=MU, fixed=(table,)),
         actions=tuple(actions),
         expectation=_expected(beyond, levels, time),
-        look_for="as the door drops, planks whose centre is beyond the table tip after it; others stay",
+        look_for="when the door drops, planks whose centre is beyond the table tip, and other planks stay",
         partner={"beyond": abs(beyond)},
         planar=True,
     )

@@ -25,7 +25,7 @@ from scenarios.planks import LENGTH, MASS, THICKNESS, box, lean, one_a_second
 from scenarios.scenario import Plan, scenario
 
 WALL = (0.08, 0.08, 0.16)
-"""Edges of the wall [m]; a half has half this depth, less half the gap between the halves."""
+"""Edges of the wall [m]; each half has half this depth, less half the gap between the halves."""
 TILE = (0.06, 0.08, THICKNESS)
 """Edges of the ground's two tiles together [m]."""
 HEAVY = 100 * MASS
@@ -40,7 +40,7 @@ def wall_plank(
     margin: Margin = 0.15,
     gap: Gap = 2.0,
 ) -> Plan:
-    """A plank that leans against a wall.
+    """Build a plank that leans against a wall.
 
     Args:
         held_by: number of bodies that hold the plank: 2, ground and wall; 3, the wall in halves; 4, the ground in
@@ -54,7 +54,7 @@ def wall_plank(
         world=World(friction=(1 + margin) * limit),
         actions=one_a_second([_group(held_by, math.radians(theta), gap * 1e-3)]),
         expectation=by_margin(margin, f"mu = {limit:.3f}, at which foot and top slip together", falls_at=1),
-        look_for="the foot slips and the plank slides down the wall; staying below the limit is a false stand",
+        look_for="the foot slips, the plank slides down the wall; a plank that stays below the limit is a false stand",
         partner={"margin": abs(margin)},
         planar=held_by == 2,
     )

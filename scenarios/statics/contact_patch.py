@@ -31,11 +31,11 @@ GROUND = -1
 """Id of everything that never moves: the ground, and walls."""
 
 TOUCH = 1e-6
-"""Gap or overlap of boxes in contact, as a share of their thinnest edge: far above rounding, far below any plan's gap.
-It is a share, not a length, so that the verdict is the same at 8 mm and at 8 m."""
+"""Gap or overlap of boxes in contact, as a share of their thinnest edge. The value is far above rounding and far below
+the gaps of plans. It is a share, not a length, so that the verdict is the same at 8 mm and at 8 m."""
 RIDGE_GAP = 0.04
-"""Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge: the scenes leave 0.2 mm there
-(0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
+"""Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge, because the scenes leave 0.2 mm
+there (0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
 _PARALLEL = 1e-7
 """Sine of the angle below which two directions count as parallel."""
 _SIGNS = np.array([-1.0, 1.0])
@@ -67,7 +67,7 @@ class _Box:
         return [(axis, sign * self.axes[axis]) for axis, sign in product(range(3), _SIGNS)]
 
     def reach_along(self, direction: FloatArray) -> float:
-        """Return how far [m] along ``direction`` the box extends, from the origin."""
+        """Return the distance [m] by which the box extends along ``direction``, from the origin."""
         return float((self.corners @ direction).max())
 
 
@@ -123,7 +123,7 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int) -> list[Patch]:
 
 
 def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatArray, FloatArray] | None:
-    """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if they are apart, or only graze.
+    """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if the boxes are apart, or only graze.
 
     Two convex bodies are apart exactly if one of fifteen directions separates them: the faces' normals, and the
     directions across an edge of each.

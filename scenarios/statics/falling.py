@@ -13,7 +13,7 @@ The bodies move along q a from q = 0 at rest. With v and o the linear and the an
     motion     q'' = 1 + s^2 q,  s^2 = K / m;               q(t) = (cosh(s t) - 1) / s^2
     time       t = acosh(1 + s^2 q) / s                     (sqrt(2 q) without rotation, s = 0)
 
-One block whose centre of mass lies e beyond an edge and h above it has s^2 = m g h / I (I: inertia about the edge) and
+A block whose centre of mass lies e beyond an edge and h above it has s^2 = m g h / I (I: inertia about the edge) and
 reaches the angle phi at acosh(1 + phi h / e) / s. The forces are projected on the cones, so that a sliding contact
 dilates: on a slope of 15 to 25 degrees the horizontal acceleration is off by 5 % at most.
 """
@@ -33,12 +33,12 @@ from scenarios.statics.contact_patch import contact_patches
 from scenarios.statics.contact_wrenches import Corners
 
 TILT_LIMIT = math.radians(15)
-"""Angle [rad] from which a brick has toppled: a plank that leans this far off its plan no longer carries the bricks
-planned on it."""
+"""Angle [rad] from which a brick has toppled, because a plank that leans this far off its plan no longer carries the
+bricks planned on it."""
 SLIDE_LIMIT = 1.0
 """Distance from which a brick has slid or dropped, over its least edge."""
 SIDES = 16
-"""Number of sides of the pyramids inscribed into the Coulomb cones; friction is too small by at most 2 %."""
+"""Number of sides of the pyramids inscribed into the Coulomb cones, so that friction is too small by at most 2 %."""
 _STILL = 1e-6
 """Speed up to which a body counts as still because of rounding, as a share of the fastest body's speed."""
 
@@ -79,7 +79,7 @@ def _first_accelerations(
     forces = nnls(contact, -load)[0] if contact.size else np.zeros(0)
     motion = (scale @ (load + contact @ forces) * corners.unit).reshape(-1, 6)
     if not np.abs(motion).max() > _STILL * np.linalg.norm(world.gravity):
-        raise ValueError("nothing moves, so there is no time of a fall: call fall_time for bricks that cannot stand")
+        raise ValueError("no brick moves, so there is no time of a fall: call fall_time for bricks that cannot stand")
     return motion[:, :3], motion[:, 3:] / length
 
 

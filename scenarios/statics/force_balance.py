@@ -3,14 +3,14 @@
 The unknowns are the forces at the patches' corners, each inside its Coulomb cone |f_t| <= mu f_n; the weights are
 known. The sums of forces and moments must vanish on every body. A cone is no polyhedron, so two pyramids enclose it:
 
-- one inscribed: forces found with it obey Coulomb's law, and prove that equilibrium exists;
-- one circumscribed: if even this pyramid allows no equilibrium, none exists. The dual solution proves it: a virtual
-  motion in which gravity does positive work and no allowed contact force does negative work, so that the two never
-  cancel.
+- the inscribed pyramid: forces found with this pyramid obey Coulomb's law, and prove that equilibrium exists;
+- the circumscribed pyramid: if even this pyramid allows no equilibrium, no equilibrium exists. The dual solution proves
+  it: a virtual motion in which gravity does positive work and no allowed contact force does negative work, so that both
+  works never cancel.
 
-As long as neither gives a proof, the pyramids get one more side at each corner, in the direction of the circumscribed
-pyramid's force. There the error falls fourfold with each side, until the true cone decides. A case that stays open is
-in doubt.
+As long as neither pyramid gives a proof, the pyramids get one more side at each corner, in the direction of the
+circumscribed pyramid's force. There the error falls fourfold with each side, until the true cone decides. A case that
+stays open is in doubt.
 
 Each program is elastic: it minimises the sum of missing forces and moments. So it always has a solution, the two
 pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
@@ -34,8 +34,9 @@ Verdict = Literal["stable", "unstable", "doubt"]
 Criterion = Literal["normal forces", "vertical forces", "loading", "cone"]
 
 BALANCED = 1e-9
-"""Residual below which forces balance, in weights of all bodies (moments: times the length unit). The solver's own
-tolerance could hide 6e-10; a harmonic overhang of 300 bricks that is too long by 1e-5 leaves 3e-7."""
+"""Residual below which forces balance, in weights of all bodies (moments: times the length unit). The value is
+above the 6e-10 that the solver's own tolerance could hide, and below the 3e-7 that a harmonic overhang of 300 bricks
+leaves if it is too long by 1e-5."""
 SIDES = 8
 """Number of sides of the first pyramids with friction."""
 ROUNDS = 24
@@ -77,7 +78,8 @@ class Statics:
     forces may exist, and the forces that arise generally differ from these."""
     mechanism: FloatArray
     """Virtual velocity of each body, shape (n, 6): linear, then angular times the length unit, at most 1 in any
-    component. It is the proof if unstable, else zero. Bodies that do not move in it need not fall."""
+    component. The mechanism is the proof if unstable, else zero. Bodies that do not move in the mechanism need not
+    fall."""
 
     @property
     def stable(self) -> bool:
@@ -137,7 +139,7 @@ class _Balance:
 def solve_balance(
     centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
 ) -> Statics:
-    """Find contact forces that hold all bodies, or prove that there are none.
+    """Find contact forces that hold all bodies, or prove that no such forces exist.
 
     The verdict is ``stable`` only if existence of forces suffices for rest: if normal forces alone hold the bodies, or
     vertical forces at load-bearing contacts. If other friction is needed, forces may exist (``balanced``) but not

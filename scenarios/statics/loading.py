@@ -6,12 +6,12 @@ end could be held by friction there. But as the brick begins to turn, its inner 
 neighbour, no pressure arises, and the brick falls.
 
 **Model.** All contacts are elastic (``compliant_contacts``) and unloaded at first; then the weights grow from zero. A
-body that is held comes to rest at displacements u; a body that is not held keeps an acceleration a = u / kappa. kappa
-(time squared over two) is raised from 1 by factors of sqrt(10):
+body that is held comes to rest at displacements u; a body that is not held keeps an acceleration a = u / kappa. The
+method raises kappa (time squared over two) from 1 by factors of sqrt(10):
 
-- it *stands* if a falls in proportion to 1 / kappa over two decades, at a sag below ``MOST_SAG``;
-- it *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest;
-- else, or without convergence, it is in *doubt*.
+- the stack *stands* if a falls in proportion to 1 / kappa over two decades, at a sag below ``MOST_SAG``;
+- the stack *falls* if a stays the same over two decades, in which the same stack with bonded contacts comes to rest;
+- else, or without convergence, the stack is in *doubt*.
 
 The stiffness of real contacts is unknown. So the verdict must be the same for every tangential stiffness of ``RATIOS``
 and for both distributions of stiffness: equal at all corners, and in proportion to the reduced weight of the two
@@ -19,13 +19,13 @@ bodies.
 
 **Sag.** A contact that would not press with its exact normal does press with a normal that is off by an angle e, once
 the body has moved by 1 / e times its elastic compression. In theory such a body stands; in reality it has moved away
-long before. The sag of a body is the greatest relative motion at its corners over the greatest with all contacts bonded
-(the same linear problem). The sag depends neither on the scale nor on the bodies below, because a body that is carried
-along does not move against its neighbours.
+long before. The sag of a body is the greatest relative motion at its corners over the greatest relative motion with all
+contacts bonded (the same linear problem). The sag depends neither on the scale nor on the bodies below, because a body
+that is carried along does not move against its neighbours.
 
 **What it proves.** With u = kappa a the equations read M a = w + J^T f(kappa J a). Forces do no work, so a . M a and
 f . f / kappa are at most w . a: accelerations are bounded, and contacts close at most as 1 / sqrt(kappa). Where a and f
-tend to limits, no contact closes in the limit, forces are in their cones, those of opening contacts are zero, and a
+tend to limits, no contact closes in the limit, forces are in their cones, forces of opening contacts are zero, and a
 corner that slides has all its friction against the motion. So the limit of a pile that "falls" is an acceleration,
 other than zero, which rigid bodies with Coulomb friction may take from rest: the pile is not strongly stable in the
 sense of Pang and Trinkle. A pile that "stands" has an equilibrium that is reached without prestress, for each of six
@@ -115,8 +115,8 @@ def load_from_zero(
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
-        gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``. It does not change the
-            verdict.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``. The
+            inertia does not change the verdict.
     """
     corners = Corners(centers, weights, patches, length)
     if gyration is None:

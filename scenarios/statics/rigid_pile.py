@@ -2,7 +2,8 @@
 
 A corner that sticks, or slides in some sector of directions, has forces in a polyhedral cone. In the plane that is
 exact. In space the cones contain those of Coulomb's law: the pyramid circumscribed about the cone for corners that
-stick; for a sector the friction between two radii of Coulomb's circle and the tangents at their ends.
+stick; for a sector, the triangle between the chord of the sector's arc on Coulomb's circle and the tangents at its
+ends.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from scenarios.statics.contact_patch import GROUND
 from scenarios.statics.contact_wrenches import Corners
 
 SECTORS = 8
-"""Number of sectors of sliding directions in space; friction is exact within 1 - cos(22.5 deg) = 8 %."""
+"""Number of sectors of sliding directions in space. The friction of a corner that slides is cos(22.5 deg) = 0.92 to
+1 / cos(22.5 deg) = 1.08 times mu f_n, and the friction of a corner that sticks is at most 1.08 mu f_n."""
 _SAME = 1e-6
 """Difference, in length units, below which points of a planar pile count as lying behind each other."""
 
@@ -107,13 +109,13 @@ def _means(groups: IntArray, values: FloatArray) -> FloatArray:
 
 
 def law_in_plane(friction: float) -> Law:
-    """Return Coulomb's law with one tangent: exact."""
+    """Return Coulomb's law with one tangent, which is exact."""
     generators = np.array([[1.0, friction], [1.0, -friction], [1.0, -friction], [1.0, friction]])
     return Law(generators, np.array([0, 0, 1, 2]), np.array([[1.0], [-1.0]]), np.array([1, 2]))
 
 
 def law_in_space(friction: float) -> Law:
-    """Return Coulomb's law with two tangents; friction of a sector lies between two radii and the tangents at them."""
+    """Return Coulomb's law with two tangents; see ``SECTORS`` for the bounds of friction."""
     half = np.pi / SECTORS
     middles = 2 * half * np.arange(SECTORS)
 

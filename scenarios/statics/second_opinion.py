@@ -6,7 +6,7 @@ The first criterion is loading from zero (``loading``). A stack that comes to re
 1. ``normal forces``: they alone hold it, which excludes every other solution (proof in ``force_balance``);
 2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
 3. ``other stiffness``: it comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times softer or
-   stiffer. This is the weakest of the three criteria, for piles that are too large for the second.
+   stiffer. This is the weakest of the three criteria, for piles that are too large for the second criterion.
 
 A stack that falls must not be stable for the judge, and the first applicable criterion of these must confirm it:
 

@@ -18,9 +18,9 @@ The program searches for a solution in which the centre of mass of any body, cho
 ``LEAST_FALL`` or more. If there is none, the pile is strongly stable, within these limits:
 
 - Piles that are their own mirror image are solved in their plane, with two directions to slide: exact, except for
-  motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie anywhere in the hull of its
-  arc of Coulomb's circle, and corners that stick have the circumscribed pyramid. So the program's solutions include all
-  true solutions.
+  motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie anywhere in a triangle
+  around its arc of Coulomb's circle, and corners that stick have the circumscribed pyramid. So the program's solutions
+  include all true solutions.
 - Forces are at most ``MOST_FORCE`` times all weight. A solution with larger, self-stressing forces also exists with
   smaller forces in the same modes, unless a slow motion needs a large self-stress. In the piles that were tried, forces
   stayed below the weight of all bodies.
@@ -55,15 +55,15 @@ from scenarios.statics.contact_wrenches import Corners
 from scenarios.statics.rigid_pile import Law, RigidPile, law_in_plane, law_in_space, planar_pile, spatial_pile
 
 LEAST_FALL = 1e-4
-"""Acceleration of a centre of mass along its weight that counts as a fall, in g: far above what the tolerances of HiGHS
-leave (1e-6). An overhanging brick whose centre is 1 % of its length beyond the edge has 7e-4, a V of 72 deg that lacks
-1 % of its friction 5e-4."""
+"""Acceleration of a centre of mass along its weight that counts as a fall, in g. The value is far above the 1e-6 that
+the tolerances of HiGHS leave. An overhanging brick whose centre is 1 % of its length beyond the edge has 7e-4, a V of
+72 deg that lacks 1 % of its friction 5e-4."""
 MOST_FORCE = 10.0
 """Greatest normal force of a mode, in weights of the whole pile."""
 SECONDS = 60.0
 """Default time limit [s]."""
 _INFEASIBLE = 2
-"""Status of ``milp``."""
+"""Status of ``milp`` for a program without a solution."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +71,8 @@ class Strength:
     """Result of strong stability: whether zero is the only acceleration that rigid bodies may take from rest."""
 
     verdict: Literal["strong", "weak", "doubt"]
-    """``weak``: another solution exists (outside the plane: with friction right within 8 %); ``doubt``: not solved in
-    time."""
+    """``weak``: another solution exists (outside the plane: with friction of 0.92 to 1.08 of its value); ``doubt``: not
+    solved in time."""
     fall: float
     """Greatest acceleration of a body along its weight in the solution that was found, in g; 0 without one."""
     choices: int
@@ -98,9 +98,9 @@ def strong_stability(
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
-        gyration: inertia over mass [m2], shape (n, 3, 3); by default that of ``ball_gyration``.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
         seconds: time limit [s].
-        most_choices: binary variables beyond which the answer is doubt at once; by default there is no such limit.
+        most_choices: binary variables beyond which the answer is doubt at once; by default there is no limit.
     """
     if gyration is None:
         gyration = ball_gyration(centers, patches, length)

@@ -32,12 +32,12 @@ from scenarios.statics.force_balance import Statics, solve_balance
 from scenarios.statics.loading import load_from_zero
 
 LESS_FRICTION = 0.9
-"""Share of the friction with which a pile that needs friction must stand as well. Of 709 kinds of tight courses, two
-stood when loaded but fell in two engines; one of the two does not stand with this share."""
+"""Share of the friction with which a pile that needs friction must stand as well, because of 709 kinds of tight
+courses two stood when loaded but fell in two engines. With this share, one of these two does not stand."""
 
 
 class UndecidedError(ArithmeticError):
-    """Statics is in doubt: the pile is too close to its limit, or forces that could hold it do not arise."""
+    """Error for a pile in doubt: it is too close to its limit, or forces that could hold it do not arise."""
 
 
 def equilibrium(
@@ -45,7 +45,7 @@ def equilibrium(
 ) -> Statics:
     """Judge whether bricks in their planned poses can rest.
 
-    The verdict does not depend on scale: it is the same for planks of 8 mm and blocks of 8 m, of wood or of lead.
+    The verdict does not depend on scale. It is the same for planks of 8 mm and blocks of 8 m, of wood or of lead.
 
     Args:
         bricks: at least one; they must touch, not overlap (see ``contact_patch.TOUCH``).
@@ -86,7 +86,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 present.remove(brick)
             case _:
                 raise ValueError(
-                    f"{scene.variant} pushes, pulls or tilts: statics does not decide that; make it a study"
+                    f"{scene.variant} pushes, pulls or tilts, which statics does not decide: make the scene a study"
                 )
         if not present or (then is not None and then.time == action.time):
             continue
@@ -115,7 +115,7 @@ def judge(
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
-        gyration: inertia over mass [m2], shape (n, 3, 3); by default that of a ball.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default the value of a ball.
     """
     statics = solve_balance(centers, weights, patches, friction, length)
     if not (statics.verdict == "doubt" and statics.balanced):

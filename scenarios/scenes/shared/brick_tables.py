@@ -14,15 +14,15 @@ from scenarios.parameters import Real
 FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
 FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
 LARGEST = 1e3
-"""Upper limit [m, s] of a number in a file: a larger number is a typing error."""
+"""Upper limit [m, s] of a number in a file, because a larger number is a typing error."""
 _HEAVIEST = 1e6
-"""Upper limit [kg] of a mass in a file: a larger number is a typing error."""
+"""Upper limit [kg] of a mass in a file, because a larger mass is a typing error."""
 _UNIT = 1e-6
 """Tolerance of a quaternion's length."""
 
 
 def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
-    """Return the tables ``[[name]]``, of which there must be ``least`` to ``most``."""
+    """Return the tables ``[[name]]``; require ``least`` to ``most`` tables."""
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:

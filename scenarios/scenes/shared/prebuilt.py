@@ -74,7 +74,7 @@ def at_once_below(scene: Scene) -> Scene:
     scene = closed(scene)
     level = _level_of_fall(scene)
     if level is None or level == 1:
-        raise ValueError(f"{scene.variant} has no levels below the one at which it falls; use built = 'at_once'")
+        raise ValueError(f"{scene.variant} has no levels below the level at which it falls; use built = 'at_once'")
     bricks = tuple(brick for brick in scene.bricks if brick.level < level)
     return _robbed(replace(_merged(scene, AT_ONCE_BELOW), actions=(Place(0.0, bricks, 0.0),)))
 
@@ -137,7 +137,7 @@ def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
     """Return the scene of prebuilt bricks that must fall at once."""
     seconds = fall_time(bricks, scene.world)
     within = round(WITHIN * seconds, 3)
-    theory = f"{scene.expectation.theory}; within {within:.2f} s, as its mechanism takes {seconds:.2f} s from rest"
+    theory = f"{scene.expectation.theory}; within {within:.2f} s, because its mechanism takes {seconds:.2f} s from rest"
     merged = _merged(scene, AT_ONCE)
     return replace(
         merged,
@@ -154,9 +154,7 @@ def _robbed(scene: Scene) -> Scene:
         scene = _raised(scene)
         taken = _load_bearing(scene)
     if taken is None:
-        raise ValueError(
-            f"{scene.variant}: no single brick bears the rest, so nothing falls without it; use built = 'one_by_one'"
-        )
+        raise ValueError(f"{scene.variant}: no single brick bears the rest of the stack; use built = 'one_by_one'")
     time = scene.done_s + STANDS_S
     rest = _without(scene, {*_removed(scene), taken})
     theory = f"{scene.expectation.theory}; exact statics finds no equilibrium without brick {taken}"
@@ -164,13 +162,13 @@ def _robbed(scene: Scene) -> Scene:
         scene,
         actions=(*scene.actions, Remove(time, taken)),
         expectation=Expectation("fall", theory, scene.levels, time),
-        look_for=f"it stands until brick {taken} is removed at {time:g} s, and then falls at once",
+        look_for=f"the stack stands until brick {taken} is removed at {time:g} s, and then falls at once",
         watch_s=max(scene.watch_s, WITHIN * fall_time(rest, scene.world)),
     )
 
 
 def _load_bearing(scene: Scene) -> int | None:
-    """Return the first brick, level by level, without which the rest falls visibly; None if there is none."""
+    """Return the first brick, level by level, without which the rest falls visibly; None if no brick qualifies."""
     gone = _removed(scene)
     patches = contact_patches(scene.bricks, scene.world.fixed)
     heights = 2 * Boxes.of(scene.bricks).reach[:, 2]

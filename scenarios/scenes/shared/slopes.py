@@ -24,9 +24,9 @@ def on_slope(angle: float, falls_at: int, tilts_at_s: float) -> Expectation:
     limit = math.degrees(math.atan(MU))
     theory = f"a plank on a slope of {angle:g} deg, friction angle {limit:.1f} deg"
     if angle <= limit - MIN_ANGLE:
-        return Expectation("stand", f"{theory}: it holds")
+        return Expectation("stand", f"{theory}: the plank holds")
     if angle >= limit + MIN_ANGLE:
         return Expectation(
-            "fall", f"{theory}: it slides", falls_at, not_before_s=tilts_at_s + TILT_S * (limit - 1.0) / angle
+            "fall", f"{theory}: the plank slides", falls_at, not_before_s=tilts_at_s + TILT_S * (limit - 1.0) / angle
         )
     return Expectation("study", f"{theory}: near the limit")

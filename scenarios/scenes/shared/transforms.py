@@ -35,7 +35,7 @@ def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
 
 
 def resized(scene: Scene, size: object) -> Scene:
-    """Return a scene of statics with all lengths times ``size``; the scene itself if that is 1.
+    """Return a scene of statics with all lengths times ``size``; the scene itself if ``size`` is 1.
 
     Raises:
         ValueError: if the scene is dynamic, or ``size`` is out of range.
