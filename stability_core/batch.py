@@ -64,7 +64,7 @@ class Batch:
     def wake_above(self, roots: IntArray, reason: str) -> None:
         """Unfreeze the ``roots``, shape (k,), and the bodies on them.
 
-        The engine is not called for a body that was frozen in the same frame.
+        The batch does not send a body to the engine that it froze in the same frame.
         """
         graph = self._world.graph
         for row in with_all_above(graph, roots).tolist():
@@ -83,7 +83,7 @@ class Batch:
         self.wake_above(struck, "struck")
 
     def leave_moved(self, moved: IntArray) -> None:
-        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them; kinematic ones lose their supports."""
+        """Unfreeze the ``moved`` bodies, shape (k,), and the bodies on them; kinematic bodies lose their supports."""
         self.wake_above(moved, "moved by the host")
         graph = self._world.graph
         for row in moved.tolist():
@@ -93,9 +93,9 @@ class Batch:
     def hand_over(self, port: StabilityPort) -> Change:
         """Send one sleep and one wake batch to the engine; return the change by ids.
 
-        A call that raises is undone: after a failed ``sleep`` the bodies of the batch have their former states, after a
-        failed ``wake`` the bodies to unfreeze are frozen. The bodies to unfreeze stay in ``woken``, so that the next
-        update tries again.
+        The method undoes a call that raises: after a failed ``sleep`` the bodies of the batch have their former states,
+        after a failed ``wake`` the bodies to unfreeze are frozen. The bodies to unfreeze stay in ``woken``, so that the
+        next update tries again.
         """
         later = tuple(np.sort(self._world.ids[self.deferred]).tolist()) if len(self.deferred) else ()
         if not self.frozen and not self.woken:

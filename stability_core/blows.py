@@ -2,8 +2,8 @@
 
 A frozen body has infinite mass, so a striker loses its momentum within one step, and unfreezing the body afterwards is
 too late. Therefore a contact that will close within the next frame counts before the bodies touch, so that the engine
-simulates the impact. A sideways blow is judged by the slide that it would cause. With striker mass M and body mass m, a
-plastic impact gives
+simulates the impact. The module judges a sideways blow by the slide that the blow would cause. With striker mass M and
+body mass m, a plastic impact gives
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
@@ -27,8 +27,8 @@ AHEAD = 1.5
 """Time [frames] within which a gap must close to count as a blow: one frame, and half a frame because bodies
 accelerate."""
 SIDEWAYS = 0.3
-"""Vertical component of a unit normal up to which a blow counts as sideways. Above it, the supports of the struck body
-take the blow."""
+"""Vertical component of a unit normal up to which a blow counts as sideways. Above this value, the supports of the
+struck body take the blow."""
 
 
 class Blow(NamedTuple):

@@ -18,7 +18,7 @@ from stability_core.script import ScriptedExtension, ScriptedPort, play_script
 
 _LOG = logging.getLogger("stability_core")
 _SILENT_S = 2.0
-"""Time [s] of compiling above which a line is logged."""
+"""Time [s] of compiling above which ``compile_policy`` logs a line."""
 _COMPILED: set[str] = set()
 """Policies compiled in this process."""
 
@@ -61,7 +61,7 @@ def _is_kept(kernel: Any) -> bool:
 
 
 def _forget_kept() -> None:
-    """Delete the index of every kernel in the cache on disk, so that each is compiled again."""
+    """Delete the index of every kernel in the cache on disk, so that Numba compiles the kernels again."""
     for kernel in KEPT:
         for index in Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__qualname__}-*.nbi"):
             index.unlink(missing_ok=True)

@@ -1,7 +1,7 @@
 """Filter contacts: drop fast impacts and gaps, and decide by the normal which body stands on which.
 
-The paper also drops pairs in which neither body touches the stack. This filter keeps them. They decide nothing, because
-only bodies that touch the stack are tested, but they show which bodies lie on a live load.
+The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs. They decide nothing,
+because the tests examine only bodies that touch the stack, but they show which bodies lie on a live load.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
 BEARS = 0.1
 """Vertical component of a unit normal above which a contact bears some weight, even on a face that is too steep for
-friction: a brick can rest in a wedge of two steep faces."""
+friction, because a brick can rest in a wedge of two steep faces."""
 _NEAR = 0.1
 """Gap up to which a contact point counts as lying on a body's surface, over the point's distance from the body's
 centre."""
@@ -109,7 +109,7 @@ def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
 def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray, first: int) -> tuple[float, int]:
     """Return the separation [m] of a pair's deepest point, at most zero, and the row after its last point.
 
-    Engines list the points of a pair in sequence, so only the rows from its ``first`` are read.
+    Engines list the points of a pair in sequence, so the function reads only the rows from the ``first`` on.
     """
     deepest, i = 0.0, first
     while i < len(separation) and body_a[i] == body_a[first] and body_b[i] == body_b[first]:
@@ -123,7 +123,7 @@ def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray,
 def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
     """Record each body's size: the distance [m] from its centre to its farthest contact point, its unit of length.
 
-    Points across a gap of more than ``_NEAR`` times that distance are ignored.
+    The function ignores points across a gap of more than ``_NEAR`` times that distance.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, separation = contacts.point, contacts.separation
@@ -152,7 +152,7 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """Return True if the ``approach`` speed [m/s] of a pair of this ``size`` [m] exceeds that of placed bricks."""
+    """Return True if the ``approach`` speed [m/s] of a pair of this ``size`` [m] exceeds the speed of placed bricks."""
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 

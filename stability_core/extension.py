@@ -29,7 +29,7 @@ from stability_core.world import World
 
 CLOSED = "this extension is closed: make a new StabilityExtension for the port"
 MOMENT_S = 1e-9
-"""Time [s] of an update without a step: any motion since the last update counts as fast."""
+"""Time [s] of an update without a step, so short that any motion since the last update counts as fast."""
 
 
 def warm_up(policy: str = "equilibrium") -> float:
@@ -37,8 +37,8 @@ def warm_up(policy: str = "equilibrium") -> float:
 
     ``StabilityExtension`` calls this function once per process and policy, so that nothing is compiled while a
     simulation runs. Call it yourself where the wait matters least, such as when a container is built: compiling takes
-    one to two minutes, once per version. Long compilations, and a cache that is not writable, are reported to the
-    logger ``stability_core``.
+    one to two minutes, once per version. The function reports long compilations, and a cache that is not writable,
+    to the logger ``stability_core``.
 
     Raises:
         UnknownNameError: if there is no such policy.
@@ -109,7 +109,7 @@ class StabilityExtension:
 
     @property
     def gravity(self) -> tuple[float, float, float]:
-        """Gravity [m/s2], in the coordinates of the port; set it whenever it changes, before ``update``.
+        """Gravity [m/s2], in the coordinates of the port; set this value whenever gravity changes, before ``update``.
 
         After a total change of ``gravity_tilt`` or ``gravity_change``, the next update judges every frozen body again:
         O(bodies). Smaller changes add up.
@@ -121,7 +121,7 @@ class StabilityExtension:
         """Set gravity.
 
         Raises:
-            ValueError: if it is not a finite vector, or zero.
+            ValueError: if gravity is not a finite vector, or zero.
         """
         self._gravity = checked_gravity(gravity)
 
@@ -328,7 +328,7 @@ class StabilityExtension:
                 self._is_pending = True
 
     def _settle(self, contacts: int, budget: float) -> Change:
-        """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced ones with the bodies on them.
+        """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced bodies and the bodies on them.
 
         Each of ``contacts`` may need a patch for either body, before and after the body freezes.
         """

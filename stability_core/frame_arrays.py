@@ -49,7 +49,7 @@ class MassArrays(NamedTuple):
 
 
 def laid_out(array: Any, dtype: np.dtype[Any]) -> Any:
-    """Return an array in the layout for which the kernels are compiled; copied only if necessary."""
+    """Return an array in the layout for which the kernels are compiled; copy it only if necessary."""
     if type(array) is np.ndarray and array.dtype is dtype and array.flags.carray:
         return array  # the usual case: this check takes a third less time than the conversion
     contiguous = np.ascontiguousarray(array, dtype)

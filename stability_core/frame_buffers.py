@@ -18,14 +18,14 @@ from stability_core.settings import ROUNDING_S
 from stability_core.stack import ABSENT, Bodies
 
 FRAME_S = 1 / 60
-"""Least length [s] of a dwell frame. Of a host's frames at 1 kHz only every 17th is kept, so that six kept frames span
-the true contact area as at 60 Hz, at the same cost."""
+"""Least length [s] of a dwell frame. At a host's 1 kHz the buffers keep only every 17th frame, so that six kept frames
+span the true contact area as at 60 Hz, at the same cost."""
 
 STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:
 
 - STRUCK: frozen bodies hit by an impact;
-- AT_REST, LEANING: live bodies due for the flat test, and for the leaning test;
+- AT_REST, LEANING: live bodies to which the flat test, or the leaning test, applies now;
 - LYING, GONE: live bodies that newly lie on the stack, and live bodies that no longer lie on it;
 - MOVED: kinematic bodies that began to move, and frozen bodies that a kinematic body moves;
 - PUSHED: frozen bodies on which a push has changed.
@@ -42,10 +42,15 @@ class FrameBuffers(NamedTuple):
     sizes: IntArray
     """Number of used rows of each frame, shape (frames,)."""
     latest: IntArray
-    """Index of the latest frame, shape (1,); frames are overwritten in turn."""
+    """Index of the latest frame, shape (1,); new frames overwrite old frames in turn."""
     clock: FloatArray
-    """Age [s] of the latest frame; least time of a frame [s]; time since the first frame [s]; 1 if the engine reports
-    contact forces; shape (4,)."""
+    """Four numbers, shape (4,):
+
+    - STOOD: age of the latest frame [s];
+    - LENGTH: least time of a frame [s];
+    - NOW: time since the first frame [s];
+    - HAS_FORCES: 1 if the engine reports contact forces, else 0.
+    """
     worklist: IntArray
     """A list of bodies in each row: the number, then their rows, shape (7, 1 + room)."""
 
@@ -53,7 +58,7 @@ class FrameBuffers(NamedTuple):
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
     """Return arrays for dwell frames of ``seconds`` in all, with ``room`` contacts and bodies each.
 
-    The content of the ``known`` arrays is copied.
+    The function copies the content of the ``known`` arrays.
     """
     frames = max(1, math.ceil((seconds - ROUNDING_S) / FRAME_S))
     fresh = FrameBuffers(

@@ -2,13 +2,13 @@
 
 Examples are lifts, doors and conveyor belts. A kinematic body is FIXED or MOVING:
 
-- FIXED: it keeps its place. It counts as ground: bodies may freeze on it, and it is immovable for statics.
-- MOVING: nothing may freeze on it. Bodies that rested on it unfreeze in the frame in which it begins to move.
+- FIXED: the body keeps its place and counts as ground. Bodies may freeze on it, and statics treats it as immovable.
+- MOVING: nothing may freeze on the body. Bodies that rested on it unfreeze in the frame in which it begins to move.
 
 A kinematic body begins to move when its centre, or its surface below a frozen body, has moved by ``steady_shift`` sizes
-of the smallest body that has touched it. It is FIXED again once it has kept its place for ``still_s``. The path of its
-surface is the sum, over the frames, of the greatest relative speed at its contacts with frozen bodies times the length
-of the frame. This path reveals conveyor belts and turns about the centre.
+of the smallest body that has touched it. The body is FIXED again once it has kept its place for ``still_s``. The path
+of its surface is the sum, over the frames, of the greatest relative speed at its contacts with frozen bodies times the
+length of the frame. This path reveals conveyor belts and turns about the centre.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 @compiled
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Return True if a kinematic body keeps its place; until a body touches it, its place is where it is."""
+    """Return True if a kinematic body keeps its place; until a body touches it, set its place to its centre."""
     moved = 0.0
     for k in range(3):
         moved += (row.center[k] - row.still_center[k]) ** 2
@@ -73,7 +73,7 @@ def follow_host(bodies: Bodies, masses: MassArrays, limits: Limits, dt: float, m
 
     Args:
         bodies: the table, before this frame is tracked.
-        masses: m listed bodies, by their rows; kinematic ones have infinite mass.
+        masses: m listed bodies, by their rows; kinematic bodies have infinite mass.
         limits: the settings.
         dt: time since the last frame [s].
         moved: output, bodies that can no longer bear a frozen body, at least m rows.

@@ -25,7 +25,7 @@ def look_up(kind: str, name: str, table: Mapping[str, Item]) -> Item:
     """Return the entry ``name`` of ``table``.
 
     Raises:
-        UnknownNameError: if there is no such entry.
+        UnknownNameError: if ``table`` has no entry ``name``.
     """
     if name not in table:
         raise unknown_name(kind, name, table)

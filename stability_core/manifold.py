@@ -33,10 +33,14 @@ from stability_core.upright import turned
 ENOUGH_VERTICES = 4
 """Number of vertices that are always kept, because a box stands on four."""
 NEGLIGIBLE = 1e-3
-"""Share of a patch's area below which a vertex is dropped, because the points of several frames scatter and each vertex
-costs time."""
+"""Share of a patch's area below which ``_thinned`` drops a vertex, because the points of several frames scatter and
+each vertex costs time."""
 _LOAD, _FILED = -1, -2
-"""Further kinds of contacts: the other body stands on this body; the contact is already in a patch."""
+"""Further kinds of contacts:
+
+- _LOAD: the other body stands on this body;
+- _FILED: the contact is already in a patch.
+"""
 
 
 @compiled
@@ -52,8 +56,8 @@ def _twice_area(hull: FloatArray) -> float:
 def _thinned(hull: FloatArray) -> FloatArray:
     """Return the hull (k, 3) with fewer vertices, without those that add the least area.
 
-    At most MAX_VERTICES remain. Beyond four vertices, a vertex that adds less than ``NEGLIGIBLE`` of the area is
-    dropped.
+    At most MAX_VERTICES remain. While more than four vertices remain, the function also drops a vertex that adds less
+    than ``NEGLIGIBLE`` of the area.
     """
     size = len(hull)
     negligible = NEGLIGIBLE * _twice_area(hull) if size > ENOUGH_VERTICES else 0.0
@@ -76,7 +80,7 @@ def _thinned(hull: FloatArray) -> FloatArray:
 def shape_patch(patch: Patches, points: FloatArray) -> None:
     """Write the hull of the contact points (k, 3), and its derived fields, into a patch with known kind and normal.
 
-    The hull of a load-bearing patch is taken in plan, the hull of a steep patch in its own plane.
+    The function takes the hull of a load-bearing patch in plan, and the hull of a steep patch in its own plane.
     """
     if patch.kind == SUPPORT:
         hull = _thinned(convex_hull(points))
@@ -122,7 +126,7 @@ def _lay_patch(graph: Graph, contacts: ContactRows, rows: IntArray, body: int, o
 
 @compiled
 def _kind_for(contact: ContactRows, body: int) -> int:
-    """Return SUPPORT if ``body`` stands on the other, LEAN if it leans, _LOAD if the other stands on ``body``."""
+    """Return SUPPORT if ``body`` stands on the other body, LEAN if it leans, _LOAD if the other body stands on it."""
     if not contact.level:
         return LEAN
     return SUPPORT if upper_of(contact.body_a, contact.body_b, contact.normal[2]) == body else _LOAD

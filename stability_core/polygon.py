@@ -11,8 +11,8 @@ from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 
 MANY = 64
-"""Number of points above which inner points are dropped before sorting; with fewer points this takes more time than it
-saves."""
+"""Number of points above which ``_ranked_in_plan`` drops inner points before sorting, because with fewer points this
+takes more time than it saves."""
 
 
 @compiled

@@ -45,13 +45,13 @@ class Contacts:
     separation: FloatArray
     """Signed distance [m], shape (n,); negative is penetration."""
     relative_velocity: FloatArray
-    """Velocity [m/s] of b against a at the point, before the solver stops the approach, shape (n, 3): that of the
-    fastest approach over the frame's substeps."""
+    """Velocity [m/s] of b against a at the point, before the solver stops the approach, shape (n, 3): the velocity
+    of the fastest approach over the frame's substeps."""
     friction: FloatArray
     """Coulomb coefficient of the pair, shape (n,)."""
     force: FloatArray | None = None
     """Force [N] on body b at each point, mean over the frame's substeps, shape (n, 3); the opposite force acts on body
-    a. Zero at points that are listed but do not touch. None if the engine reports no forces."""
+    a. The force is zero at points that are listed but do not touch. None if the engine reports no forces."""
 
     @classmethod
     def empty(cls) -> Contacts:
@@ -72,13 +72,13 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    Frozen bodies may be left out, because they do not move and the core remembers them. If a listed frozen body has
-    moved, it is live from then on. If its mass has changed, the stack is judged with the new mass.
+    The port may leave out frozen bodies, because they do not move and the core remembers them. If a listed frozen body
+    has moved, it is live from then on. If its mass has changed, the core judges the stack with the new mass.
 
-    A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that its
-    motion is seen. While it keeps its place it counts as ground; when it begins to move, all bodies on it unfreeze. A
-    body that moves in its place, such as a belt or a turntable, must show that at its contacts with frozen bodies
-    (``Contacts.relative_velocity``); if the engine lists no such contacts, pass the body to
+    A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that the
+    core sees its motion. While it keeps its place it counts as ground; when it begins to move, all bodies on it
+    unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at its contacts with
+    frozen bodies (``Contacts.relative_velocity``); if the engine lists no such contacts, pass the body to
     ``StabilityExtension.wake``.
     """
 

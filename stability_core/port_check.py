@@ -32,7 +32,7 @@ SAME = 1e-6
 """Greatest change of a frozen body's position over its size, or of its mass over its mass: a rounding error of single
 precision."""
 ASLEEP = 10
-"""Number of frames for which the check freezes a body; in free fall the body would move by 14 cm."""
+"""Number of frames for which the check freezes a body. In free fall, the body would move by 14 cm in this time."""
 
 Step: TypeAlias = Callable[[], object]
 
@@ -44,8 +44,8 @@ class PortError(ValueError):
 def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     """Check a port on your own simulation: array shapes, signs of normals and separations, and exact freezing.
 
-    The simulation is stepped, and must come to rest with a body on the ground, or on anything else that never moves.
-    That body is frozen for a while, and unfrozen.
+    The check steps the simulation, which must come to rest with a body on the ground, or on anything else that never
+    moves. The check freezes that body for a while, and unfreezes it.
 
     Args:
         port: the port, without an extension.

@@ -1,9 +1,9 @@
-"""Pushes: contact forces of live bodies on frozen ones beyond their weight.
+"""Pushes: contact forces of live bodies on frozen bodies beyond their weight.
 
 A body that lies on a stack presses with its weight, which statics knows. A motor, a robot or a user that leans on a
-stack presses with a force that only the engine knows. If the engine reports contact forces, those at side faces count,
-and all forces of bodies that the user holds or the host moves. The force is averaged over ``load_s``, so that a short
-bump does not count.
+stack presses with a force that only the engine knows. If the engine reports contact forces, the forces at side faces
+count, and all forces of bodies that the user holds or the host moves. The module averages the force over ``load_s``, so
+that a short bump does not count.
 """
 
 from __future__ import annotations

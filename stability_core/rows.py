@@ -2,7 +2,7 @@
 
 The ids are in a hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. When
 a body leaves, the entries behind it close the gap (Algorithm R), and its row is reused. Bodies get rows in order of
-appearance, by rising id within a frame: as long as no body is removed, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+appearance, by rising id within a frame: as long as no body leaves, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Rows(NamedTuple):
     slots: IntArray
     """Id and row, shape (2**k, 2); the id is NONE in a free slot."""
     spare: IntArray
-    """Free rows: their number, then the rows, shape (1 + rows,); the last one is used first."""
+    """Free rows: their number, then the rows, shape (1 + rows,). A new body takes the last of these rows."""
 
 
 @compiled

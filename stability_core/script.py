@@ -1,6 +1,6 @@
 """A scripted world that exercises all of the core: a stack is built, struck and undermined.
 
-Playing it once compiles all kernels, or reads them from Numba's cache.
+Playing the script once compiles all kernels, or reads them from Numba's cache.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """All tolerances of the core, each with unit, default and reason: one set for all engines and all sizes.
 
 Lengths are in sizes of a body, which the core infers from its contacts (``contact_filter.note_sizes``), and speeds in
-sqrt(gravity times size), so that a stack that is a hundred times larger and falls ten times more slowly is judged in
-the same way. Times are seconds, at any frame rate. For the paper's plank of 117 mm, each default equals the length or
-speed that its reason states.
+sqrt(gravity times size), so that the core judges a stack that is a hundred times larger and falls ten times more slowly
+in the same way. Times are seconds, at any frame rate. For the paper's plank of 117 mm, each default equals the length
+or speed that its reason states.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 def lay_frozen(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
     """Rebuild the patches of newly frozen bodies, on the stack alone; remove patches built for a failed test.
 
-    A body that touches only the stack keeps its patches. A body that only passes by is no load, so it keeps none.
+    A body that touches only the stack keeps its patches. A body that only passes by is no load, so it keeps no patches.
     """
     limit = limits[0]
     for rule, dwell in ((AT_REST, limit.rest_s), (LEANING, limit.lean_s)):

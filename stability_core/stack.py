@@ -59,8 +59,8 @@ BODY = np.dtype(
         ("depth_before", "f8"),  # deepest penetration in the frame before [m]
         ("touches", "?"),  # it touches the ground or a frozen body
         ("supported_by", "u8"),  # its supports as a set of 64 bits (see ``contact_filter.bit_of``)
-        ("neighbours", "u8"),  # all bodies that it touches, as such a set
-        ("frozen_neighbours", "u8"),  # the frozen ones among them, and the ground
+        ("neighbours", "u8"),  # all bodies that it touches, as a set of 64 bits
+        ("frozen_neighbours", "u8"),  # the frozen bodies among these, and the ground
         # durations [s] up to the latest frame
         ("rest_s", "f8"),  # at rest by the strict rule
         ("still_s", "f8"),  # in its place, at any depth, perhaps with small vibrations
@@ -185,7 +185,7 @@ def note_change(graph: Graph, body: int) -> None:
 
 @compiled
 def sorted_ids(ids: IntArray) -> IntArray:
-    """Return a sorted copy of ``ids``, shape (k,); few ids are sorted by insertion, which is faster than a call."""
+    """Return a sorted copy of ``ids``, shape (k,); sort few ids by insertion, which is faster than a call."""
     if len(ids) > FEW:
         return np.sort(ids)
     ordered = np.empty(len(ids), np.int64)
@@ -310,7 +310,8 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
     """Return ``roots`` and every frozen body that rests on them, directly or through others.
 
-    A frozen body in doubt is included if any of its neighbours is, because nothing proves that it stands without them.
+    The result includes a frozen body in doubt if it includes a neighbour of that body, because nothing proves that the
+    body stands without its neighbours.
     """
     reached = np.zeros(len(graph.bodies), np.bool_)
     found = np.empty(len(graph.bodies), np.int64)

@@ -1,7 +1,7 @@
 """Stack mass and stack centre, carried down through the graph (Thomsen and Kraus 2015, Eqs 1-5).
 
-Each body carries itself and the loads of the bodies above. A body on one support puts its whole load on it; a body on
-several supports shares its load by one of the paper's three merge cases.
+Each body carries itself and the loads of the bodies above. A body on one support puts its whole load on that support; a
+body on several supports shares its load by one of the paper's three merge cases.
 """
 
 from __future__ import annotations
@@ -83,14 +83,14 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
 
 @compiled
 def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
-    """Return the load of the upper body of patch ``at`` on the lower one: mass [kg], and its point x, y, z [m].
+    """Return the load of the upper body of patch ``at`` on the lower body: mass [kg], and its point x, y, z [m].
 
     - Single branch: the whole load, at C_stack.
-    - Merge branch: the whole load on the support whose own contact area contains C_stack. If none does, the equivalent
-      mass for two supports, or equal shares for more, each at the centre of the contact area.
-    - A leaning body puts its whole load on its pivot, at the contact point closest to its C_stack, because the paper
-      does not
-    say how a leaning load is carried down.
+    - Merge branch: the whole load on the support whose own contact area contains C_stack. If no area contains
+      C_stack, the equivalent mass for two supports, or equal shares for more supports, each at the centre of the
+      contact area.
+    - Leaning body: the whole load on the pivot, at the contact point closest to its C_stack, because the paper does not
+      say how a leaning load is carried down.
     """
     bodies, patches = graph.bodies, graph.patches
     patch = patches[at]
@@ -127,7 +127,7 @@ def share_on(graph: Graph, at: int) -> tuple[float, float, float, float]:
 def stack_above(graph: Graph, body: int) -> tuple[float, float, float, float]:
     """Return m_stack [kg] and C_stack: x, y, z [m], of a body with all its loads (Eqs 2 and 1).
 
-    The paper's equations for one body above are applied to every body above (split branch):
+    The function applies the paper's equations for one body above to every body above (split branch):
 
     m_stack = m_obj + sum m_above,    C_stack = (C_obj m_obj + sum C_above m_above) / m_stack
     """

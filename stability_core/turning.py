@@ -1,8 +1,8 @@
 """Turn the core's memory when gravity changes its direction.
 
 A patch keeps its points and its normal. Its kind, its upper body and its hull in plan depend on the direction of
-gravity and are derived again: a face that carried a body may become a side, and the other way round. Patches of live
-bodies are dropped, because they are rebuilt from the contacts of the dwell frames.
+gravity, so the module derives them again: a face that carried a body may become a side, and the other way round. The
+module drops patches of live bodies, because later steps rebuild them from the contacts of the dwell frames.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The upright frame, in which gravity points down the z axis; the kernels use no other frame.
 
-The port uses the coordinates of its world. Points, normals, centres and velocities are turned at the boundary; for
-gravity (0, 0, -g) both frames are the same and nothing is turned.
+The port uses the coordinates of its world. ``Upright`` turns points, normals, centres and velocities at the boundary.
+For gravity (0, 0, -g) both frames are the same, and no turn is needed.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
     """Return gravity [m/s2] as three numbers.
 
     Raises:
-        ValueError: if it is not a finite vector, or zero.
+        ValueError: if gravity is not a finite vector, or zero.
     """
     vector = np.asarray(gravity, np.float64)
     if not (vector.shape == (3,) and np.isfinite(vector).all() and vector.any()):

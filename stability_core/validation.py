@@ -1,4 +1,4 @@
-"""Validate the port's arrays: bad input is refused before it changes any state."""
+"""Validate the port's arrays: raise an error for bad input before it changes any state."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def presses_down_from_below(center: FloatArray, point: FloatArray, normal: Float
 
 
 def check_ids(name: str, ids: object) -> None:
-    """Check that ids are integers, because 0.5 would be taken for 0.
+    """Check that ids are integers, because 0.5 would count as 0.
 
     Raises:
         ValueError: naming the array and its required content.

@@ -144,7 +144,7 @@ class World:
     def forget(self, bodies: Sequence[int]) -> IntArray:
         """Drop bodies that left the world; return their former rows, shape (k,).
 
-        Unknown bodies are ignored.
+        The method ignores unknown bodies.
         """
         ids = np.array(bodies, np.int64)
         rows = self._find(ids)

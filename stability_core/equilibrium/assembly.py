@@ -14,8 +14,12 @@ from stability_core.port import GROUND, BoolArray, FloatArray, IntArray
 from stability_core.stack import NONE, SUPPORT, Graph, is_ground, is_stack
 
 ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
-"""Action of the rest of the stack on a part: none, as if the rest were absent; the kept forces; or rigid support, as of
-the ground, so that a body that falls then also falls in the whole stack."""
+"""Action of the rest of the stack on a part:
+
+- ABSENT_OUTSIDE: none, as if the rest were absent;
+- AS_BEFORE: the kept forces;
+- FIXED: rigid support, like the ground's, so that a body that falls then also falls in the whole stack.
+"""
 
 
 class Terms(NamedTuple):

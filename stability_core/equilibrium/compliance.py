@@ -4,8 +4,8 @@ See ``loading`` for the contact law, the equation and the use of the result. A s
 contact forces do no positive work. Friction that grows with the pressure makes the derivative unsymmetric, so that
 halved steps may end in a local minimum of the imbalance. Rounds of friction bounds continue the search from that
 minimum: the latest forces bound each contact's friction (Tresca's law, whose solution is the minimum of a convex energy
-except for NORMAL_NOISE), the bodies are displaced with these bounds, and the search with Coulomb's law starts again
-from the result.
+except for NORMAL_NOISE), the method displaces the bodies with these bounds, and the search with Coulomb's law starts
+again from the result.
 
 Reference: N. Kikuchi, J. T. Oden, "Contact problems in elasticity", SIAM 1988, chapter 10, for the fixed point.
 """
@@ -35,8 +35,8 @@ ROUNDS = 20
 """Greatest number of rounds of friction bounds. Tight courses for which Newton's method fails take 1 to 4 rounds from
 the last kappa that was solved."""
 STALLS = 20
-"""Number of consecutive steps with little gain after which the search ends: an arch of 200 blocks recovers after
-ten."""
+"""Number of consecutive steps with little gain after which the search ends, because an arch of 200 blocks recovers
+after ten."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
 """Least relative reduction of the imbalance by a step, as a share of the step length."""
@@ -146,7 +146,7 @@ def _add_block(
 def _assemble(
     case: Case, tangent: FloatArray, inertia: FloatArray, u: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> None:
-    """Assemble A C A^T + M / kappa: its lower triangle by rows and its upper one by columns, the diagonal in both.
+    """Assemble A C A^T + M / kappa: its lower triangle by rows, its upper triangle by columns, the diagonal in both.
 
     ``inertia`` (n, 6) is the diagonal M / kappa. The slack of a rolling body adds stiffness until the body has turned
     by 1 / ``ROLLING``.
@@ -200,7 +200,7 @@ def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: Flo
 def _solve(
     lower: FloatArray, upper: FloatArray, envelope: Envelope, place: IntArray, right: FloatArray, step: FloatArray
 ) -> None:
-    """Solve with the factors: ``right`` (n, 6) is replaced by the solution; ``step`` (6 n,) is scratch."""
+    """Solve with the factors; write the solution to ``right`` (n, 6). The array ``step`` (6 n,) is scratch."""
     for i in range(len(right)):
         for k in range(6):
             step[6 * place[i] + k] = right[i, k]

@@ -38,7 +38,7 @@ def correct(
     Args:
         problem: n bodies and m contacts.
         rows: as for ``newton.solve``.
-        start: forces on the second bodies [N], shape (m, 3); zeros where none are known.
+        start: forces on the second bodies [N], shape (m, 3); zeros where no force is known.
         y: multipliers of the search, shape (n, 6), zeros at first; updated, so that a later call continues.
         steps: greatest number of steps.
 

@@ -84,7 +84,8 @@ def _spread(start: IntArray, listed: IntArray, root: int, reached: IntArray, mar
 def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
     """Return the place of each body in reverse Cuthill-McKee order, shape (n,).
 
-    Each component is numbered from an end: the last body that a breadth-first walk from any of its bodies reaches.
+    The function numbers each component from an end: the last body that a breadth-first walk from any of its bodies
+    reaches.
 
     Args:
         body_a: first body of each contact, from 0, or negative if it is fixed, shape (m,).
@@ -158,9 +159,9 @@ def _products(
 
 @compiled
 def factorize(matrix: FloatArray, envelope: Envelope) -> None:
-    """Replace a positive definite matrix by its Cholesky factor, in place; the diagonal is stored inverted.
+    """Replace a positive definite matrix by its Cholesky factor, in place; store the diagonal inverted.
 
-    The work is done in tiles of 3 x 3, so the width of a block must be a multiple of 3.
+    The function works in tiles of 3 x 3, so the width of a block must be a multiple of 3.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))
@@ -231,7 +232,7 @@ def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int
 
 @compiled
 def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, tile: FloatArray) -> None:
-    """Finish L(i, i) and U(i, i) of a tile on the diagonal; the latter with its diagonal inverted."""
+    """Finish L(i, i) and U(i, i) of a tile on the diagonal; invert the diagonal of U(i, i)."""
     for b in range(3):
         for a in range(3):
             row, column = offset[i + a] + i, offset[i + b] + i
@@ -248,9 +249,9 @@ def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: 
 def factorize_general(lower: FloatArray, upper: FloatArray, envelope: Envelope) -> None:
     """Replace a matrix with a symmetric pattern by its factors L U, in place; L has ones on its diagonal.
 
-    ``lower`` holds the lower triangle by rows, ``upper`` the upper one by columns, both with the diagonal, each in the
-    envelope; U is stored with its diagonal inverted. There is no pivoting: after a zero pivot the result is wrong,
-    which the caller detects by the residual. The work is done in tiles, as in ``factorize``.
+    ``lower`` holds the lower triangle by rows, ``upper`` the upper triangle by columns, both with the diagonal, each in
+    the envelope. U has its diagonal inverted. There is no pivoting: after a zero pivot the result is wrong, which the
+    caller detects by the residual. The function works in tiles, as ``factorize`` does.
     """
     first, offset = envelope.first, envelope.offset
     tile = np.empty((3, 3))

@@ -150,7 +150,7 @@ def step_length(
     """Return the step length from ``y`` along dy: 1 unless that overshoots, else a length with nearly zero slope.
 
     The minimised function is |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2; its slope along the line rises with t.
-    ``force`` is overwritten.
+    The function overwrites ``force``.
     """
     z, dz, dy, work = space.z, space.dz, space.dy, space.trial
     constant, linear = 0.0, 0.0

@@ -1,8 +1,8 @@
 """Loads of live bodies on the stack; live bodies are not bodies of the problem.
 
-All live bodies on a part of the stack are solved together, with the stack below as rigid as the ground, whether they
-stand or fall. Their loads are the contact forces that hold them, or that hold them as far as contacts can: a toppling
-brick presses at the point about which it turns, with at most its weight.
+The module solves all live bodies on a part of the stack together, with the stack below as rigid as the ground, whether
+the live bodies stand or fall. Their loads are the contact forces that hold them, or that hold them as far as contacts
+can: a toppling brick presses at the point about which it turns, with at most its weight.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ thousandth."""
 
 @compiled
 def lying_on(graph: Graph, ids: IntArray) -> IntArray:
-    """Return the live bodies on the bodies ``ids``, directly or indirectly, and live bodies beside them, shape (k,)."""
+    """Return the live bodies on the bodies ``ids``, directly or indirectly, and their live neighbours, shape (k,)."""
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)
     found = np.empty(len(bodies), np.int64)

@@ -25,7 +25,7 @@ other.
 
 Proof and limits: f(u) lies in the Coulomb cones and balances the loads up to M u / kappa, so a stack that stands here
 has an equilibrium that arises monotonically from zero. The method examines one loading path (all loads in proportion)
-and three stiffnesses, and no other paths. It refuses a body that only prestress holds (a hammered wedge).
+and three stiffnesses, and no other paths. The method refuses a body that only prestress holds (a hammered wedge).
 
 References: J. S. Pang, J. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
 ZAMM 80 (2000) 643-663, for the notion; G. T.-C. Kao et al., "Coupled rigid-block analysis", Computer-Aided Design 146
@@ -57,8 +57,8 @@ FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 
 """Short and long sequence of kappa. Newton's method rarely fails on the short sequence, or on its last value alone. On
 the long sequence, rounds of friction bounds continue where Newton's method fails."""
 WIDEST = 48
-"""Mean length of the matrix rows up to which the long sequence is tried. An arch has 12. In a pile of twenty bricks the
-long sequence costs 0.1 s and rarely decides more bodies."""
+"""Mean length of the matrix rows up to which loading tries the long sequence. An arch has 12. In a pile of twenty
+bricks the long sequence costs 0.1 s and rarely decides more bodies."""
 
 
 @compiled

@@ -1,8 +1,8 @@
 """The certificate: the contact forces that last held the stack, from which the next search starts.
 
-After a change, only the bodies that bear it are solved again, because the kept forces still hold all others.
+After a change, a solve includes only the affected bodies, because the kept forces still hold all other bodies.
 ``is_held`` checks this with the present patches. Forces that are out of date, or belong to another patch, fail the
-check, and their bodies are solved as well.
+check, and the solve includes their bodies as well.
 """
 
 from __future__ import annotations

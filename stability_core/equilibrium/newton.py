@@ -39,8 +39,8 @@ HELD, FALLING, UNDECIDED = 0, 1, 2
 
 FIRST_RHO, LAST_RHO = 1e-3, 1e-12
 """First and last weight of the proximal term, relative to the term of the forces. The weight is large at first, so that
-y stays small for a falling stack. It falls tenfold at each proximal point, because tall stacks that are almost balanced
-need a small weight."""
+y stays small for a falling stack. The weight falls tenfold at each proximal point, because tall stacks that are almost
+balanced need a small weight."""
 RAY_RHO = 1e-4
 """Weight of the proximal term in the search for a motion that no contact resists, over its weight in the search that
 gave the first guess."""
@@ -64,7 +64,7 @@ class Search(NamedTuple):
     y: FloatArray
     """Multipliers, shape (n, 6)."""
     force: FloatArray
-    """P_K(A^T y), shape (m, 3)."""
+    """Contact forces P_K(A^T y), shape (m, 3)."""
     rest: FloatArray
     """Unbalanced rest of the load, shape (n, 6)."""
 

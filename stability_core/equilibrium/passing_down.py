@@ -25,7 +25,7 @@ ALONG_A_LINE = 1e-12
 
 @compiled
 def _solve_three(matrix: FloatArray, right: FloatArray) -> None:
-    """Solve a positive definite system of three rows; ``right`` becomes the solution, ``matrix`` is overwritten."""
+    """Solve a positive definite system of three rows; write the solution to ``right``, and overwrite ``matrix``."""
     for j in range(3):
         for k in range(j):
             matrix[j, j] -= matrix[j, k] ** 2
@@ -66,7 +66,7 @@ def _add_least(row: FloatArray, missing: FloatArray, active: BoolArray, force: F
 def _share(row: FloatArray, wanted: FloatArray, force: FloatArray) -> None:
     """Write to ``force`` (k,) the least non-negative forces whose products with ``row`` (k, 3) sum to ``wanted`` (3,).
 
-    Contacts whose forces pull are excluded, the worst first, until no force pulls.
+    The function excludes contacts whose forces pull, the worst first, until no force pulls.
     """
     active, missing = np.ones(len(row), np.bool_), np.empty(3)
     for _ in range(len(row)):

@@ -1,6 +1,6 @@
 """Dimensionless bodies and contacts, and the proofs that they stand or fall.
 
-Both proofs are checked by recomputation, independently of how the forces or the motion were found.
+The module checks both proofs by recomputation, independently of the search for the forces or the motion.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from stability_core.equilibrium.cone import project
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 BALANCED = 1e-9
-"""Imbalance, relative to the largest force on the body, that counts as none: rounding leaves about 1e-12."""
+"""Imbalance, relative to the largest force on the body, that counts as none, because rounding leaves about 1e-12."""
 
 
 class Problem(NamedTuple):
@@ -109,8 +109,8 @@ def greatest_imbalance(problem: Problem, force: FloatArray, rest: FloatArray) ->
 def weakest_equilibrium(problem: Problem, ray: FloatArray, work: FloatArray, force: FloatArray) -> float:
     """Return a lower bound on the greatest force of any equilibrium, over the total weight; infinite for a Farkas ray.
 
-    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. The part of w that may stay
-    unbalanced is subtracted from r . w.
+    Any f with A f = w has r . w = sum f_c . (A^T r)_c <= max |f_c| sum |P_K (A^T r)_c|. The function subtracts from
+    r . w the part of w that may stay unbalanced.
     """
     along_contacts(problem, ray, work)
     project(work, problem.normal, problem.friction, force)

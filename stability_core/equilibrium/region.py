@@ -5,7 +5,7 @@ support). Proof by induction from the ground up:
 
 - A weight at a point of U(body) is split among points of the patches that lie in the supports' own U, as vertical
   forces, which load-bearing contacts can bear.
-- Each of these forces is passed on in the same way, down to the ground.
+- The supports pass on each of these forces in the same way, down to the ground.
 - Added to the forces of any equilibrium, they stay in the Coulomb cones, because the cones are convex.
 
 Therefore a stack that stood before also stands with the weight, and no force need be computed.
@@ -40,9 +40,9 @@ from stability_core.stack import (
 from stability_core.stack_mass import support_polygon
 
 ON_BORDER = 1e-9
-"""Distance [m] up to which a point counts as lying on a border: larger than rounding."""
+"""Distance [m] up to which a point counts as lying on a border; the value exceeds rounding errors."""
 SAME_NORMAL = 1e-6
-"""Change of a normal's component that counts as none: a patch rebuilt from the same points keeps its normal."""
+"""Change of a normal's component that counts as none, because a patch rebuilt from the same points keeps its normal."""
 SAME_MASS = 1e-9
 """Change of a mass [kg] that counts as none."""
 
@@ -264,7 +264,7 @@ def topples_alone(graph: Graph, body: int, support: FloatArray) -> bool:
     """Return True if a body topples by itself: its centre of mass lies outside its contact area.
 
     Friction cannot hold such a body. The result is False if the body carries another, leans, or stands on a live body
-    at rest, because both may be frozen together and hold each other.
+    at rest, because both bodies may freeze together and hold each other.
 
     Args:
         graph: the stack.

@@ -1,6 +1,6 @@
 """Cheap proofs in compiled calls: freeze bodies in safe regions, refuse bodies that topple alone.
 
-The remaining candidates are solved: see ``policies.equilibrium``.
+``policies.equilibrium`` solves the remaining candidates.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _freeze_safely(graph: Graph, regions: Regions, candidates: IntArray) -> tupl
 def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
     """Return the live ``candidates`` that stand on an edge of at most ``flat_width`` [sizes], shape (k,).
 
-    These bodies may be frozen while they still move slightly; a flat body waits until it is at rest.
+    These bodies may freeze while they still move slightly; a flat body waits until it is at rest.
     """
     bodies = graph.bodies
     found = np.empty(len(candidates), np.int64)
@@ -78,7 +78,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
     """Return the ``candidates``, and the live bodies at rest below them, directly or indirectly, by rising id.
 
-    Bodies that hold each other can only be frozen together, in whatever order they came to rest.
+    Bodies that hold each other can only freeze together, in whatever order they came to rest.
     """
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)

@@ -27,8 +27,8 @@ from stability_core.validation import (
 )
 
 ROUNDING = 1e-12
-"""Tolerance of the cosine in the comparison of a contact's slope with its friction angle: a horizontal face without
-friction must count as load-bearing."""
+"""Tolerance of the cosine in the comparison of a contact's slope with its friction angle, because a horizontal face
+without friction must count as load-bearing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
 
     Every row of ``contacts`` counts as touching, at any separation and velocity; leave out rows that do not touch. Only
     the ground is fixed. The verdict does not depend on the scale of length, mass or gravity. For a body that touches
-    only in points and lines, these may be off by a millionth of its size (see ``faces``).
+    only in points and lines, the contact points may be off by a millionth of its size (see ``faces``).
 
     - "stable": contact forces in the Coulomb cones hold the bodies (``forces``), and such forces arise by themselves:
       vertical forces on load-bearing contacts suffice, or loading from zero prestress comes to rest, with nine tenths
@@ -77,7 +77,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
 
     Args:
         contacts: the touching points; ``body_a`` and ``body_b`` are ``GROUND`` or listed in ``masses``.
-        masses: all bodies that must stand; ``removed`` is ignored.
+        masses: all bodies that must stand; ``removed`` has no effect.
         gravity: [m/s2], in any direction.
 
     Raises:

@@ -40,11 +40,11 @@ MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 SLACK_STEPS = 8
 """Greatest number of solves for rolling bodies; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
-"""Steps of the correction, before and after the changed bodies are tested for a fall with their neighbours. One more
+"""Steps of the correction, before and after the test whether changed bodies fall with their neighbours. One more
 plank on a card house of 100 planks takes 1 to 5 steps, an off-centre load of 20 planks' weight 12."""
 LESS_FRICTION = 0.9
-"""Share of the friction with which forces must arise as well, if they exist: of the tight courses that stood when
-loaded with mu = 0.8, two kinds fell in two of three engines."""
+"""Share of the friction with which forces must arise as well, if they exist, because two kinds of the tight
+courses that stood when loaded with mu = 0.8 fell in two of three engines."""
 FEW = 0.25
 """Greatest share of the bodies for which the test for a fall includes neighbours. A larger share would cost as much as
 the steps of the correction."""
@@ -68,11 +68,15 @@ def decide(
 ) -> Answer:
     """Decide whether the changed bodies fall by themselves; else correct the former forces; else start from scratch.
 
-    Only the changed bodies are tested for a fall. Vertical forces from the top down are tried next (see
-    ``passing_down``), because they cost less than a step of the correction. The correction takes one to four steps for
-    nearly all standing stacks. If its first steps fail, the changed bodies are tested for a fall with their neighbours;
-    if all its steps fail, the bodies that are still unbalanced are tested. See ``correction`` and ``newton`` for the
-    cost of a step.
+    The function tests for a fall in this order:
+
+    1. the changed bodies alone;
+    2. if the first steps of the correction fail, the changed bodies with their neighbours;
+    3. if all steps fail, the bodies that are still unbalanced.
+
+    Before the correction, the function tries vertical forces from the top down (see ``passing_down``), because they
+    cost less than a step of the correction. The correction takes one to four steps for nearly all standing stacks. See
+    ``correction`` and ``newton`` for the cost of a step.
 
     Args:
         problem: n bodies and m contacts, z up.
@@ -188,7 +192,7 @@ def _held_within_slack(
 ) -> tuple[int, FloatArray, float]:
     """Subtract the unbalanced rest from the moments of rolling bodies, as far as their slack allows.
 
-    The rest is the shortest vector to A K; it is subtracted along its moments only.
+    The rest is the shortest vector to A K. The function subtracts only the moments of the rest.
 
     Args:
         problem: a problem with rolling bodies.
@@ -233,7 +237,7 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
 def _arising(problem: Problem, force: FloatArray, residual: float, displacement: FloatArray) -> Answer:
     """Return "stable" if forces that hold the bodies, such as ``force`` (m, 3), arise by themselves, else "doubt".
 
-    Each island is decided on its own.
+    The function decides each island on its own.
     """
     loose = np.zeros(len(problem.load), np.bool_)
     island_of = islands(problem)

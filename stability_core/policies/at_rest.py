@@ -42,9 +42,9 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits) -> IntArray:
 
 
 class AtRest(Policy):
-    """The policy that freezes every body at rest, stable or not, and keeps it frozen while any support is left.
+    """The policy that freezes every body at rest, stable or not, and keeps it frozen while any support remains.
 
-    It ignores the weaker rest rule for leaning bodies, which is meant for policies that test these bodies.
+    The policy ignores the weaker rest rule for leaning bodies, which is meant for policies that test these bodies.
     """
 
     name = "at_rest"

@@ -46,8 +46,8 @@ class Policy(ABC):
         self.settings = settings
         self.limits = settings.limits(gravity)
         self.budget = math.inf
-        """Greatest number of bodies to solve in a call of ``settle``; further candidates are deferred. Only freezing
-        has a budget: frozen bodies are always tested for balance."""
+        """Greatest number of bodies to solve in a call of ``settle``; the policy defers further candidates. Only
+        freezing has a budget: the policy always tests frozen bodies for balance."""
 
     def set_gravity(self, gravity: float) -> None:
         """Set the strength of gravity [m/s2], after its strength or its direction has changed.

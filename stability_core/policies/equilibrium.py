@@ -1,7 +1,7 @@
 """The policy of exact statics: a body may freeze if contact forces in the Coulomb cones hold the stack with it.
 
-Cheap proofs come first. A body that topples alone is refused, and a body in the safe region of its supports is
-accepted, in O(1) at any height. Only the remaining bodies are solved, with the bodies that bear them: leaning bodies,
+Cheap proofs come first. The policy refuses a body that topples alone, and accepts a body in the safe region of its
+supports, in O(1) at any height. It solves only the remaining bodies, with the bodies that bear them: leaning bodies,
 counterweights, lost supports. Bodies that move in the mechanism fall.
 
 A proof holds for frozen bodies only: there is no certificate for a stack with a live load, nor after a change of mass,
@@ -51,17 +51,17 @@ UNCERTAIN = 0.2
 """Greatest missing force, over the greatest load, that unfreezes nothing where loads are estimates, because contact
 forces fluctuate by as much."""
 TOGETHER = 12
-"""Greatest number of candidates judged together within a budget: few bodies hold each other in a pile, and a solve of
-fifty bodies that lean on each other takes 0.5 s."""
+"""Greatest number of candidates judged together within a budget, because few bodies hold each other in a pile, and a
+solve of fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
-"""Number of bodies above which a solve is expensive. Bodies that an expensive solve leaves in doubt are not judged
-again within ``doubt_s``, even if their surroundings change."""
+"""Number of bodies above which a solve is expensive. The policy does not judge bodies that an expensive solve
+leaves in doubt again within ``doubt_s``, even if their surroundings change."""
 FEW_TOGETHER = 16
 """Greatest number of bodies in a joint solve of live bodies with the stack below them; ``FEW_BODIES`` if all contacts
 of the live bodies are load-bearing."""
 FEW_BODIES = 64
-"""Greatest number of bodies for which a whole part of the stack is solved, if a solve of the bodies that bear the
-change decides nothing."""
+"""Greatest number of bodies for which a whole part of the stack is solved, if a solve of the affected bodies
+decides nothing."""
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:
@@ -119,8 +119,8 @@ class Equilibrium(Policy):
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Freeze the bodies in safe regions by one compiled call; then freeze the others that stand together.
 
-        The cost is O(1) per changed body while safe regions decide. Otherwise it is some solves of the bodies that bear
-        the change, which start from the latest forces.
+        The cost is O(1) per changed body while safe regions decide. Otherwise the cost is some solves of the affected
+        bodies, which start from the latest forces.
         """
         if len(graph.bodies) > len(self._regions):
             self._regions = regions_for(len(graph.bodies), self._regions)
@@ -183,7 +183,7 @@ class Equilibrium(Policy):
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
         """Return the candidates of a ``part`` to judge together, (k,): within a budget the lowest few.
 
-        Bodies with load-bearing contacts only are judged in any number, because they are cheap.
+        The batch takes any number of bodies with load-bearing contacts only, because they are cheap.
         """
         if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
             return part
@@ -281,9 +281,9 @@ class Equilibrium(Policy):
         """Return which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
 
         The loads of live bodies on a rigid stack are one of many ways to share their weight. If the stack does not bear
-        these loads, the live bodies that do not fall themselves are solved together with the stack. If this solve does
-        not prove that the stack bears the loads either, the loaded bodies unfreeze, and the rest is judged again
-        without them.
+        these loads, the method solves the live bodies that do not fall themselves together with the stack. If this
+        solve does not prove that the stack bears the loads either, the loaded bodies unfreeze, and the method judges
+        the rest again without them.
         """
         live = lying_on(graph, ids)
         for margin, grip in ((0.0, 1.0), (self._wake_margin, self._wake_grip))[len(live) > 0 :]:
@@ -311,7 +311,7 @@ class Equilibrium(Policy):
         return seeds if lacking > UNCERTAIN * np.abs(problem.load).max() else ids[:0]
 
     def _pressed(self, graph: Graph, buffers: FrameBuffers, part: Part, live: IntArray) -> tuple[FloatArray, BoolArray]:
-        """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and the mask of those known to be held, (k,).
+        """Return the loads of ``live`` bodies (k,) on a part, (n, 6), and the mask (k,) of bodies known to be held.
 
         A body on load-bearing contacts presses with its weight. Only the engine knows the force of a wedged body; for
         an engine that reports no forces, see ``live_load``.
@@ -352,8 +352,8 @@ class Equilibrium(Policy):
     def _moves(self, graph: Graph, part: Part, problem: Problem, seeds: IntArray, answer: Answer) -> IntArray:
         """Return the frozen bodies that move in an ``answer``'s mechanism, shape (k,); the seeds if nothing is known.
 
-        Live bodies, and bodies frozen in doubt, may fall or be in doubt although the stack stands. They are removed,
-        and the rest must bear their loads.
+        Live bodies, and bodies frozen in doubt, may fall or be in doubt although the stack stands. The method removes
+        these bodies, and the rest must bear their loads.
         """
         bodies, ids, level = graph.bodies, part.ids, part.level
         may_move: BoolArray = (bodies["state"][ids] == FROZEN) & (bodies["doubt"][ids] == PROVEN)
@@ -371,5 +371,5 @@ class Equilibrium(Policy):
         return ids[:0]
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
-        """Record that the frozen bodies ``ids`` stand together, lowest first, because regions build on those below."""
+        """Record that the frozen bodies ``ids`` stand together, lowest first; a region builds on lower regions."""
         keep_proofs(graph, self._regions, ids[np.argsort(graph.bodies["center"][ids, 2], kind="stable")])

@@ -2,18 +2,20 @@
 
 S.-W. Hsu, J. Keyser, "Piles of Objects", ACM Transactions on Graphics 29(6), 2010 (SIGGRAPH Asia). Their method models
 a pile by its shape, bounded by an angle of repose; it deactivates objects inside the pile, by more criteria than their
-own momentum; and it is meant for random piles, not for structures. This policy adapts it to contacts, sleep and mass:
+own momentum; and it is meant for random piles, not for structures. This policy adapts their method to contacts, sleep
+and mass:
 
-- The pile of a body is the set of frozen bodies joined to it by contacts. It stands on a base: the convex hull, in
-  plan, of its contact points on the ground.
-- Its shape is that of sand on such a base: a roof that rises from the hull's border inward, by mu per metre. The angle
-  of repose is atan(mu), of the least friction on which the body stands; in their method the user chooses the angle.
+- The pile of a body is the set of frozen bodies joined to it by contacts. The pile stands on a base: the convex hull,
+  in plan, of its contact points on the ground.
+- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward, by mu per
+  metre. The angle of repose is atan(mu), of the least friction on which the body stands; in their method the user
+  chooses the angle.
 - A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
-- It freezes once it is at rest, as in every policy, and touches no moving live body, which would move it.
-- It unfreezes by an impact, as in every policy, and when one of its supports is gone.
+- A body freezes once it is at rest, as in every policy, and touches no moving live body, which would move it.
+- A body unfreezes by an impact, as in every policy, and when one of its supports is gone.
 
-Balance is not tested: inside a pile the neighbours hold bodies that would tip. A tower is steeper than any pile of its
-friction, so it never freezes beyond its lowest planks.
+The policy does not test balance, because inside a pile the neighbours hold bodies that would tip. A tower is steeper
+than any pile of its friction, so it never freezes beyond its lowest planks.
 """
 
 from __future__ import annotations
