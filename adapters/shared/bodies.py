@@ -30,7 +30,7 @@ class Bodies:
         self.moved: dict[int, tuple[Vector, Vector]] = {}
         """Velocity [m/s] and spin [rad/s] of each body that the host moves."""
         self.steady: dict[int, Vector] = {}
-        """Steady force [N] on each body that has one."""
+        """Steady force [N] of each body on which a steady force acts."""
         self._removed: list[int] = []
         self._live_rows: tuple[IntArray, FloatArray] | None = None
 

@@ -13,14 +13,15 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 NEAR = 0.1e-3
-"""Greatest gap [m] of faces that nearly touch: above the tilt of a brick at rest, below any visible distance."""
+"""Greatest gap [m] of faces that nearly touch. The value exceeds the gaps below a tilted brick at rest, so that all
+corners of its contact areas count. No such gap is visible."""
 SLACK = 1e-6
-"""Greatest sideways gap [m] of edges that meet: the rounding error of poses in single precision."""
+"""Greatest sideways gap [m] of edges that meet, because poses in single precision have rounding errors of this size."""
 SAME = 1e-3
 """Distance [m] within which a corner and a point of the engine count as the same point."""
 PLANK = math.sqrt(58.5e-3 * 58.5e-3 + 11.7e-3 * 11.7e-3 + 3.9e-3 * 3.9e-3)
-"""Half the diagonal [m] of the plank for which the lengths of this module are chosen. For a pair of boxes a length is
-multiplied by the size of the smaller box over the size of the plank, as in the core's tolerances."""
+"""Half the diagonal [m] of the plank for which the lengths of this module are chosen. For a pair of boxes the
+kernels multiply a length by the size of the smaller box over the size of the plank, as the core does."""
 
 CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and half extents along x, y, z [m]."""
@@ -56,7 +57,7 @@ def axes_of(quaternion: FloatArray) -> FloatArray:
 
 @numba.njit(cache=True)
 def _facing(axes: FloatArray, direction: FloatArray) -> tuple[int, float]:
-    """Return the index of the axis most parallel to ``direction``, and the cosine of the angle between both.
+    """Return the index of the axis most parallel to ``direction``, and the cosine of their angle.
 
     The cosine is negative if the axis points against ``direction``.
     """

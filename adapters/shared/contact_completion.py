@@ -2,8 +2,8 @@
 
 For a brick that rests on three corners, tilted by micrometres, these engines list three points: half of the true
 contact area. For a roof over four edges with height differences of micrometres they list two edges. Under load the
-missing corners would bear force as well. Other engines list them with a small gap. This module computes the missing
-corners by clipping one face by the other, as the engines themselves do.
+missing corners would bear force as well. Other engines list these corners with a small gap. This module computes the
+missing corners by clipping one face by the other, as the engines themselves do.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ VelocitiesAt = Callable[[IntArray, FloatArray], FloatArray]
 def fixed_id(index: int) -> int:
     """Return the id of the fixed box at ``index`` in ``World.fixed``, for the contacts of an adapter.
 
-    The port completes the contacts of each fixed box separately, and then replaces its id by ``GROUND``.
+    The port completes the contacts of each fixed box separately, and then replaces the id by ``GROUND``.
     """
     return GROUND - 1 - index
 
@@ -36,8 +36,8 @@ def fixed_id(index: int) -> int:
 class BoxTable:
     """Poses of the boxes of a world, and the completion of an engine's contacts.
 
-    The caller places a frozen body once. The cost of a frame is therefore that of the live bodies, and a test of the
-    extents of every other body per live body.
+    The caller places a frozen body once. Per frame and live body the table therefore updates one pose, and tests the
+    extents of every other body.
     """
 
     def __init__(self, fixed: Sequence[Brick] = ()) -> None:
@@ -100,14 +100,14 @@ class BoxTable:
     def with_near_pairs(
         self, contacts: Contacts, live: IntArray, friction: float, velocities: VelocitiesAt, way: float = 0.0
     ) -> Contacts:
-        """Return the contacts, followed by the corners of near pairs for which no point is listed.
+        """Return the contacts, followed by the corners of near pairs that the engine does not list.
 
         Args:
             contacts: contacts that the engine lists.
             live: ids of the live bodies, in rising order, shape (m,).
             friction: coefficient of every pair.
-            velocities: returns the velocities of bodies at points. They are the velocities before an impact, because
-                no contact has stopped these bodies yet.
+            velocities: returns the velocities of bodies at points. These velocities precede the impact, because no
+                contact has stopped the bodies yet.
             way: distance [m] that a body may have moved after it touched another.
         """
         listed = np.sort(self._pairs(contacts))
@@ -121,8 +121,8 @@ class BoxTable:
     def with_exact_faces(self, contacts: Contacts, live: IntArray, friction: float) -> Contacts:
         """Return the corners of all pairs that touch or nearly touch, followed by the contacts of all other pairs.
 
-        At a gap of exactly zero an engine may list no contact, or a normal between coinciding corners that is a
-        rounding error: there the boxes' geometry is more exact. Deeper overlaps and crossing edges keep the engine's
+        The boxes' geometry is more exact at a gap of zero, because there an engine may list no contact, or a normal
+        between coinciding corners that is a rounding error. Deeper overlaps and crossing edges keep the engine's
         contacts.
 
         Args:
@@ -149,7 +149,8 @@ class BoxTable:
     ) -> Contacts:
         """Return the contacts, followed by one point for each pair of bodies that will meet within ``seconds``.
 
-        See ``shared.swept_contacts``. Separations are positive, and relative velocities are those of the centres.
+        See ``shared.swept_contacts``. Separations are positive. Relative velocities are differences of the centres'
+        velocities.
 
         Args:
             contacts: contacts of the frame.

@@ -1,9 +1,9 @@
 """Mean contact forces of a frame, for engines that report the forces of one substep at a time.
 
-The force of a pair of bodies is its exact mean over the frame's substeps. Its distribution over the contact area is
-that of the last substep: the points of the pair share the forces of earlier substeps in proportion to their normal
-forces in the last substep. Pairs without contacts after the last substep are omitted, for example a brick that has
-bounced off.
+The force of a pair of bodies is its exact mean over the frame's substeps. The points of the pair share the forces of
+earlier substeps in proportion to their normal forces in the last substep, so that the distribution over the contact
+area is the distribution of the last substep. The module omits pairs without contacts after the last substep, for
+example a brick that has bounced off and its support.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from stability_core.port import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class SubstepForces:
-    """Forces of one substep in n rows, of which a pair may have several."""
+    """Forces of one substep in n rows. A pair may have several rows."""
 
     body_a: IntArray
     """First bodies, shape (n,)."""

@@ -7,9 +7,10 @@ friction t_c of its contacts c across their normals n_c, and the engine's normal
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
     minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
 
-In a column the balance determines the friction of each joint. For a body on several supports it does not; the minimum
-then shares friction in proportion to the loads. Torques about the normal are neglected. Conjugate gradients (CGLS),
-started from zero, solve the least squares with the smallest solution.
+In a column the balance determines the friction of each joint. For a body on several supports the balance
+does not determine the friction; the minimum then shares friction in proportion to the loads. The module neglects
+torques about the normal. Conjugate gradients (CGLS), started from zero, solve the least squares with the smallest
+solution.
 """
 
 from __future__ import annotations
@@ -22,9 +23,9 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MOST_ROUNDS = 100
-"""Greatest number of iterations of the conjugate gradients: twice the number for a column of 25 bricks."""
+"""Greatest number of iterations of the conjugate gradients, because a column of 25 bricks needs half as many."""
 PRECISION = 1e-4
-"""Norm of the gradient over that of the first gradient at which the iteration ends: 0.01 % of the forces."""
+"""Norm of the gradient over the norm of the first gradient, at which the iteration ends: 0.01 % of the forces."""
 
 
 def with_friction(
@@ -94,7 +95,8 @@ def _add_friction(
 ) -> None:
     """Add friction to the normal forces in ``force`` (n, 3) [N].
 
-    ``left`` (m, 3) [N] is the sum of contact forces on each live body; the function overwrites it by the residual.
+    ``left`` (m, 3) [N] is the sum of contact forces on each live body; the function overwrites ``left`` by the
+    residual.
     """
     n = len(force)
     weight, bound = np.empty(n), np.empty(n)

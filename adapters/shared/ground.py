@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from scenarios.model import Brick
 
 MIN_HALF_EDGES = (2.0, 2.0, 0.5)
-"""Smallest half edges [m] of the ground: large enough for any scene of planks, and too thick to fall through."""
+"""Smallest half edges [m] of the ground, so that any scene of planks fits on it, and no brick falls through it."""
 ROOM_TO_FALL = 2.0
-"""Reach of the ground over the distance of the farthest expected brick."""
+"""Reach of the ground over the distance of the farthest expected brick, so that falling bricks land on the ground."""
 
 
 def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Brick:

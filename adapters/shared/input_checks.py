@@ -13,7 +13,7 @@ MAX_OFF_PLANE = 1e-9
 
 
 def check_finite(quantity: str, value: Vector, unit: str) -> None:
-    """Raise ``ValueError`` unless all components of a vector are finite; ``quantity`` and ``unit`` name it."""
+    """Raise ``ValueError``, which names ``quantity`` and ``unit``, unless all components of a vector are finite."""
     if not np.isfinite(value).all():
         raise ValueError(f"{quantity} must be finite, got {value} {unit}; check for NaN or a division by zero")
 

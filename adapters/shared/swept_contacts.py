@@ -7,8 +7,8 @@ last of the 15 separating axes n (3 face normals each, 9 cross products of edges
 
     gap(n) = |d . n| - r_a(n) - r_b(n),    t(n) = gap(n) / closing speed along n,    t = max over n of t(n)
 
-if no gap opens again before t. The axis that closes last is the normal. Rotation and gravity within these frames are
-neglected.
+if no gap opens again before t. The axis that closes last is the normal. The module neglects rotation and gravity within
+these frames.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from adapters.shared.box_contacts import CENTER, HALF, PLANK, REACH, TURN, axes_
 from stability_core.port import FloatArray, IntArray
 
 HORIZON = 2.0
-"""Number of frames within which collisions are predicted: one frame to unfreeze the body that will be struck, and one
-for a collision within the next step."""
+"""Number of frames for which the module predicts collisions, because the policy needs one frame to unfreeze the body
+that will be struck, and the collision may occur within the next step."""
 FAST = 0.2
-"""Least speed [m/s] at which a plank is swept: twice the speed after a fall of 0.5 mm. The plank then moves 3 mm per
-frame, beyond the gaps that engines list. For other bricks the speed is multiplied by the square root of their size
-over the plank's."""
+"""Least speed [m/s] at which the module sweeps a plank: twice the speed after a fall of 0.5 mm. A sweep is necessary,
+because the plank then moves 3 mm per frame, beyond the gaps that engines list. For other bricks the module multiplies
+the speed by the square root of their size over the size of a plank."""
 LEVEL = 0.05
-"""Depth of a corner behind the foremost corner, over the smaller box's half diagonal, beyond which it does not count
-for the contact point. All corners of a face that strikes flat count."""
+"""Depth of a corner behind the foremost corner, over the smaller box's half diagonal, up to which the corner counts for
+the contact point, so that all corners of a face that strikes flat count."""
 PARALLEL = 1e-6
 """Squared length of the cross product of two unit edges below which the edges are parallel and define no axis."""
 
@@ -82,8 +82,11 @@ def _impact(
         normal: output, shape (3,).
 
     Returns:
-        The time, inf if the boxes do not meet within ``most`` or already overlap; the present gap [m]; and True if the
-        axis is the normal of a face.
+        Three values:
+
+        - the time [s], inf if the boxes do not meet within ``most`` or already overlap;
+        - the present gap [m];
+        - True if the axis is the normal of a face.
     """
     axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     between = box_b[CENTER] - box_a[CENTER]
@@ -181,14 +184,19 @@ def approaches(
         boxes: all boxes, shape (n, 13).
         velocity: velocities of the boxes [m/s], shape (n, 3).
         fast: rows of the bodies to sweep, in rising order, shape (m,).
-        is_live: whether a row is that of a live body, shape (n,); a pair needs at least one.
+        is_live: whether the body of each row is live, shape (n,); a pair needs at least one live body.
         listed: n a + b for each pair (a, b), a < b, that has contacts already, in rising order.
-        first: row of the first body. The rows before it, of the ground and the fixed boxes, are skipped.
+        first: row of the first body. The function skips the earlier rows, of the ground and the fixed boxes.
         seconds: time within which the pairs meet.
 
     Returns:
-        Rows a (k,) and b (k,), where b is the fast body; points (k, 3) [m] on the present surface of a; normals from a
-        to b (k, 3); and present gaps (k,) [m].
+        Five arrays:
+
+        - rows a, shape (k,);
+        - rows b, of the fast bodies, shape (k,);
+        - points on the present surface of a [m], shape (k, 3);
+        - normals from a to b, shape (k, 3);
+        - present gaps [m], shape (k,).
     """
     n = len(boxes)
     found = [(0, 0) for _ in range(0)]

@@ -1,4 +1,4 @@
-"""Functions of vectors and quaternions: of many rows for the contacts of a frame, and of single ones for engines."""
+"""Functions of vectors and quaternions: of many rows for the contacts of a frame, of single vectors for engines."""
 
 from __future__ import annotations
 
