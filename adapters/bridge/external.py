@@ -66,7 +66,7 @@ class ExternalEntry:
 
     @property
     def remedy(self) -> str:
-        """The fix if the engine cannot be loaded."""
+        """The fix for an engine that cannot be loaded."""
         return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:

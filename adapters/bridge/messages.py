@@ -24,8 +24,8 @@ PROTOCOL = 1
 HEADER = struct.Struct("<II")
 """Header of a message: length of the body [bytes], kind."""
 MAX_BODY = 2**26
-"""Greatest length of a body [bytes]: 64 MiB, the states of 100,000 bodies over five substeps. A header with a greater
-length is taken for other output of the engine."""
+"""Greatest length of a body [bytes]: 64 MiB, so that the states of 100,000 bodies over five substeps fit. ``Peer``
+rejects a header with a greater length, because the engine has probably printed text to stdout."""
 
 COMMAND_WIDTH = 13
 """Count of numbers in a command: its code, the body, and up to 11 arguments."""
@@ -53,7 +53,7 @@ class Kind(IntEnum):
 
 
 class Code(IntEnum):
-    """Codes of the commands that precede a step, in the order in which they are sent."""
+    """Codes of the commands that precede a step, in the order in which a message contains them."""
 
     SPAWN = 1
     SPAWN_MOVED = 2
@@ -74,7 +74,7 @@ class StepReply:
     engine_s: float
     """Duration [s] of the engine's own steps, measured by the engine."""
     states: FloatArray
-    """States before each substep and after the last one, shape (n + 1, m, 13); (1, m, 13) if contacts are not read."""
+    """States before each substep and after the last substep, shape (n + 1, m, 13); (1, m, 13) without contacts."""
     contacts: FloatArray
     """Contact points of the last substep, shape (k, 14)."""
     forces: FloatArray
@@ -98,7 +98,7 @@ def json_content(body: bytes | bytearray) -> dict[str, Any]:
         content = json.loads(body)
     except ValueError as error:
         raise ProtocolError(
-            f"the engine's answer is not JSON ({error}), must be a JSON object: {bytes(body[:60])!r}"
+            f"the engine's answer is not JSON ({error}); answer with a JSON object, got {bytes(body[:60])!r}"
         ) from error
     if not isinstance(content, dict):
         raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}")
@@ -111,7 +111,7 @@ def step_body(seconds: float, substeps: int, is_read: bool, commands: Iterable[C
     Args:
         seconds: length of a substep.
         substeps: number of substeps.
-        is_read: whether contacts, forces and the states before each substep are needed.
+        is_read: whether the answer must contain contacts, forces and the states before each substep.
         commands: commands that the engine executes before the first substep.
     """
     rows = [command + (0.0,) * (COMMAND_WIDTH - len(command)) for command in commands]
@@ -133,7 +133,7 @@ def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepRe
         ProtocolError: if the answer has another length, other bodies, or numbers that are not valid.
     """
     if len(body) % 8:
-        raise ProtocolError(f"the answer to a step must be 64-bit floats, 8 bytes each, got {len(body)} bytes")
+        raise ProtocolError(f"the answer to a step must consist of 64-bit floats, 8 bytes each, got {len(body)} bytes")
     words = np.frombuffer(body, "<f8")
     if len(words) < _REPLY_HEAD:
         raise ProtocolError(f"the answer to a step must begin with {_REPLY_HEAD} numbers, got {len(words)}")
@@ -167,7 +167,7 @@ def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepRe
         is_whole = math.isfinite(words.sum())  # a sum is not finite if a term is not
     is_finite = is_whole or bool(np.isfinite(rows).all())
     if is_finite and not is_whole:
-        raise ProtocolError("the contact points and forces in an answer must be finite, because all its states are")
+        raise ProtocolError("contact points and forces in the answer hold NaN or inf; send finite numbers only")
     return StepReply(engine_s, rows, contacts, felt, is_finite)
 
 

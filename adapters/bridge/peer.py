@@ -20,14 +20,15 @@ from adapters.bridge.errors import PeerError, PeerExitError, PeerTimeoutError, P
 from adapters.bridge.messages import HEADER, MAX_BODY, Kind, json_content
 
 SILENCE_S = 60.0
-"""Time limit [s] for an answer, after which the engine is killed: longer than any engine's frame or start."""
+"""Time limit [s] for an answer, after which the suite kills the engine. It is long,
+so that the suite kills no working engine."""
 _END_S = 1.0
 """Time limit [s] for an engine to end after its stdin is closed."""
 _PIPE_BYTES = 2**20
-"""Capacity of the pipes [bytes], so that a frame's states pass in one piece. The system's default of 64 KiB holds the
-states of 100 bodies over four substeps and no contacts."""
+"""Capacity of the pipes [bytes], so that a frame's states pass in one piece. The system's default of 64 KiB would hold
+only the states of 100 bodies over four substeps, without contacts."""
 _LAST_LINES = 2**12
-"""Length [bytes] of the end of the engine's stderr that is searched for its last line."""
+"""Number of bytes at the end of the engine's stderr in which ``Peer`` searches the last line."""
 _LAUNCH = (
     "import ctypes, os, signal, sys; ctypes.CDLL(None).prctl(1, signal.SIGKILL); os.execvp(sys.argv[1], sys.argv[1:])"
 )
@@ -51,7 +52,7 @@ class Peer:
         """
         program = shutil.which(command[0], path=f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
         if program is None:
-            raise PeerError(f"cannot start the engine: no program '{command[0]}'; name it by its full path")
+            raise PeerError(f"cannot start the engine: no program '{command[0]}'; give the program's full path")
         self._name = " ".join(command)
         self._timeout_s = timeout_s
         self._printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed when the process ends
@@ -93,7 +94,7 @@ class Peer:
             raise PeerError(f"the engine reports: {json_content(answer).get('message', 'an error without a message')}")
         if answered != kind:
             raise ProtocolError(
-                f"the engine answered with a message of kind {answered}, must be {kind.value}, or 4 for an error"
+                f"the engine's answer has the kind {answered}, must have {kind.value}, or 4 for an error"
             )
         return answer
 
@@ -128,7 +129,7 @@ class Peer:
                 if need >= len(self._buffer):  # one byte more, to detect output after the message
                     self._buffer.extend(bytes(need + 1 - len(self._buffer)))
         if have > need:
-            raise ProtocolError(f"the engine wrote {have - need} bytes after its answer; write nothing else to stdout")
+            raise ProtocolError(f"the engine wrote {have - need} bytes after its answer; write only answers to stdout")
         return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
 
     def _check_announced(self, length: int) -> None:

@@ -49,7 +49,7 @@ from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 
 _INSTANT_S = 1e-6
-"""Step [s] in which ``find_contacts`` detects contacts: too short for a body to move."""
+"""Step [s] in which ``find_contacts`` detects contacts. The step is short, so that no body moves."""
 _CLOCK_S = 1e-3
 """Tolerance [s] between the clocks of the engine and of the suite over a frame."""
 
@@ -190,7 +190,7 @@ class BridgeSimulation(Simulation):
         """Start a process of the engine, and return it.
 
         Raises:
-            ProtocolError: if its version differs from the recorded version.
+            ProtocolError: if the engine's version differs from the recorded version.
         """
         peer = Peer(self.command(), self.folder, self.timeout_s)
         said = described(json_content(peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
@@ -243,7 +243,7 @@ class BridgeSimulation(Simulation):
     def _as_contacts(self, rows: FloatArray, bodies: IntArray, before: FloatArray, after: FloatArray) -> Contacts:
         """Return the contacts of the engine's points that touch or nearly touch at the end of a substep.
 
-        The arguments are those of ``carried``.
+        The arguments have the same meaning as in ``carried``.
         """
         points, normals, separations = carried(rows, bodies, before, after)
         near = np.flatnonzero(separations <= NEAR * self.scale)
