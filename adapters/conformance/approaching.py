@@ -14,7 +14,7 @@ HEIGHT = 0.5
 
 
 def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float, bool]]:
-    """Let a cube fly towards a frozen plank until it has passed the plank or is stopped.
+    """Let a cube fly towards a frozen plank until the cube has passed the plank or has stopped.
 
     Args:
         rig: source of the world.
@@ -22,8 +22,12 @@ def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float
         above: height of the cube above the centre of the plank [m].
 
     Returns:
-        A row per frame: the gap [m] between cube and plank along x; the listed separation [m] and closing speed [m/s],
-        NaN if the pair is not listed; and whether the cube still has its speed.
+        A row per frame, of four values:
+
+        - the gap between cube and plank along x [m];
+        - the listed separation [m], NaN if the port does not list the pair;
+        - the listed closing speed [m/s], NaN if the port does not list the pair;
+        - True if the cube still has its speed.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     target = simulation.spawn(plank(z=HEIGHT))
@@ -47,22 +51,29 @@ def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float
 
 
 def lists_what_is_about_to_strike(rig: Rig) -> None:
-    """Check that a cube at 2 or 10 m/s is listed, across the gap, in the frame before it strikes a frozen plank."""
+    """Check that the port lists a cube at 2 or 10 m/s, across the gap, one frame before it strikes a frozen plank."""
     for speed in (2.0, 10.0):
         seen = _fly(rig, speed, 0.0)
         before = [row for row in seen if row[0] > 0.0 and row[3]]
-        require(len(before) > 0, f"no frame shows a cube at {speed} m/s before it struck a plank, must be one or more")
+        require(
+            len(before) > 0, f"no frame shows a cube at {speed} m/s before it struck a plank, at least one frame must"
+        )
         gap, separation, closing, _ = before[-1]
-        require(not np.isnan(separation), f"a cube at {speed} m/s, {gap * 1e3:.1f} mm before a plank, must be listed")
+        require(
+            not np.isnan(separation),
+            f"the port omits a cube at {speed} m/s, {gap * 1e3:.1f} mm before a plank, must list it",
+        )
         # 0.1 mm: single precision, and the shipped damping of some engines, 5 % per second.
         require_between(gap - 1e-4, separation, gap + 1e-4, f"listed separation [m] of a cube at {speed} m/s")
         require_between(0.9 * speed, closing, 1.01 * speed, f"listed closing speed [m/s] of a cube at {speed} m/s")
 
 
 def does_not_list_what_passes_by(rig: Rig) -> None:
-    """Check that a cube that passes 5 mm above a frozen plank at 2 or 10 m/s is never listed."""
+    """Check that the port never lists a cube that passes 5 mm above a frozen plank at 2 or 10 m/s."""
     for speed in (2.0, 10.0):
         seen = _fly(rig, speed, EDGE / 2 + 3.9e-3 + 5e-3)
         listed = [row for row in seen if not np.isnan(row[1])]
-        require(not listed, f"a cube that passes at {speed} m/s is listed in {len(listed)} frames, must be in none")
+        require(
+            not listed, f"the port lists a cube that passes at {speed} m/s in {len(listed)} frames, must not list it"
+        )
         require(seen[-1][3], f"a cube that passes at {speed} m/s was stopped, must keep its speed")

@@ -46,11 +46,13 @@ def _require_well_formed(simulation: Simulation, contacts: Contacts) -> None:
         )
     live = set(simulation.bricks) - simulation.frozen
     dead = [pair for pair in pairs(contacts) if not live & set(pair)]
-    require(not dead, f"contacts of the pairs {dead} touch no live body, every contact must touch one")
+    require(not dead, f"contacts of the pairs {dead} touch no live body, every contact must touch a live body")
     unknown = [pair for pair in pairs(contacts) if not set(pair) <= {GROUND, *simulation.bricks}]
-    require(not unknown, f"contacts of the pairs {unknown} name bodies that are not in the world")
+    require(
+        not unknown, f"contacts of the pairs {unknown} name bodies that are not in the world, must name bodies in it"
+    )
     finite = all(np.isfinite(values).all() for values in (contacts.point, contacts.normal, contacts.friction))
-    require(finite, "points, normals and friction must be finite")
+    require(finite, "contacts have NaN or inf among points, normals and friction, must have finite numbers")
     length_error = np.abs(np.linalg.norm(contacts.normal, axis=1) - 1).max(initial=0.0)
     require_between(0.0, length_error, 1e-6, "error of the length of normals (tolerance: rounding in single precision)")
 
@@ -85,7 +87,8 @@ def reports_a_resting_brick(rig: Rig) -> None:
         off_face = np.abs(mine.point[:, 2] - (z - THICKNESS / 2)).max()
         require_between(0.0, off_face, 0.5e-3, "distance [m] of the points from the lower face")
         require(
-            bool((mine.friction == 0.45).all()), f"friction of the pair is reported as {mine.friction}, must be 0.45"
+            bool((mine.friction == 0.45).all()),
+            f"contacts of the pair have the friction {mine.friction}, must have 0.45",
         )
 
 
@@ -105,7 +108,7 @@ def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
 
 
 def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
-    """Check that both whole contact areas on supports with a height difference of 0.08 mm are reported in six frames.
+    """Check that six frames report both whole contact areas on supports with a height difference of 0.08 mm.
 
     A brick tilted by micrometres penetrates at some corners only; under load the other corners would bear force too.
     """
@@ -154,7 +157,7 @@ def reports_a_support_a_hair_below(rig: Rig) -> None:
 
 
 def reports_every_pair(rig: Rig) -> None:
-    """Check that every pair is reported: a live brick on the ground, on a live, a frozen and two frozen bricks."""
+    """Check that the port reports every pair: a live brick on the ground, on a live, a frozen and two frozen bricks."""
     simulation = rig.open()
     left, right = frozen_column(simulation, 1, xs=(-LENGTH / 2 - 1e-3, LENGTH / 2 + 1e-3))
     bridge = place_on(simulation, 1)
@@ -190,7 +193,7 @@ def reports_the_speed_of_impact(rig: Rig) -> None:
                 break
         expected, within = math.sqrt(2 * GRAVITY * height), GRAVITY * simulation.info.frame_s
         speed = approach_speed(contacts)
-        # The speed is that before the step, and a semi-implicit fall is slower by half of a step's gain.
+        # The port reports the speed before the step, and a semi-implicit fall is slower by half of a step's gain.
         require_between(
             expected - 1.5 * within, speed, expected + within, f"approach speed [m/s] after a fall of {height} m"
         )
@@ -199,14 +202,14 @@ def reports_the_speed_of_impact(rig: Rig) -> None:
 def reports_the_overlap(rig: Rig) -> None:
     """Check that the separation of an overlap is negative: a brick spawned 1 mm deep in the ground reports its depth.
 
-    The depth may be that before the step, or what remains of it after the step.
+    The port may report the depth before the step, or the depth that remains after the step.
     """
     simulation = rig.open()
     body = simulation.spawn(plank(z=THICKNESS / 2 - 1e-3))
     simulation.step(simulation.info.frame_s)
     separation = touching(simulation.port.contacts(), body).separation
     left = pose(simulation, body)[2] - THICKNESS / 2
-    # The depth may be that before or after the step; gravity may have pushed the brick a little deeper.
+    # The depth may belong to the time before or after the step; gravity may have pushed the brick a little deeper.
     require_between(
         -1.5e-3,
         min(separation, default=math.inf),
@@ -246,11 +249,13 @@ def reports_masses(rig: Rig) -> None:
         bool((centre == pose(simulation, bodies[2])[:3]).all()),
         f"the centre of mass is {centre} m, must be the body's position {pose(simulation, bodies[2])[:3]} m",
     )
-    require(not list(simulation.port.masses().removed), "a removed body is listed twice, must be listed once")
+    require(
+        not list(simulation.port.masses().removed), "masses list a removed body as removed twice, must list it once"
+    )
 
 
 def reports_the_normal_at_a_ridge(rig: Rig) -> None:
-    """Check that the normal at the ridge of two planks that lean at 72 deg is the one that the capabilities state."""
+    """Check that the normal at the ridge of two planks that lean at 72 deg agrees with the capabilities."""
     simulation = rig.open()
     lean = math.radians(72)
     half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2

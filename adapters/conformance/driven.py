@@ -32,7 +32,7 @@ STILL: Vector = (0.0, 0.0, 0.0)
 
 
 def _platform(simulation: Simulation) -> int:
-    """Spawn a platform, three planks long and clear of the ground; return its id."""
+    """Spawn a platform, three planks long, at height ``TOP``; return its id."""
     size = (3 * LENGTH, 3 * WIDTH, 0.02)
     return simulation.spawn(Brick(size, 1.0, (0.0, 0.0, TOP - 0.01), moved=True))
 
@@ -78,7 +78,7 @@ def carries_what_lies_on_it(rig: Rig) -> None:
 
 
 def shows_what_it_moves_below_frozen_bricks(rig: Rig) -> None:
-    """Check that a platform that turns below a frozen brick has contacts with it, at the speed of its surface."""
+    """Check that a platform that turns below a frozen brick has contacts with the brick, at its surface's speed."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -136,14 +136,14 @@ def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Check that masses list a moved body with an infinite mass, even without live bodies, and contacts its speed."""
+    """Check that masses list a moved body, of infinite mass, even without live bodies; contacts state its speed."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
     advance(simulation, 0.5)
     masses = simulation.port.masses()
     require(masses.body.tolist() == [platform, body], f"masses list {masses.body}, must list {[platform, body]}")
-    require(bool(np.isinf(masses.mass[0])), f"the mass of a moved body is reported as {masses.mass[0]}, must be inf")
+    require(bool(np.isinf(masses.mass[0])), f"masses list a moved body with {masses.mass[0]} kg, must list inf")
     contacts = simulation.port.contacts()
     require(pairs(contacts) == {(platform, body)}, f"the pairs are {pairs(contacts)}, must be {platform, body}")
     simulation.drive(platform, (0.05, 0.0, 0.0))
@@ -156,7 +156,9 @@ def reports_moved_bodies(rig: Rig) -> None:
     simulation.port.sleep([body])
     before = pose(simulation, body)
     advance(simulation, 0.2)
-    require(bool((pose(simulation, body) == before).all()), "a frozen brick moved with the platform below it, must not")
+    require(
+        bool((pose(simulation, body) == before).all()), "a frozen brick moved with the platform below it, must not move"
+    )
     listed = simulation.port.masses().body.tolist()
     require(listed == [platform], f"with all bricks frozen masses list {listed}, must list the platform {[platform]}")
     simulation.drive(platform, STILL)

@@ -33,7 +33,7 @@ CORNER = 1e-3
 SAME_DIRECTION = math.radians(1.0)
 """Greatest angle [rad] between a normal and the ideal normal."""
 SAME_PLACE = 0.1e-3
-"""Greatest distance [m] between the bricks of a tower with calls of ``find_contacts`` and of a tower without."""
+"""Greatest distance [m] between the bricks of a tower with calls of ``find_contacts`` and of a tower without calls."""
 TOP = 0.02
 """Offset along x [m] of the third brick of the tower."""
 
@@ -52,7 +52,10 @@ def _found(simulation: Simulation) -> Contacts:
     require(before.tobytes() == after.tobytes(), "find_contacts changed a pose or a velocity, must not change a bit")
     left = simulation.port.masses()
     same = np.array_equal(masses.body, left.body) and np.array_equal(masses.center_of_mass, left.center_of_mass)
-    require(same and not left.removed, f"find_contacts changed the live bodies {masses.body} to {left.body}, must not")
+    require(
+        same and not left.removed,
+        f"find_contacts changed the live bodies {masses.body} to {left.body}, must not change them",
+    )
     return contacts
 
 
@@ -109,7 +112,7 @@ def _tower(simulation: Simulation) -> list[int]:
 
 
 def finds_the_contacts_of_a_tower(rig: Rig) -> None:
-    """Check that every whole contact area of a tower without gaps is found before the first step, at velocity 0."""
+    """Check that ``find_contacts`` finds the whole contact areas of a tower without gaps, before the first step."""
     simulation = rig.open()
     lower, middle, upper = _tower(simulation)
     contacts = _found(simulation)
@@ -123,9 +126,9 @@ def finds_the_contacts_of_a_tower(rig: Rig) -> None:
 
 
 def finds_the_contacts_of_an_inverted_v(rig: Rig) -> None:
-    """Check that both feet and the ridge of two planks that lean on each other at 72 deg are found as lines.
+    """Check that ``find_contacts`` finds, as lines, both feet and the ridge of two planks that lean at 72 deg.
 
-    Engines differ in the normal at the ridge: it may be any direction between the faces of the planks.
+    The normal at the ridge may have any direction between the faces of the planks, because engines differ.
     """
     simulation = rig.open()
     lean = math.radians(72)
@@ -147,7 +150,7 @@ def finds_the_contacts_of_an_inverted_v(rig: Rig) -> None:
 
 
 def finds_an_overlap(rig: Rig) -> None:
-    """Check that a brick spawned 1 mm deep in the ground or in a frozen brick is found with this overlap."""
+    """Check that ``find_contacts`` finds the overlap of a brick spawned 1 mm deep in the ground or a frozen brick."""
     simulation, deep = rig.open(), 1e-3
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     lower, upper = simulation.spawn(plank(z=THICKNESS / 2 - deep)), simulation.spawn(plank(0.3, 1.5 * THICKNESS - deep))
@@ -184,7 +187,7 @@ def finds_contacts_among_moving_and_frozen_bricks(rig: Rig) -> None:
 
 
 def finds_contacts_with_fixed_boxes(rig: Rig) -> None:
-    """Check that a fixed table below and a fixed wall beside a brick are found as ground, with whole contact areas."""
+    """Check that ``find_contacts`` finds a fixed table and a fixed wall at a brick as ground, with whole areas."""
     top, edge = 0.1, LENGTH / 4
     table = Brick((LENGTH, 2 * WIDTH, top), 1.0, (edge - LENGTH / 2, 0.0, top / 2))
     wall = Brick((0.05, 2 * WIDTH, 2 * top), 1.0, (LENGTH / 2 + 0.025, 0.0, top))
@@ -202,7 +205,7 @@ def finds_contacts_with_fixed_boxes(rig: Rig) -> None:
 
 
 def forgets_found_contacts_with_the_next_step(rig: Rig) -> None:
-    """Check that found contacts end with the next step: a brick pushed off the ground then has none."""
+    """Check that found contacts end with the next step: a brick pushed off the ground then has no contacts."""
     simulation = rig.open()
     body = simulation.spawn(plank())
     _require_pairs(_found(simulation), {(GROUND, body)})
@@ -212,7 +215,7 @@ def forgets_found_contacts_with_the_next_step(rig: Rig) -> None:
 
 
 def stands_as_if_never_asked(rig: Rig) -> None:
-    """Check that calls of ``find_contacts``, before the first step and later, do not change where a tower stands."""
+    """Check that calls of ``find_contacts``, before the first step and later, do not displace a tower."""
     ends = []
     for asked in (False, True):
         simulation = rig.open()
@@ -223,6 +226,6 @@ def stands_as_if_never_asked(rig: Rig) -> None:
             simulation.step(simulation.info.frame_s)
         ends.append(np.array([pose(simulation, body)[:3] for body in bodies]))
     apart = np.linalg.norm(ends[0] - ends[1], axis=1).max()
-    require_between(0.0, apart, SAME_PLACE, "distance [m] of a brick from its place without find_contacts")
+    require_between(0.0, apart, SAME_PLACE, "distance [m] of a brick from its position without find_contacts")
     # With soft contacts, as shipped, the third brick sinks by less than a thickness.
     require_between(1.5 * THICKNESS, ends[1][2, 2], 2.6 * THICKNESS, "height [m] of the third brick after 60 frames")

@@ -1,4 +1,4 @@
-"""Checks of the fixed boxes of a world: they support, hold and stop bricks as the ground does, with its id."""
+"""Checks of the fixed boxes of a world: they support, hold and stop bricks as the ground does, and have its id."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def leans_on_a_fixed_wall(rig: Rig) -> None:
     """Check that a brick pulled against a fixed wall stays, and that the port reports the wall and the ground.
 
     Gravity is inclined by 40 degrees, more than friction holds. Both contacts name the ground, and their normals point
-    from it to the brick: away from the wall, and up.
+    from the ground to the brick: away from the wall, and up.
     """
     lean, wall = math.radians(40), _fixed((0.05, DEPTH, 0.1), (LENGTH / 2 + 0.025, 0.0, 0.05))
     gravity = (GRAVITY * math.sin(lean), 0.0, -GRAVITY * math.cos(lean))
@@ -155,4 +155,4 @@ def freezes_on_a_fixed_box(rig: Rig) -> None:
     drift = np.abs(pose(simulation, lower) - before).max()
     require(drift == 0.0, f"a brick frozen on a fixed box moved by {drift:.3g}, must not move by a bit")
     found = pairs(simulation.port.contacts())
-    require(found == {(lower, upper)}, f"a live brick on a frozen one has the pairs {found}, must be {(lower, upper)}")
+    require(found == {(lower, upper)}, f"a live brick on a frozen brick has pairs {found}, must be {(lower, upper)}")

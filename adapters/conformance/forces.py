@@ -26,7 +26,7 @@ FRAMES = 20
 CARRYING_GAP = 0.1e-3
 """Greatest gap [m] of a contact that bears load, because bodies of such a contact touch or overlap in all engines."""
 PRECISION = 0.02
-"""Greatest error of a mean force over the weight of a brick: in a scaled world solvers that stop early err by 1 %."""
+"""Greatest error of a mean force over the weight of a brick, because in a scaled world some solvers err by 1 %."""
 
 
 def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
@@ -89,7 +89,7 @@ def carries_each_level(rig: Rig) -> None:
 
 
 def resists_a_steady_push(rig: Rig) -> None:
-    """Check that friction balances a steady force of 0.2 weights of a brick, below the limit of 0.45."""
+    """Check that friction balances a steady force of 0.2 weights of a brick, below the limit of 0.45 weights."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1, xs=(0.3,))
     on_ground, on_frozen = place_on(simulation, 0), place_on(simulation, 1, x=0.3)
@@ -132,7 +132,7 @@ def reports_no_forces(rig: Rig) -> None:
     advance(simulation, 1.0)
     contacts = touching(simulation.port.contacts(), body)
     require(len(contacts) > 0, "a brick at rest has no contact, must have one or more")
-    require(contacts.force is None, "forces are reported, must be None by the engine's capabilities")
+    require(contacts.force is None, "Contacts.force holds forces, must be None, as the engine's capabilities state")
 
 
 def forgets_forces_without_a_step(rig: Rig) -> None:

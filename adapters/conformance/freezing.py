@@ -92,14 +92,14 @@ def carries_a_live_brick(rig: Rig) -> None:
     body = simulation.spawn(plank(z=0.3 + THICKNESS + 0.5e-3))
     advance(simulation, 1.0)
     sunk = 0.3 + THICKNESS - pose(simulation, body)[2]
-    require_between(-0.1e-3, sunk, 0.5e-3, "depth [m] to which a brick sank into a frozen one")
+    require_between(-0.1e-3, sunk, 0.5e-3, "depth [m] to which a brick sank into a frozen brick")
 
 
 def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
-    """Return the velocities (12,) of two weightless planks after one has struck the other's end from above.
+    """Return the velocities (12,) of two weightless planks after the second has struck the end of the first from above.
 
-    The numbers of each plank are linear [m/s], then angular [rad/s]. With ``freeze`` the struck plank is frozen and
-    unfrozen before the impact.
+    The numbers of each plank are linear [m/s], then angular [rad/s]. With ``freeze`` the function freezes and unfreezes
+    the struck plank before the impact.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     target, striker = simulation.spawn(plank(z=0.5)), simulation.spawn(plank(0.4 * LENGTH, 0.5 + THICKNESS + 0.02))
@@ -116,15 +116,15 @@ def _struck(rig: Rig, freeze: bool) -> np.typing.NDArray[np.float64]:
 def tumbles_as_if_never_frozen(rig: Rig) -> None:
     """Check that an unfrozen brick has its mass and inertia: struck at one end, it moves like a brick never frozen."""
     never, woken = _struck(rig, freeze=False), _struck(rig, freeze=True)
-    require_between(0.05, abs(never[2]), 0.3, "speed [m/s] of a brick struck at its end by one of 0.3 m/s")
+    require_between(0.05, abs(never[2]), 0.3, "speed [m/s] of a brick struck at its end by a brick of 0.3 m/s")
     for name, part in (("linear [m/s]", slice(0, 3)), ("angular [rad/s]", slice(3, 6))):
         error = np.abs(woken[part] - never[part]).max()
         most = 0.01 * np.abs(never[part]).max()
-        require_between(0.0, error, most, f"difference of the {name} velocity from that of a brick never frozen")
+        require_between(0.0, error, most, f"difference of {name} velocity between bricks unfrozen and never frozen")
 
 
 def wakes_to_live_again(rig: Rig) -> None:
-    """Check that an unfrozen brick is listed with its mass and contacts, supports a brick, and slides when pushed."""
+    """Check that an unfrozen brick has its mass and contacts in the port, supports a brick, and slides when pushed."""
     simulation = rig.open()
     (support,) = frozen_column(simulation, 1)
     body = place_on(simulation, 1)
@@ -164,8 +164,10 @@ def moves_a_frozen_brick(rig: Rig) -> None:
     )
     advance(simulation, 0.5)
     _require_still(simulation, shelf, before, "after the host had moved it")
-    require_between(0.2, pose(simulation, carried)[2], 0.2 + 1.2 * THICKNESS, "height [m] of a brick on the moved one")
-    require_between(0.0, pose(simulation, dropped)[2], 0.05, "height [m] of a brick at the old place of the moved one")
+    require_between(
+        0.2, pose(simulation, carried)[2], 0.2 + 1.2 * THICKNESS, "height [m] of a brick on the moved brick"
+    )
+    require_between(0.0, pose(simulation, dropped)[2], 0.05, "height [m] of a brick where the moved brick was")
 
 
 def removes_a_frozen_brick(rig: Rig) -> None:
@@ -180,6 +182,6 @@ def removes_a_frozen_brick(rig: Rig) -> None:
     require(falling not in (removed, kept), f"the id {falling} was used before, must be new")
     advance(simulation, 0.5)
     require_between(
-        0.0, pose(simulation, falling)[2], 0.05, "height [m] of a brick that falls where a frozen one was removed"
+        0.0, pose(simulation, falling)[2], 0.05, "height [m] of a brick that falls through the place of a removed brick"
     )
     _require_still(simulation, kept, before, "when its neighbour was removed")

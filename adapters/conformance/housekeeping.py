@@ -17,7 +17,7 @@ def _require_error(kind: type[Exception], action: Callable[[], object], what: st
         action()
     except kind:
         return
-    require(False, f"{what} must raise {kind.__name__}")
+    require(False, f"{what} raises no error, must raise {kind.__name__}")
 
 
 def refuses_bad_input(rig: Rig) -> None:
@@ -79,7 +79,7 @@ def keeps_poses_and_ids(rig: Rig) -> None:
     bodies[-1] = simulation.spawn(plank(1.5))
     simulation.remove(bodies[0])
     bodies.append(simulation.spawn(plank(1.8)))
-    require(len(set(bodies)) == 5, f"the ids {bodies} must all differ")
+    require(len(set(bodies)) == 5, f"the ids of five spawned bricks are {bodies}, must all differ")
     listed = simulation.poses()[0].tolist()
     require(listed == sorted(bodies[1:]), f"poses list the bodies {listed}, must be {sorted(bodies[1:])}")
 

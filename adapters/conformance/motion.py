@@ -33,8 +33,8 @@ from scenarios.model import CLEARANCE, Vector
 SEATED_SPEED, SEATED_PENETRATION = 3e-3, 0.2e-3
 """Greatest speed [m/s] and penetration [m] of a flat brick at rest, because a deeper brick tilts the next level."""
 LEANING_SPEED, LEANING_PENETRATION = 50e-3, 4e-3
-"""Greatest speed [m/s] and penetration [m] of a leaning brick at rest: with lower limits it would slip before it is
-frozen."""
+"""Greatest speed [m/s] and penetration [m] of a leaning brick at rest, because with lower limits the brick would slip
+before a policy freezes it."""
 
 
 def falls_freely(rig: Rig) -> None:
@@ -62,7 +62,7 @@ def moves_by_impulse_over_mass(rig: Rig) -> None:
 
 
 def accelerates_by_force_over_mass(rig: Rig) -> None:
-    """Check that a steady force F gives a live brick the velocity F t / m and no spin, until F is set to zero.
+    """Check that a steady force F gives a live brick the velocity F t / m and no spin, until a force of zero ends it.
 
     A frozen brick must not move until it is unfrozen.
     """
@@ -81,7 +81,9 @@ def accelerates_by_force_over_mass(rig: Rig) -> None:
         require_between(0.0, error / seconds, 0.005, f"error of the acceleration [m/s2] {what} of 0.5 m/s2")
         simulation.apply_force(free, (0.0, 0.0, 0.0))
         advance(simulation, 0.1)
-    require(bool((pose(simulation, frozen) == before).all()), "a frozen brick moved under a steady force, must not")
+    require(
+        bool((pose(simulation, frozen) == before).all()), "a frozen brick moved under a steady force, must not move"
+    )
     simulation.port.wake([frozen])
     advance(simulation, 0.1)
     gained = velocity(simulation, frozen)[0] / (frames(simulation, 0.1) * simulation.info.frame_s)
@@ -190,7 +192,7 @@ def _require_seated(simulation: Simulation, body: int, where: str) -> None:
     require(seated_since is not None, f"a brick placed {where} is not at rest after 1.4 s, must be: {state}")
     require(
         seated_since is not None and seated_since <= limit,
-        f"a brick placed {where} stays at rest from frame {seated_since} on, must from frame {limit} (0.7 s) or before",
+        f"a brick placed {where} is at rest from frame {seated_since}, must be from frame {limit} (0.7 s) or earlier",
     )
 
 
@@ -201,7 +203,7 @@ def seats_on_the_ground(rig: Rig) -> None:
 
 
 def seats_on_frozen_bricks(rig: Rig) -> None:
-    """Check that a brick on a frozen column of 25 levels, and one across two frozen bricks, is at rest within 0.7 s."""
+    """Check that bricks on a frozen column of 25 levels and across two frozen bricks are at rest within 0.7 s."""
     simulation = rig.open()
     frozen_column(simulation, 25)
     _require_seated(simulation, place_on(simulation, 25), "on 25 frozen levels")
@@ -211,7 +213,7 @@ def seats_on_frozen_bricks(rig: Rig) -> None:
 
 
 def holds_an_inverted_v(rig: Rig) -> None:
-    """Check that two planks that lean on each other at 72 deg are slow in two successive frames, as a freeze needs."""
+    """Check that two planks that lean on each other at 72 deg are slow in two successive frames (needed to freeze)."""
     simulation = rig.open()
     lean = math.radians(72)
     half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2

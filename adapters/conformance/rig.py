@@ -68,7 +68,7 @@ def plank(x: float = 0.0, z: float = THICKNESS / 2, lean: float = 0.0) -> Brick:
 
 
 class Rig:
-    """Source of worlds of one engine and profile, which it closes together."""
+    """Source of worlds of one engine and profile; ``close`` closes all of them."""
 
     def __init__(self, open_world: Callable[[World], Simulation], capabilities: Capabilities) -> None:
         self.capabilities = capabilities
@@ -81,7 +81,7 @@ class Rig:
         """Open and return an empty world, and access its port, so that the engine records contact velocities."""
         simulation = self._open_world(World(friction, gravity, fixed))
         self._opened.append(simulation)
-        require(len(simulation.port.masses().body) == 0, "a new world must be empty")
+        require(len(simulation.port.masses().body) == 0, "masses list bodies in a new world, must list none")
         return simulation
 
     def close(self) -> None:
