@@ -64,7 +64,7 @@ class Box3dWorld:
         lib.b3DestroyBody(self.handles.pop(body))
 
     def handle(self, body: int) -> Any:
-        """Set the engine's length unit to this world's, and return the handle of a body for a change."""
+        """Set the engine's length unit to the unit of this world, and return the handle of a body for a change."""
         self._set_length_unit()
         return self.handles[body]
 

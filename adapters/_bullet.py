@@ -5,12 +5,12 @@ nothing moves it by a single bit, and Bullet does not collide two frozen bodies.
 Bullet then computes inertia and gravity again. (Bullet never applies gravity to a body created with mass 0, so that
 the adapter creates every brick with its mass.)
 
-Contacts are those that the latest step solved, detected at the poses before that step. Bullet lists penetrating points
-only, often three of a face's four corners; the port adds the missing corners. Bullet reports no approach speed, so that
-``SubstepSimulation`` records the pose and the velocity of every live body before each substep.
+Contacts: Bullet reports the contacts that the latest step solved, detected at the poses before that step. It lists
+penetrating points only, often three of a face's four corners; the port adds the missing corners. Bullet reports no
+approach speed, so that ``SubstepSimulation`` records the pose and the velocity of every live body before each substep.
 
 ``find_contacts`` runs ``performCollisionDetection`` in a second world with the same bodies and changes nothing in the
-first. In the first world the call would refresh Bullet's cached points: a falling pile then lay 10 mm elsewhere after
+first. In the first world the call would refresh Bullet's cached points, which displaced a falling pile by 10 mm after
 1 s. The second world has no cached points, so that it may list other corners than the next step solves.
 
 Friction: the coefficient of a pair is the product of both bodies' coefficients, so that each body has the square root

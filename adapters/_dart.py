@@ -6,10 +6,10 @@ Mechanisms:
   contact problem, so that it drifts by exactly zero and costs almost nothing. DART lists no contacts between two
   immobile skeletons.
 - Contacts: a step of DART collides first, then solves, then moves, so that the contacts belong to the poses before the
-  latest substep. DART's normal points from object 2 to object 1: object 2 is the suite's body a.
-- Friction: the coefficient of a pair is the smaller one of both bodies', and every body has the world's coefficient.
-  The law is a box: friction reaches sqrt(2) mu along the diagonal of the two tangents. DART chooses the tangents: no
-  call in Python turns them, but a small tilt of the normal may.
+  latest substep. DART's normal points from object 2 to object 1, so that object 2 is the suite's body a.
+- Friction: the coefficient of a pair is the smaller of both bodies' coefficients, and every body has the world's
+  coefficient. The law is a box: friction reaches sqrt(2) mu along the diagonal of the two tangents. DART chooses the
+  tangents: no call in Python turns them, but a small tilt of the normal may.
 - Approach speed: DART reports none. The adapter records the velocities before each substep and reports the fastest
   approach.
 - ``find_contacts`` runs the world's collision group into a separate result. The group keeps nothing between steps, so
@@ -82,7 +82,7 @@ class DartSimulation(SubstepSimulation):
         self._joints = self._engine.joints
         self._objects = CollisionObjects()
         self._latest: Contacts | None = None  # contacts of the latest step; None until they are read
-        for body, box in self._fixed_boxes():  # a box rather than a plane: box on box gives the best manifolds
+        for body, box in self._fixed_boxes():  # a box, because box on box gives the best manifolds
             self._engine.add_fixed(body, box)
 
     def _read_knobs(self) -> Mapping[str, KnobValue]:
@@ -190,7 +190,7 @@ class DartSimulation(SubstepSimulation):
     # -- helpers --------------------------------------------------------------------------------------
 
     def _read_contacts(self, result: Any) -> Contacts:
-        """Return all contacts of a collision result, including those of frozen and of removed bodies."""
+        """Return all contacts of a collision result, including contacts of frozen and of removed bodies."""
         contacts = result.getContacts()
         if not contacts:
             return Contacts.empty()

@@ -12,7 +12,7 @@ from stability_core.port import FloatArray, IntArray
 
 
 class CollisionObjects:
-    """Map from DART's collision objects to bodies, which are the names of their skeletons.
+    """Map from DART's collision objects to bodies. The name of a skeleton is the id of its body.
 
     The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
     skeleton is removed, so that the caller must call ``forget`` before it removes a skeleton.

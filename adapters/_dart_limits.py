@@ -2,7 +2,7 @@
 
 In dartpy 6.20 ``getCollisionOption`` returns a copy, so that an assignment to its fields changes nothing. The C++
 method of the same name is exported and returns the solver's own option; this module writes the field there. It compares
-both the old and the new value with dartpy's, so that another memory layout raises an error.
+the old and the new value with the values in dartpy, so that another memory layout raises an error.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import dartpy
 SHIPPED = 1000
 """DART's shipped limit on the number of contacts of a world."""
 PER_PAIR = 8
-"""Contacts allowed per pair of bodies: the number of corners of two faces."""
+"""Contacts allowed per pair of bodies, because two faces have eight corners."""
 _GETTER = "_ZN4dart10constraint16ConstraintSolver18getCollisionOptionEv"
 """Symbol of ``dart::constraint::ConstraintSolver::getCollisionOption()``."""
 
@@ -62,5 +62,5 @@ def _option_of(solver: Any) -> _CollisionOption | None:
 def _refusal(before: int, contacts: int) -> str:
     return (
         f"dartpy {dartpy.__version__} keeps DART's limit of {before} contacts, and this scene may need {contacts}: "
-        "install the version of uv.lock (uv sync)"
+        "install the version of dartpy in uv.lock (uv sync)"
     )

@@ -20,7 +20,8 @@ _MATRIX_FREE_OPTIONS = {
 """Map from a knob to the field of ``MatrixFreeContactSolverOptions`` that it sets."""
 
 _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
-"""Knobs that are impulses [N s], chosen for planks; in scenes of heavier or lighter bricks they scale with the mass."""
+"""Knobs that are impulses [N s], chosen for planks; for heavier or lighter bricks ``configure`` scales them with the
+mass."""
 _PLANK_MASS = 0.0119
 """Mass [kg] of the plank for which ``_IMPULSE_TOLERANCES`` were chosen."""
 
@@ -66,7 +67,7 @@ def _mass_in_planks(bricks: Sequence[Brick]) -> float:
       4 kg take all iterations, and then the dense solver.
     - All expected bricks are lighter than a plank: the heaviest brick. With 3e-7 N s, planks of 12 mg, whose weight is
       5e-7 N s per step, fall through the ground.
-    - Otherwise: a plank, because scenes have few pieces of planks.
+    - Otherwise: a plank, because the lightest brick is then a piece of a plank, and few scenes have such pieces.
     """
     masses = [brick.mass for brick in bricks if not brick.moved] or [_PLANK_MASS]
     return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)

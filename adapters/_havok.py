@@ -22,8 +22,8 @@ Traps:
   The value 0 disables this.
 - In a world of scale 1 slow slides stick (a plank slides 4 mm instead of 52 mm), so that all profiles have scale 10.
 - Havok expects the inertia for a mass of 1.
-- All events share one place in memory, and each can be read once. The peer reads their fields from memory and compares
-  the memory layout with the API's functions at each start of the process.
+- All events share one block of memory, and the peer can read an event only once. The peer reads the fields from memory
+  and compares the memory layout with the API's functions at each start of the process.
 """
 
 from __future__ import annotations
@@ -54,5 +54,5 @@ class HavokSimulation(WasmSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping == "raised":
-            raise NotImplementedError("Havok's threshold of sleeping cannot be set: use policy 'none' or 'native'")
+            raise NotImplementedError("Havok's API cannot set the sleep threshold: use policy 'none' or 'native'")
         super()._open()

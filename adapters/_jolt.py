@@ -10,9 +10,9 @@ distance; the bridge omits points with a gap of more than 0.1 mm. Jolt reports n
 Friction: the coefficient of a pair is the geometric mean of both bodies' coefficients (as shipped), and every body has
 the world's coefficient. The law is a cone: one constraint per point, in the direction of sliding.
 
-Ridges: where two bricks touch edge on edge, Jolt reports the normal across both edges, not that of a face. The two
-planks of a V then press horizontally against each other, as ideal planks do, so that the V holds at much flatter angles
-than on engines that report the normal of a face.
+Ridges: where two bricks touch edge on edge, Jolt reports the normal across both edges, not the normal of a face. The
+two planks of a V then press horizontally against each other, as ideal planks do, so that the V holds at much flatter
+angles than on engines that report the normal of a face.
 
 Traps:
 

@@ -9,13 +9,14 @@ Freezing: MuJoCo cannot make a body static, so that each slot has a second body,
 drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because a ghost belongs
 to its world body. A world without a port has no ghosts.
 
-Contacts are those at the start of the latest substep, and ``cvel`` holds the velocities at that time. Together they
-give the approach speed before the solver stops the bodies.
+Contacts: MuJoCo lists the contacts at the start of the latest substep, and ``cvel`` holds the velocities at that time.
+Together they give the approach speed before the solver stops the bodies.
 
 ``find_contacts`` runs MuJoCo's kinematics and collision on a copy of the state and changes nothing. The call disables
-speculative contacts and sleeping, so that distances are measured and sleeping pairs are listed.
+speculative contacts and sleeping, so that MuJoCo measures all distances and lists sleeping pairs.
 
-Friction: the coefficient of a pair is the larger one of its two geoms, and every geom has the world's coefficient.
+Friction: the coefficient of a pair is the larger of both geoms' coefficients, and every geom has the world's
+coefficient.
 
 Traps:
 
@@ -158,7 +159,7 @@ class MujocoSimulation(SubstepSimulation):
         return poses[:, :3], poses[:, 3:]
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        return self._engine.slots.poses[self._engine.slots_of(bodies), :3]  # these bodies are live: not at their ghosts
+        return self._engine.slots.poses[self._engine.slots_of(bodies), :3]  # live bodies, so not at their ghosts
 
     def _velocities(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         rows = self._engine.slots.velocities[self._engine.slots_of(bodies)]
@@ -178,7 +179,7 @@ class MujocoSimulation(SubstepSimulation):
         geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
         velocity = record.relative_velocities(geoms, found.pos[rows])
         speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
-        if len(speculative):  # a force before the bodies touch, at an invented distance that makes it stop the brick
+        if len(speculative):  # forces before the bodies touch, at distances that MuJoCo has invented
             separation[speculative] = np.nan
             velocity[speculative] += record.fall(geoms[speculative])
         force = mean_force(record.forces_at(rows, geoms), normals, self._earlier_forces) if self.reads_forces else None

@@ -1,4 +1,4 @@
-"""Approach velocities of pairs of MuJoCo's geoms in the substeps of a frame, and the fastest one of each pair."""
+"""Approach velocities of pairs of MuJoCo's geoms in the substeps of a frame, and the fastest velocity of each pair."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class Approaches:
         self._substeps.append((_pairs(geoms), dot(velocity, normals), velocity))
 
     def fastest(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Overwrite each velocity by that of an earlier substep in which the pair approached faster, and return all.
+        """Replace velocities by the velocities of an earlier substep in which the pair approached faster; return all.
 
-        The arguments are those of ``add``, for the last substep.
+        The arguments have the same meaning as in ``add``, for the last substep.
         """
         pairs, speed = _pairs(geoms), dot(velocity, normals)
         for earlier_pairs, earlier_speed, earlier_velocity in self._substeps:

@@ -16,9 +16,10 @@ NOBODY = np.iinfo(np.int64).min
 
 
 class Geoms:
-    """Record of the geoms of one compiled model: the body of each, whether it is live, and whether its contacts hold.
+    """Record of the geoms of one compiled model: the body of each geom, and whether the body is live.
 
-    The contacts of a geom hold (are current) until the geom gets another body or another pose after the latest step.
+    The record also states whether the contacts of a geom are current. They are current until the geom gets another body
+    or another pose after the latest step.
     """
 
     def __init__(self, world: SlotModel) -> None:

@@ -34,7 +34,7 @@ class MujocoWorld:
             profile: MuJoCo's settings.
             bodies: the adapter's record of its bodies.
             expected: the bricks that will be spawned.
-            needs_ghosts: returns True if bodies may be frozen; called when the model is first compiled.
+            needs_ghosts: returns True if the port may freeze bodies; the first compilation of a model calls it.
         """
         self.slot_of: dict[int, int] = {}
         """Slot of each body."""
@@ -147,7 +147,7 @@ class MujocoWorld:
         return slot
 
     def _take_slot(self, shape: Shape) -> int:
-        """Return a free slot; without one, add as many slots as there are bodies, so that few models are compiled."""
+        """Return a free slot; if no slot is free, add as many slots as there are bodies, to compile few models."""
         if not self._free[shape]:
             first, more = len(self._shapes), max(1, len(self.slot_of))
             self._shapes += [shape] * more

@@ -4,12 +4,12 @@ Freezing: the adapter makes the body kinematic. Nothing moves a kinematic body b
 collide it with the ground or with another kinematic body. Unfreezing makes the body dynamic again, at rest and awake.
 SAPIEN's ``put_to_sleep`` does not freeze a body, because the first touch wakes it.
 
-Contacts: up to four points per pair, detected before the latest substep. PhysX lists points with a gap of up to the sum
-of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks, so that PhysX lists a brick
-and the ground with another brick between them, without impulse. The adapter omits points with a gap of more than
-``MAX_SEPARATION``. Normals point from the second body to the first, and all points of a pair share one normal, because
-boxes are convex. SAPIEN lists pairs in the order of memory addresses; the adapter sorts them by ids. All poses and
-velocities come in one packed block of 32-bit floats.
+Contacts: PhysX reports up to four points per pair, detected before the latest substep. It lists points with a gap of up
+to the sum of both shapes' contact offsets. As shipped this sum exceeds the thickness of two planks, so that PhysX lists
+a brick and the ground with another brick between them, without impulse. The adapter omits points with a gap of more
+than ``MAX_SEPARATION``. Normals point from the second body to the first, and all points of a pair share one normal,
+because boxes are convex. SAPIEN lists pairs in the order of memory addresses; the adapter sorts them by ids. All poses
+and velocities come in one packed block of 32-bit floats.
 
 ``find_contacts`` makes one step of 1 us in a second world with the same bodies, weightless and at rest, because SAPIEN
 cannot collide without a step. It reads the contacts that PhysX detected at the start of that step, at the present
@@ -22,7 +22,8 @@ Traps:
 
 - The scene's settings are global, and a system reads them at its creation. If gravity changes later, the adapter
   applies the difference times the mass of each body as a force.
-- PhysX computes a box's inertia from its density, but at least 1e-6 kg m2, more than a plank has: the adapter sets it.
+- PhysX computes a box's inertia from its density, but at least 1e-6 kg m2. A plank has less, so that the adapter sets
+  the inertia.
 - Until the next step contacts refer to a removed component by its address, so that the adapter keeps the component.
 - SAPIEN warns of a missing Vulkan on import, although nothing is rendered.
 """
@@ -52,7 +53,7 @@ with silenced_stderr(), warnings.catch_warnings():
     import sapien
 
 _INSTANT = 1e-6
-"""Step [s] of the second world of ``find_contacts``: too short for its solver to close a gap."""
+"""Step [s] of the second world of ``find_contacts``. The step is short, so that the solver closes no gap."""
 
 _SETTINGS = load_settings("physx", KNOBS.__contains__)
 
@@ -196,7 +197,7 @@ class PhysxSimulation(SubstepSimulation):
     def _listed(self) -> Iterator[Listed]:
         """Yield every pair that touches a live body and has a point, by rising ids: bodies a and b, and the points.
 
-        The order matters, because friction forces are summed pair by pair: another order changes their last bits.
+        The order matters, because the adapter adds friction forces pair by pair: another order changes their last bits.
         """
         body_of = self._engine.body_of.get  # returns None for a brick that was removed after the latest step
 

@@ -1,4 +1,4 @@
-"""SAPIEN's contact points: selection of the points that touch, and their impulses."""
+"""PhysX's contact points: selection of the points that touch, and their impulses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MAX_SEPARATION = 1e-3
-"""Greatest gap [m] of a point that the adapter reads: twice the gap that the core counts as touching."""
+"""Greatest gap [m] of a point that the adapter reads: twice the gap that the core counts as touching, so that the core
+gets every point that touches."""
 
 Listed = tuple[int, int, list[Any]]
 """Bodies a and b of a pair, and PhysX's points of the pair."""
@@ -21,10 +22,15 @@ def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntAr
 
     Args:
         listed: pairs with their points.
-        scale: lengths in the engine's world over those of the scene.
+        scale: lengths in the engine's world over lengths in the scene.
 
     Returns:
-        Bodies a and b, each of shape (n,); and position [m], normal, separation [m], impulse [N s], shape (n, 10).
+        Bodies a and b, each of shape (n,), and an array of shape (n, 10) with the columns:
+
+        - 0 to 2: position [m];
+        - 3 to 5: normal;
+        - 6: separation [m];
+        - 7 to 9: impulse [N s].
     """
     body_a: list[int] = []
     body_b: list[int] = []
@@ -55,7 +61,7 @@ def all_impulses(listed: Iterable[Listed]) -> tuple[tuple[IntArray, IntArray], F
 
 
 def _separation(separation: float, scale: float, *, is_pressed: bool) -> float | None:
-    """Return the separation [m] of a point, 0 if it has an impulse across a gap; None if the gap is too large."""
+    """Return the separation [m] of a point: 0 for an impulse across a gap, None if the gap is too large."""
     if separation <= 0.0:
         return separation
     if is_pressed:

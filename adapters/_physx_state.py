@@ -1,4 +1,4 @@
-"""Poses and velocities of SAPIEN's bodies: from one packed block, or body by body if few are needed."""
+"""Poses and velocities of SAPIEN's bodies: from one packed block, or body by body if a call needs few bodies."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class BodyStates:
         return self.read(bodies)[:, 4:7]
 
     def _read_one_by_one(self, bodies: IntArray) -> FloatArray:
-        """Return the numbers of ``read``, without the packed block, because the block also holds every frozen body."""
+        """Return the array of ``read``, without the packed block, because the block also holds every frozen body."""
         vectors: list[FloatArray] = []
         for body in bodies.tolist():
             component = self._components[body]

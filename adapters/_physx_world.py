@@ -74,7 +74,7 @@ class PhysxWorld:
     def read_knobs(self, names: Iterable[str]) -> dict[str, KnobValue]:
         """Return the present values of the named knobs, from the process, the first body and its shape.
 
-        Without a body only the knobs of the process are returned.
+        Without a body the method returns only the knobs of the process.
         """
         owners: list[tuple[tuple[str, ...], Any]] = [(_SCENE, physx.get_scene_config())]
         if self.components:

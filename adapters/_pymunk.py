@@ -9,14 +9,14 @@ towards +x, so that the two angles differ in sign.
 
 Freezing: a frozen brick is a static body. A body that becomes dynamic again has lost its mass and moment of inertia, so
 that the adapter sets both. A static body also keeps the pending correction of its overlap (``v_bias``), which would
-move it once it is unfrozen; an integration over a time of 0 clears it.
+move the body after it is unfrozen; the adapter clears the correction by an integration over a time of 0.
 
-Contacts: overlapping pairs, with at most two points, and no pair across a gap. A brick at rest overlaps its support by
-the slop, so that its contacts stay listed. Chipmunk keeps the arbiters of two static bodies for ever, with points in
-memory that other contacts soon reuse; the adapter removes and adds the shape of a newly frozen body again, which
-deletes its arbiters. The order of arbiters and of ``Body.id`` depends on memory addresses: the adapter sorts both, so
-that runs repeat. A point in the plane represents a line across the bricks' depth, and the adapter reports both ends of
-that line.
+Contacts: Chipmunk lists overlapping pairs, with at most two points, and no pair across a gap. A brick at rest overlaps
+its support by the slop, so that its contacts stay listed. Chipmunk keeps the arbiters of two static bodies for ever,
+with points in memory that other contacts soon reuse; the adapter removes and adds the shape of a newly frozen body
+again, which deletes its arbiters. The order of arbiters and of ``Body.id`` depends on memory addresses: the adapter
+sorts both, so that runs repeat. A point in the plane represents a line across the bricks' depth, and the adapter
+reports both ends of that line.
 
 ``find_contacts`` runs Chipmunk's shape query for each live brick: the collision of a step, without arbiters, which
 changes nothing. Between corners that meet, rounding determines the query's normals, with errors of up to 90 degrees;
@@ -52,7 +52,7 @@ _SETTINGS = load_settings("pymunk", lambda name: isinstance(getattr(pymunk.Space
 
 
 class PymunkSimulation(SubstepSimulation):
-    """One space of Chipmunk."""
+    """One world of Chipmunk."""
 
     engine = "pymunk"
     profiles = _SETTINGS.profiles
@@ -79,7 +79,7 @@ class PymunkSimulation(SubstepSimulation):
         self._velocities_before: list[FloatArray] = []  # before each substep of the frame, by id, shape (n, 3)
         for body, box in self._fixed_boxes():
             self._engine.add_fixed(body, box)
-        self._contacts()  # returns none: it compiles or loads the kernels before any frame is timed
+        self._contacts()  # compiles or loads the kernels before any frame is timed; there are no contacts yet
 
     def _read_knobs(self) -> Mapping[str, KnobValue]:
         return {name: getattr(self._engine.space, name) for name in self.info.profile.knobs}

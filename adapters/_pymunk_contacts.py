@@ -37,7 +37,7 @@ def lift_contacts(
         ids: the suite's id of each engine id. Negative ids (ground -1, fixed boxes below) select the last rows of the
             arrays below.
         arbiters: engine ids of a and b, and the number of points, shape (m, 3).
-        numbers: normal, then for each of two points its place on a, its place on b, and the distance, shape (m, 12).
+        numbers: the numbers of each arbiter, shape (m, 12), with the columns of ``_pymunk_reader.Arbiters``.
         is_live: whether each body is live, by the suite's id, shape (n + fixed,).
         fixed: number of rows of the ground and the fixed boxes.
         state: states by the suite's id, the centre first, shape (n + fixed, 6).
@@ -46,8 +46,14 @@ def lift_contacts(
         units_per_metre: engine units per metre.
 
     Returns:
-        In SI units, k rows each: body ids (k, 2), points (k, 3), normals (k, 3), separations (k,), and velocities of b
-        relative to a (k, 3) in the substep with the fastest approach; NaN if no substep was recorded.
+        Five arrays in SI units:
+
+        - ids of bodies a and b, shape (k, 2);
+        - points [m], shape (k, 3);
+        - normals, shape (k, 3);
+        - separations [m], shape (k,);
+        - velocities of b relative to a [m/s] in the substep with the fastest approach, shape (k, 3); NaN if no substep
+          was recorded.
     """
     rows = len(is_live)
     order, keys = np.empty(len(arbiters), np.int64), np.empty(len(arbiters), np.int64)

@@ -36,19 +36,23 @@ _STATE = (
 )
 
 Arbiters = tuple[IntArray, FloatArray]
-"""Engine ids of a and b and the number of points, shape (m, 3); normal, then for each of two points its place on a, its
-place on b, and the distance, shape (m, 12), in engine units."""
+"""Two arrays of m pairs, in engine units:
+
+- engine ids of a and b, and the number of points, shape (m, 3);
+- normal (2 columns), then for each of two points the point on a (2), the point on b (2) and the distance (1), shape
+  (m, 12).
+"""
 
 
 class SpaceReader:
-    """Reader of one space, which keeps the latest state until a body changes."""
+    """Reader of one world of Chipmunk. It keeps the latest state until a body changes."""
 
     def __init__(self, space: pymunk.Space, fixed_rows: int) -> None:
         self._space = space
         self._buffer = batch.Buffer()
         self._latest: FloatArray | None = None
         self.rows = fixed_rows
-        """Number of rows: one per body id assigned so far, plus those of the ground and the fixed boxes."""
+        """Number of rows: one per body id assigned so far, and one for the ground and for each fixed box."""
         self.engine_ids = np.empty(0, np.int64)
         """The engine's id of every body, sorted. These ids are memory addresses."""
         self.ids = np.empty(0, np.int64)
@@ -74,9 +78,9 @@ class SpaceReader:
         self._latest = None
 
     def state(self) -> FloatArray:
-        """Return place (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (rows, 6).
+        """Return position (x, z), angle, velocity (x, z) and spin of every body in engine units, shape (rows, 6).
 
-        The engine is read only after a change.
+        The method reads the engine only after a change.
         """
         if self._latest is None:
             self._buffer.clear()

@@ -1,4 +1,4 @@
-"""A space of Chipmunk with the settings of a profile, and its bodies."""
+"""A world of Chipmunk with the settings of a profile, and its bodies."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, FloatArray
 
 MIN_GROUND_WIDTH = 20.0
-"""Least width [m] of the ground, enough for all but the largest scenes. Chipmunk clips a brick by the ends of the
-ground, so that the last bits of all contacts depend on the ground's width."""
+"""Least width [m] of the ground, so that all scenes but the largest have the same ground. The width matters, because
+Chipmunk clips a brick by the ends of the ground, so that the last bits of all contacts depend on it."""
 
 
 class PymunkWorld:
-    """A space, with its bodies, the reader of their states, and their depths along y, which a planar engine ignores."""
+    """A world, with its bodies, the reader of their states, and their depths along y, which a planar engine ignores."""
 
     def __init__(self, world: World, profile: Profile) -> None:
         self.space = pymunk.Space()
@@ -103,7 +103,7 @@ class PymunkWorld:
         self.reader.note_change()
 
     def close(self) -> None:
-        """Free the space."""
+        """Free the world."""
         self.bodies.clear()
         del self.space, self.reader
 

@@ -14,7 +14,7 @@ prediction distance; the adapter omits points with a gap of more than 0.1 mm.
 world itself. In the world itself this call changed later poses, and once the next step panicked.
 
 Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), and every collider has the
-world's coefficient. The law is a cone: one constraint per manifold, and another against twist.
+world's coefficient. The law is a cone, with one constraint per manifold for sliding and one constraint for twist.
 (``FrictionModel.COULOMB``, with one constraint per point, holds too little across a plank.)
 
 Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural

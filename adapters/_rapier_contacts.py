@@ -20,8 +20,11 @@ def local_points(
         pairs_of_colliders: body a, body b, and Rapier's pair.
 
     Returns:
-        Bodies a and b, shape (n, 2); the normal in a's frame, the point on a in a's frame and the point on b in b's
-        frame [m], shape (n, 9); and the impulses [N s] along the normal, shape (n,).
+        Three arrays of n points:
+
+        - bodies a and b, shape (n, 2);
+        - the normal and the point on a [m] in a's frame, then the point on b [m] in b's frame, shape (n, 9);
+        - the impulses [N s] along the normal, shape (n,).
     """
     pairs, rows, impulses = [], [], []
     for body_a, body_b, pair in pairs_of_colliders:

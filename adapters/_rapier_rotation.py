@@ -11,7 +11,7 @@ from scenarios.model import Quaternion
 
 
 def settle_rotation(view: rapier3d.RigidBody) -> None:
-    """Change a body's quaternion until Rapier's scaling to unit length no longer changes a bit of it.
+    """Change a body's quaternion until Rapier's scaling to unit length no longer changes any bit.
 
     One scaling is enough for most quaternions. Repeated scaling alone may run in a cycle, so that the function reduces
     one component by its last bit between attempts, a different component each time.

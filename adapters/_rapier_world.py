@@ -43,7 +43,7 @@ class RapierWorld:
             self._configure(name, value)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts, lower than all earlier ones."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts, lower than all earlier ids."""
         builder = self._box(box).position((box.position, scalar_last(box.quaternion)))
         self.body_of[self.world.add_collider(builder)] = body
         positions, quaternions = self.fixed_poses

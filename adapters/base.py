@@ -33,7 +33,7 @@ __all__ = ["Capabilities", "EngineInfo", "EnginePort", "Knob", "Profile", "Simul
 
 
 class Simulation(EngineHooks):
-    """One world of one engine. Positions [m] and quaternions (w, x, y, z) are those of centres of mass."""
+    """One world of one engine. Positions [m] and quaternions (w, x, y, z) refer to centres of mass."""
 
     port_type: ClassVar[type[EnginePort]] = EnginePort
 
@@ -45,7 +45,7 @@ class Simulation(EngineHooks):
             world: friction, gravity and fixed boxes.
             sleeping: the engine's own sleeping: off, as shipped, or with its threshold raised.
             expected: the bricks that will be spawned, for engines that must allocate in advance.
-                An adapter may ignore it, and must also accept other bricks.
+                An adapter may ignore this list, and must also accept other bricks.
         """
         for box in world.fixed:
             check_box(box)
@@ -61,7 +61,7 @@ class Simulation(EngineHooks):
         self._port = self.port_type(self)
         self._is_observed = False
         self.own_step_s: float | None = None
-        """Duration [s] of the engine's own steps in the latest frame; None if it is the duration of ``step``."""
+        """Duration [s] of the engine's own steps in the latest frame; None if it equals the duration of ``step``."""
         self._open()
 
     @classmethod
@@ -80,7 +80,7 @@ class Simulation(EngineHooks):
 
     @property
     def scale(self) -> float:
-        """Factor on an adapter's own lengths, for example those of its ground: the profile's scale."""
+        """Factor on an adapter's own lengths, for example on the size of its ground: the profile's scale."""
         return self.info.profile.scale
 
     @property
@@ -198,23 +198,23 @@ class Simulation(EngineHooks):
         self._step(seconds)
 
     def solver_iterations(self) -> int | None:
-        """Return the solver's iterations in the latest engine step, the greatest of all islands; None if unknown."""
+        """Return the greatest number of solver iterations of any island in the latest engine step; None if unknown."""
         return self._solver_iterations()
 
     def find_contacts(self) -> None:
         """Detect the contacts of the present poses without moving anything.
 
-        A host calls it before the first step, so that the extension can judge stacks that start in place. Until the
-        next step ``port.contacts()`` returns the contacts that this call detects:
+        A host calls this method before the first step, so that the extension can judge stacks that start in place.
+        Until the next step ``port.contacts()`` returns the contacts that this call detects:
 
         - A pair whose faces or parallel edges touch within 0.1 mm (planks; other bricks in proportion) has the corners
           of its contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because at gaps of exactly
           zero engines list no contacts, or normals that are rounding errors.
         - Deeper overlaps and crossing edges have the contacts that the engine detects at the present poses.
-        - Separations and relative velocities are those of the present poses and velocities. There are no forces,
+        - Separations and relative velocities belong to the present poses and velocities. There are no forces,
           because no step has solved these contacts.
         - A body that is frozen, removed or moved later loses its contacts. A body that is spawned or unfrozen later
-          has none until the next step or call.
+          has no contacts until the next step or call.
 
         The call changes no pose and no velocity by a bit, and the simulation continues as without the call, unless the
         docstring of the adapter states an exception.
@@ -222,7 +222,7 @@ class Simulation(EngineHooks):
         self._port.find_contacts()
 
     def poses(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return ids (n,), positions (n, 3) [m] and quaternions (n, 4) of all bodies, frozen ones too, by rising id."""
+        """Return ids (n,), positions (n, 3) [m] and quaternions (n, 4) of all live, frozen and moved bodies, by id."""
         bodies = self.bodies.ids()
         return bodies, *self._poses(bodies)
 
@@ -233,7 +233,7 @@ class Simulation(EngineHooks):
     def read_knobs(self) -> Mapping[str, KnobValue]:
         """Return the engine's present values of the profile's knobs, by name, where its interface reports them.
 
-        Knobs of bodies are reported only after a body was spawned.
+        The engine reports knobs of bodies only after the host has spawned a body.
         """
         return self._read_knobs()
 
@@ -264,7 +264,7 @@ class Simulation(EngineHooks):
             yield fixed_id(index), box
 
     def _act_on_bodies(self, seconds: float) -> None:
-        """Apply steady forces and the velocities of moved bodies to the next substep; adapters call it before each one.
+        """Apply steady forces and the velocities of moved bodies; adapters call this method before each substep.
 
         Args:
             seconds: length of the substep.
@@ -278,8 +278,8 @@ class Simulation(EngineHooks):
     def _twin(self) -> Self:
         """Open a second, weightless world of the engine: the same bodies under the same ids, at their present poses.
 
-        Live bodies are at rest in it. It serves engines that detect contacts only in a step, or whose state a query
-        changes. The caller must close it.
+        Live bodies are at rest in the second world. The method serves engines that detect contacts only in a step, or
+        whose state a query changes. The caller must close the second world.
         """
         twin = type(self)(self._unfitted, replace(self.world, gravity=(0.0, 0.0, 0.0)), "off", self.expected)
         positions, quaternions = self._poses(self.bodies.ids())

@@ -41,7 +41,7 @@ class Entry:
     module: str
     simulation: str
     package: str
-    """The Python distribution that contains the engine. Its version is recorded as the engine's version."""
+    """The Python distribution that contains the engine. Records state its version as the engine's version."""
 
     @property
     def remedy(self) -> str:
@@ -75,7 +75,7 @@ class WasmEntry:
     module: str
     simulation: str
     package: str
-    """The npm package that contains the engine. Its version is recorded as the engine's version."""
+    """The npm package that contains the engine. Records state its version as the engine's version."""
 
     @property
     def remedy(self) -> str:
@@ -94,16 +94,16 @@ class WasmEntry:
 
 @dataclass(frozen=True, slots=True)
 class LibraryEntry:
-    """An engine in a shared library that comes from one of several places; its adapter can be loaded without it."""
+    """An engine in a shared library, which has several sources. The adapter can be loaded without the library."""
 
     module: str
     simulation: str
     adapter: str
     """Module of the adapter."""
     library: str
-    """Module that loads the library, and has its ``VERSION``."""
+    """Module that loads the library and defines ``VERSION``."""
     group: str
-    """Dependency group that brings one of the libraries."""
+    """Dependency group that contains one source of the library."""
 
     @property
     def remedy(self) -> str:
@@ -114,7 +114,7 @@ class LibraryEntry:
         """Return the version of the library that was found.
 
         Raises:
-            ImportError: if there is none.
+            ImportError: if no library was found.
         """
         return str(importlib.import_module(self.library).VERSION)
 

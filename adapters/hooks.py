@@ -4,7 +4,7 @@ For every hook:
 
 - The caller has checked the input: ids are of bodies that exist; lengths, poses and forces are finite. An adapter only
   rejects input that leaves the plane of a planar engine (``ValueError``).
-- Positions [m] and quaternions (w, x, y, z) are those of centres of mass, in the scene's frame. All units are SI.
+- Positions [m] and quaternions (w, x, y, z) refer to centres of mass, in the scene's frame. All units are SI.
 - Arrays of ids are in rising order. A hook returns one row per id, in the order of the ids, as float64. The caller may
   write into the arrays, so that they must be copies, unless the docstring of the hook allows views.
 """
@@ -30,7 +30,7 @@ class EngineHooks(ABC):
     sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
     """Knobs added to every profile, by the mode of the engine's own sleeping: off, native or raised."""
     iterations: ClassVar[str]
-    """Name of the knob for the greatest number of solver iterations per step; empty if there is none."""
+    """Name of the knob for the greatest number of solver iterations per step; empty if the engine has no such knob."""
 
     info: EngineInfo
     """Engine, version, profile and sleeping. The profile is complete: it contains the knobs of the sleeping mode, and
@@ -43,7 +43,7 @@ class EngineHooks(ABC):
 
     @staticmethod
     def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to the check of their file of profiles
-        """Return whether a knob of this name may exist that no profile sets; the name of a profile may then vary it."""
+        """Return whether a varied profile may set a knob of this name that no file of profiles sets."""
         return False
 
     # -- the world ---------------------------------------------------------------------------------
@@ -52,8 +52,8 @@ class EngineHooks(ABC):
     def _open(self) -> None:
         """Open the engine's world with the settings of ``info``, the ground and the fixed boxes, but no body.
 
-        The constructor calls it once, at its end, when ``info``, ``world``, ``bodies`` and ``expected`` are set. An
-        adapter has no constructor of its own, and creates its attributes here.
+        The constructor calls this hook once, at its end, when ``info``, ``world``, ``bodies`` and ``expected`` are set.
+        An adapter has no constructor of its own, and creates its attributes here.
 
         Raises:
             NotImplementedError: if the engine has no sleeping mode ``info.sleeping``; the message names the reason.
@@ -120,12 +120,13 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _step(self, seconds: float) -> None:
-        """Advance the world by one frame of ``seconds``. ``SubstepSimulation`` implements it by hooks for substeps."""
+        """Advance the world by one frame of ``seconds``; ``SubstepSimulation`` provides this hook."""
 
     def _solver_iterations(self) -> int | None:
-        """Return the solver's iterations in the latest engine step, the greatest of all islands; None if unknown.
+        """Return the greatest number of solver iterations of any island in the latest engine step; None if unknown.
 
-        The call comes after a step. Override it for an engine that reports its iterations; many run a fixed number.
+        The call comes after a step. Override this hook for an engine that reports its iterations; many engines run a
+        fixed number.
         """
         return None
 
@@ -133,10 +134,10 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _poses(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return positions (k, 3) [m] and quaternions (k, 4) of any bodies, also frozen ones; k may be 0."""
+        """Return positions (k, 3) [m] and quaternions (k, 4) of any bodies, also frozen; k may be 0."""
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        """Return the positions (k, 3) [m] of live or moved bodies. Override it if positions cost less than poses."""
+        """Return the positions (k, 3) [m] of live or moved bodies. Override this hook if positions cost less."""
         return self._poses(bodies)[0]
 
     @abstractmethod
@@ -167,8 +168,9 @@ class EngineHooks(ABC):
         """Return every contact of the latest step that touches a live body and no removed body.
 
         The call comes between steps while a body is live, also before the first step and after bodies were frozen,
-        unfrozen, moved or removed. Normals point from a to b. The id of the ground is ``GROUND``, that of a fixed box
-        ``contact_completion.fixed_id``. Unknown values are NaN. The arrays may be views until the next step.
+        unfrozen, moved or removed. Normals point from a to b. The id of the ground is ``GROUND``, and the id of a
+        fixed box is ``contact_completion.fixed_id``. Unknown values are NaN. The arrays may be views until the next
+        step.
         """
 
     @abstractmethod
@@ -188,7 +190,7 @@ class EngineHooks(ABC):
     # -- for adapters and the port -----------------------------------------------------------------
 
     def velocities_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return linear [m/s] and angular [rad/s] velocities (k, 3) of bodies (k,); moved bodies have the host's."""
+        """Return linear [m/s] and angular [rad/s] velocities (k, 3) of bodies (k,), for moved bodies from the host."""
         return self.as_driven(bodies, *self._velocities(bodies))
 
     def as_driven(self, bodies: IntArray, linear: FloatArray, angular: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -28,7 +28,7 @@ from scenarios.model import Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 MAX_REST_OVERLAP = 1e-3
-"""Greatest overlap [m] of a brick at rest with a moved body: engines leave up to 0.4 mm."""
+"""Greatest overlap [m] of a brick at rest with a moved body, because engines leave overlaps of up to 0.4 mm."""
 
 NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 """Empty results for a world without live bodies, so that the port does not query the engine."""
@@ -48,7 +48,7 @@ class EnginePort:
     def contacts(self) -> Contacts:
         """Return the contacts after the latest step, or after a later call of ``find_contacts``.
 
-        Each contact touches a live body, or is that of a moving host-driven body with a frozen body.
+        Each contact touches a live body, or joins a moving host-driven body and a frozen body.
         """
         driven, live = self._bodies.driven(), self._bodies.live
         if not live and not driven:
@@ -132,7 +132,7 @@ class EnginePort:
         self._found = replace(whole, relative_velocity=velocity, force=None)
 
     def forget_found(self) -> None:
-        """Discard the result of ``find_contacts``, so that ``contacts`` returns those of the engine's steps."""
+        """Discard the result of ``find_contacts``, so that ``contacts`` returns the contacts of the engine's steps."""
         self._found = None
 
     # -- contacts that an engine leaves out --------------------------------------------------------

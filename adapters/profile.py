@@ -13,11 +13,12 @@ PLANK_SIZE = math.hypot(117.0e-3, 23.4e-3, 7.8e-3)
 """Diagonal [m] of the plank for which the profiles' lengths were chosen."""
 MAX_SMALL_SIZE = 0.25
 """Greatest size of the largest brick, over the size of a plank, at which a profile's lengths shrink with the bricks.
-For larger bricks the lengths stay those of a plank."""
+For larger bricks the lengths keep their values for a plank."""
 REACH_OF_SMALL = 0.5
-"""Lengths of a profile for small bricks, over lengths in proportion to the bricks. PhysX, which detects contacts from a
-gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm; with half of this gap the planks
-fall. The value was found by trial: a ``contact_offset`` of 0.105 mm held such a plank, 0.09 mm let it fall."""
+"""Lengths of a profile for small bricks, over lengths in proportion to the bricks. The value is below 1, because PhysX,
+which detects contacts from a gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm. With
+half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of 0.105 mm, and fell with 0.09 mm.
+"""
 
 AS_SHIPPED = "as shipped"
 """Value of ``tuned_by`` for a profile without tuning."""
@@ -53,11 +54,11 @@ class Profile:
     knobs: Mapping[str, Knob] = field(default_factory=dict)
     tuned_by: str = AS_SHIPPED
     scale: float = 1.0
-    """Lengths in the engine's world over those of the scene: see ``adapters.scaled``."""
+    """Lengths in the engine's world over lengths in the scene: see ``adapters.scaled``."""
     offset: float = 0.0
     """Distance [m] along x of the scene from the origin of the engine's world: see ``adapters.scaled``."""
     forces: bool = True
-    """True if the contact forces of the engine are reported. With False ``Contacts.force`` is None."""
+    """True if ``Contacts.force`` holds the contact forces of the engine. With False ``Contacts.force`` is None."""
 
     @property
     def values(self) -> dict[str, KnobValue]:
@@ -87,7 +88,8 @@ class Capabilities:
     """Data that an engine's API provides, as described by its adapter; the source of the table Engine capabilities.
 
     The conformance checks measure ``near_contacts``, ``separation``, ``forces``, ``ridge_normal``, ``planar`` and, in
-    one process, ``deterministic``. The other fields describe mechanisms; the checks measure the effects of these.
+    one process, ``deterministic``. The other fields describe mechanisms; the checks measure the effects of these
+    mechanisms.
     """
 
     contact_points: str

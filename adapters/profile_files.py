@@ -3,13 +3,13 @@
 A file has up to three tables::
 
     [shared.SET]             # knobs that several profiles have in common
-    KNOB = { value = 0.85, reason = "why the value differs from the shipped one, with a measurement" }
+    KNOB = { value = 0.85, reason = "why the value differs from the shipped value, with a measurement" }
 
     [profiles.NAME]          # default, game, tuned, and any other
     description = "in a few words"
     substeps = 4             # engine steps per frame
     frame_s = 0.02           # length of a frame [s]; 1/60 by default
-    scale = 10               # lengths in the engine's world over those of the scene; 1 by default
+    scale = 10               # lengths in the engine's world over lengths in the scene; 1 by default
     tuned_by = "who, on which scenes"
     shared = ["SET"]
     knobs.KNOB = { value = 60, reason = "...", follows_world = true }
@@ -172,7 +172,7 @@ def _knob(where: str, knob: Any) -> Knob:
 def _text(where: str, table: Mapping[str, Any], key: str) -> str:
     text = table.get(key)
     if not (isinstance(text, str) and text.strip()):
-        why = "why the value differs from the shipped one" if key == "reason" else "what is special, in a few words"
+        why = "why the value differs from the shipped value" if key == "reason" else "what is special, in a few words"
         raise ProfileFileError(f"{where} has no '{key}'; add it and state {why}")
     return text
 

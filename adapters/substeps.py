@@ -28,9 +28,9 @@ class SubstepSimulation(Simulation):
     """A simulation that steps its engine substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
 
     solver_noise: ClassVar[float] = 0.0
-    """Margin [m/s] by which the approach in a later substep must be faster to replace that of an earlier substep.
+    """Margin [m/s] by which an approach must be faster to replace the approach of an earlier substep.
 
-    For bodies at rest the substeps of a frame differ only by the solver's noise: see ``fastest_approach``.
+    The margin is needed, because the substeps of bodies at rest differ by the solver's noise: see ``fastest_approach``.
     """
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
@@ -73,11 +73,11 @@ class SubstepSimulation(Simulation):
     def _forces_of_substep(self) -> SubstepForces:
         """Return the contact forces of the ended substep, for pairs that touch a live body.
 
-        The class calls it only if ``reads_forces`` is true, so that an engine without forces need not override it. The
-        arrays must be copies.
+        The class calls this hook only if ``reads_forces`` is true, so that an engine without forces need not override
+        it. The arrays must be copies.
         """
         raise NotImplementedError(
-            f"{self.engine}: its capabilities say that it reports forces; implement _forces_of_substep in its adapter"
+            f"{self.engine}: its capabilities state forces, but its adapter has no _forces_of_substep; add it"
         )
 
     def _record_motions(self, bodies: IntArray) -> None:

@@ -85,7 +85,7 @@ def test_its_threshold_of_sleeping_cannot_be_raised() -> None:
     trial = Trial("havok", "game", "plank_tower", "plank_tower-1", {"levels": 1}, "raised", 0, 0)
     record = run_trial(trial, Limits(trial_wall_s=60), "abc", lambda _: None).record
     assert record.status == "unsupported"
-    assert "threshold of sleeping cannot be set" in record.message
+    assert "API cannot set the sleep threshold" in record.message
 
 
 @needs_havok
