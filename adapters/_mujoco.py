@@ -1,8 +1,8 @@
 """MuJoCo 4: soft contacts, solved to convergence by Newton's method.
 
 Slots: MuJoCo compiles its model in advance, so that the adapter reserves a slot for every expected brick. A slot is a
-free body that is parked (without collisions, weight or cost) until the brick is spawned (``_mujoco_slots.py``). If no
-free slot fits a brick, the adapter compiles a new model with more slots and copies the state (``_mujoco_world.py``).
+free body that is parked (without collisions, weight or cost) until the host spawns the brick (``_mujoco_slots.py``). If
+no free slot fits a brick, the adapter compiles a new model with more slots and copies the state (``_mujoco_world.py``).
 
 Freezing: MuJoCo cannot make a body static, so that each slot has a second body, a mocap body with the same box (its
 "ghost"). The adapter parks a frozen brick, and the ghost collides at the brick's pose. Nothing moves a mocap body: the

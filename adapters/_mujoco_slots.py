@@ -1,4 +1,4 @@
-"""A compiled MuJoCo model to which bricks can be added, and in which they can be removed or frozen."""
+"""A compiled MuJoCo model, with methods that add, remove and freeze bricks."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class MujocoWorld:
             world: friction, gravity and fixed boxes.
             profile: MuJoCo's settings.
             bodies: the adapter's record of its bodies.
-            expected: the bricks that will be spawned.
+            expected: the bricks that the host plans to spawn.
             needs_ghosts: returns True if the port may freeze bodies; the first compilation of a model calls it.
         """
         self.slot_of: dict[int, int] = {}

@@ -52,8 +52,8 @@ def lift_contacts(
         - points [m], shape (k, 3);
         - normals, shape (k, 3);
         - separations [m], shape (k,);
-        - velocities of b relative to a [m/s] in the substep with the fastest approach, shape (k, 3); NaN if no substep
-          was recorded.
+        - velocities of b relative to a [m/s] in the substep with the fastest approach, shape (k, 3); NaN without
+          recorded substeps.
     """
     rows = len(is_live)
     order, keys = np.empty(len(arbiters), np.int64), np.empty(len(arbiters), np.int64)

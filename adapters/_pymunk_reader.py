@@ -119,7 +119,7 @@ class SpaceReader:
     def _buffered(self, integers: int, floats: int) -> Arbiters:
         """Return the buffer's contents as views with the given numbers of integers and floats per row.
 
-        The views are valid until the buffer is refilled.
+        The views are valid until the next call that fills the buffer.
         """
         return (
             np.frombuffer(self._buffer.int_buf(), np.int64).reshape(-1, integers),

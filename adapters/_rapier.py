@@ -210,7 +210,7 @@ class RapierSimulation(SubstepSimulation):
         return self._with_friction(self._contacts_of_step((body_a, body_b), point, normal, separations[near], force))
 
     def _live_pairs(self, narrow_phase: rapier3d.NarrowPhase) -> Iterator[tuple[int, int, rapier3d.ContactPair]]:
-        """Yield the pairs of near colliders that touch a live body, without duplicates: bodies a and b, and a pair."""
+        """Yield bodies a and b, and the pair, of each pair of near colliders with a live body, without duplicates."""
         body_of, colliders = self._engine.body_of, self._engine.colliders
         return live_pairs(
             self.bodies,

@@ -44,7 +44,7 @@ class Simulation(EngineHooks):
             profile: one of ``profiles``.
             world: friction, gravity and fixed boxes.
             sleeping: the engine's own sleeping: off, as shipped, or with its threshold raised.
-            expected: the bricks that will be spawned, for engines that must allocate in advance.
+            expected: the bricks that the host plans to spawn, for engines that must allocate in advance.
                 An adapter may ignore this list, and must also accept other bricks.
         """
         for box in world.fixed:
@@ -85,12 +85,12 @@ class Simulation(EngineHooks):
 
     @property
     def is_observed(self) -> bool:
-        """True once the port has been requested, so that contact velocities must be recorded."""
+        """True after the first access to ``port``, so that the engine must record contact velocities."""
         return self._is_observed
 
     @property
     def reads_forces(self) -> bool:
-        """True if contact forces must be recorded: the port was requested, and engine and profile have forces."""
+        """True if the engine must record contact forces: the port is in use, and engine and profile have forces."""
         return self.is_observed and self.info.profile.forces and self.capabilities.forces != "no"
 
     def spawn(self, brick: Brick) -> int:
@@ -122,7 +122,7 @@ class Simulation(EngineHooks):
         self.bodies.remove(body)
 
     def push(self, body: int, impulse: Vector) -> None:
-        """Apply an impulse [N s] at the centre of mass of a live body; a frozen or moved body is not affected.
+        """Apply an impulse [N s] at the centre of mass of a live body; skip a frozen or moved body.
 
         Raises:
             KeyError: if no body has this id.
@@ -238,7 +238,7 @@ class Simulation(EngineHooks):
         return self._read_knobs()
 
     def close(self) -> None:
-        """Free the engine's memory; the simulation cannot be used afterwards."""
+        """Free the engine's memory. Call no other method afterwards."""
         self._close()
 
     def _check_vector_in_plane(self, quantity: str, value: Vector, unit: str) -> None:

@@ -1,4 +1,4 @@
-"""The engines by name, with the module, class and package of each. A module is imported on first use."""
+"""The engines by name, with the module, class and package of each. A process imports a module on first use."""
 
 from __future__ import annotations
 

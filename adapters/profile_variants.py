@@ -77,7 +77,7 @@ def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Pr
 def _with_iterations(simulation: type[Simulation], profile: Profile, iterations: float) -> Profile:
     if not simulation.iterations:
         raise ProfileError(f"{simulation.engine} has no number of iterations to vary; vary 'substeps' instead")
-    knob = Knob(_whole(iterations), "varied, to see what it brings and what it costs")
+    knob = Knob(_whole(iterations), "varied, to measure its effect and its cost")
     return profile.with_knobs({simulation.iterations: knob})
 
 
@@ -118,7 +118,7 @@ def _with_knob(simulation: type[Simulation], profile: Profile, knob: str, text: 
     follows_world = known is not None and known.follows_world
     if follows_world and isinstance(value, float):
         value *= profile.scale
-    return profile.with_knobs({knob: Knob(value, "varied, to see what it brings", follows_world)})
+    return profile.with_knobs({knob: Knob(value, "varied, to measure its effect", follows_world)})
 
 
 def _value(text: str) -> KnobValue:

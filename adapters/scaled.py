@@ -134,7 +134,7 @@ class _ScaledSimulation(Simulation):
 
 @cache
 def scaled(simulation: type[Simulation]) -> type[Simulation]:
-    """Return a class for the same engine, whose worlds are scaled and offset by the profile."""
+    """Return a class for the same engine, whose worlds have the scale and the offset of the profile."""
 
     class Scaled(_ScaledSimulation):
         engine = simulation.engine

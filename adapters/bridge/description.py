@@ -11,7 +11,7 @@ from adapters.bridge.messages import PROTOCOL
 from adapters.profile import Capabilities
 
 Detection = Literal["start", "end"]
-"""Time of the poses at which contact points are detected: the start of the latest substep, or its end."""
+"""Time of the poses at which the engine detects contact points: the start of the latest substep, or its end."""
 
 _UNLESS_SAID = {"relative_velocity": "from the velocities before the step", "frozen_contacts": False}
 

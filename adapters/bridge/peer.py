@@ -23,7 +23,7 @@ SILENCE_S = 60.0
 """Time limit [s] for an answer, after which the suite kills the engine. It is long,
 so that the suite kills no working engine."""
 _END_S = 1.0
-"""Time limit [s] for an engine to end after its stdin is closed."""
+"""Time limit [s] for an engine to end after ``Peer`` has closed its stdin."""
 _PIPE_BYTES = 2**20
 """Capacity of the pipes [bytes], so that a frame's states pass in one piece. The system's default of 64 KiB would hold
 only the states of 100 bodies over four substeps, without contacts."""
@@ -37,7 +37,7 @@ engine in an endless computation does not notice that its stdin is closed."""
 
 
 class Peer:
-    """An engine's process. Its stdout carries the protocol; its stderr is stored for error messages."""
+    """An engine's process. Its stdout carries the protocol. The class stores its stderr for error messages."""
 
     def __init__(self, command: Sequence[str], folder: Path, timeout_s: float = SILENCE_S) -> None:
         """Start the process.
@@ -141,7 +141,7 @@ class Peer:
             )
 
     def _await(self, poll: select.poll, deadline: float) -> None:
-        """Wait until a pipe can be read or written."""
+        """Wait until a pipe is ready for the next read or write."""
         if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
             self._process.kill()
             raise PeerTimeoutError(

@@ -29,7 +29,7 @@ from stability_core.port import GROUND, Contacts, FloatArray
 NEAR_ENOUGH = 0.1e-3
 """Greatest distance [m] reported for a pair whose gap is exactly zero."""
 CORNER = 1e-3
-"""Distance [m] within which a corner of a contact area must be reported, and beyond which no point may lie."""
+"""Greatest distance [m] of a corner from the nearest point found, and of a point from the contact area."""
 SAME_DIRECTION = math.radians(1.0)
 """Greatest angle [rad] between a normal and the ideal normal."""
 SAME_PLACE = 0.1e-3

@@ -85,7 +85,7 @@ class Rig:
         return simulation
 
     def close(self) -> None:
-        """Close every world that was opened."""
+        """Close every world that ``open`` has opened."""
         while self._opened:
             self._opened.pop().close()
 

@@ -113,7 +113,7 @@ def face_corners(
         box_a: row of box a, shape (13,).
         box_b: row of box b, shape (13,).
         normal: unit normal from a to b, shape (3,).
-        slack: distance [m] by which the clipping face is enlarged on each side.
+        slack: distance [m] by which the function enlarges the clipping face on each side.
     """
     axes_a, axes_b = axes_of(box_a[TURN]), axes_of(box_b[TURN])
     axis_a, cosine_a = _facing(axes_a, normal)

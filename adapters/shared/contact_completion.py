@@ -175,7 +175,7 @@ class BoxTable:
         return joined(contacts, Contacts(a, b, point, normal, gap, relative, np.full(len(a), friction)))
 
     def are_fast(self, bodies: IntArray, velocity: FloatArray) -> bool:
-        """Return whether any of ``bodies`` (k,), with velocities (k, 3) [m/s], is fast enough to be swept."""
+        """Return whether any of ``bodies`` (k,), with velocities (k, 3) [m/s], is fast enough for a sweep."""
         return len(fast_rows(self._boxes[bodies + self._first, HALF], velocity)) > 0
 
     def _pairs(self, contacts: Contacts) -> IntArray:

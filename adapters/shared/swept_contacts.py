@@ -240,7 +240,7 @@ def approaches(
 
 
 def fast_rows(half: FloatArray, velocity: FloatArray) -> IntArray:
-    """Return the indices of the bodies that are fast enough to be swept.
+    """Return the indices of the bodies that are fast enough for a sweep.
 
     Args:
         half: half edges [m], shape (m, 3).
