@@ -114,7 +114,7 @@ class EnginePort:
         self._boxes.remove(body)
 
     def note_move(self, body: int) -> None:
-        """Update the port after a move of a body by the host: drop its found contacts, place the box of a frozen body."""
+        """Drop the found contacts of a body that the host has moved, and place its box if the body is frozen."""
         if self._found is not None:
             self._found = self._found.chosen((self._found.body_a != body) & (self._found.body_b != body))
         if body in self._bodies.frozen:
