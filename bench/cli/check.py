@@ -26,7 +26,9 @@ def check(
 ) -> None:
     """Check that the adapter of an engine keeps the contract on which the core relies."""
     if bool(engine) == bool(bridge):
-        raise typer.BadParameter("give either the name of an engine, or the command that starts one with --bridge")
+        raise typer.BadParameter(
+            "expected either the name of an engine or --bridge COMMAND, got both or neither: give only one of the two"
+        )
     with input_errors():
         if bridge:
             engine = register_command(shlex.split(bridge), profiles)
@@ -35,7 +37,7 @@ def check(
 
 
 def _knobs(engine: str, profile: str) -> Iterator[str]:
-    """Yield one line per knob of the profile: the value read back from the engine, or that the engine shows none."""
+    """Yield one line per knob of the profile: the value that the engine reports, or a note that it reports no value."""
     plank = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0039))
     try:
         simulation = open_engine(engine, profile, expected=[plank])

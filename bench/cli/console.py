@@ -26,7 +26,7 @@ from reports.records.trial import RecordError, RecordWarning, TrialRecord
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
-"""Default folder for the results of runs; an estimate reads the earlier results in it."""
+"""Default folder for the results of runs; an estimate reads the earlier results in this folder."""
 _LOG_WIDTH = 110
 for _stream in (sys.stdout, sys.stderr):  # a terminal whose encoding lacks a character shows its code
     if isinstance(_stream, io.TextIOWrapper):

@@ -32,7 +32,7 @@ FAMILY_COLOR = {"stand": "#d9a760", "fall": "#c9694f", "study": "#8fa3b5"}
 FIXED_COLOR = "#b9bcc0"
 """Colour of boxes that never move."""
 _GRAZE = 1e-6
-"""Greatest overlap [m] in the picture that counts as none, because it cannot be seen."""
+"""Greatest overlap [m] in the picture that counts as no overlap, because a reader cannot see it."""
 _FACES = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
 """Axis and sign of each face of a box."""
 
@@ -92,8 +92,8 @@ def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> t
 def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
     """Return the order in which to paint boxes that do not intersect, as indices from back to front.
 
-    The painter's algorithm: a plane parallel to a face separates any two boxes, and the box on the viewer's side of the
-    plane is painted later. Boxes whose pictures do not overlap may come in any order.
+    The painter's algorithm: a plane parallel to a face separates any two boxes, and the algorithm paints the box on the
+    viewer's side of the plane later. Boxes whose pictures do not overlap may come in any order.
 
     Args:
         boxes: n boxes that do not intersect, world frame.

@@ -19,7 +19,7 @@ _PLACES = 8
 """Greatest number of places of the ranking that the terminal shows; the files contain all places."""
 
 _NOTE = 700
-"""Greatest length of a note on the terminal; ``tables.md`` has the whole notes."""
+"""Greatest length of a note on the terminal [characters]; ``tables.md`` contains the whole notes."""
 
 
 def report(

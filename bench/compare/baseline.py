@@ -42,7 +42,7 @@ class Engine(_Model):
 
 
 class Machine(_Model):
-    """Properties of a machine on which the comparability of results depends; its host name is left out."""
+    """Properties of a machine on which the comparability of results depends, without its host name."""
 
     processor: str
     platform: str
@@ -79,7 +79,7 @@ class Baseline(_Model):
     @model_validator(mode="after")
     def _shares_are_whole(self) -> Baseline:
         if any(set(parts) != set(PARTS) for parts in self.shares.values()):
-            raise ValueError(f"shares: each trial needs all of {', '.join(PARTS)}")
+            raise ValueError(f"shares: each trial needs exactly the parts {', '.join(PARTS)}, got other parts")
         return self
 
     def machine(self, record: TrialRecord) -> Machine | None:
@@ -135,7 +135,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
         try:
             _read_baseline_file(path)
         except (JsonError, ValidationError):
-            raise BaselineError(f"{path} exists and is no baseline: name another file with -o") from None
+            raise BaselineError(f"{path} exists and is not a baseline file: name another file with -o") from None
     try:
         write_atomic(path, (baseline.model_dump_json(indent=1) + "\n").encode())
     except OSError as error:
@@ -211,7 +211,7 @@ def _study(path: Path) -> _KeptStudy:
 def _machines(folder: Path) -> dict[str, Machine]:
     """Return the machines that a folder describes, by digest; empty without environment files.
 
-    Without its environment, only the outcomes of a run can be compared.
+    Without an environment file, a comparison judges only the outcomes of a run.
     """
     machines = {}
     for path in sorted(folder.glob("environment*.json")):

@@ -1,4 +1,4 @@
-"""Comparison of two pytest-benchmark files by the frame ratio: frame time with the extension over that without it.
+"""Comparison of two pytest-benchmark files by the frame ratio, which is the relative frame time with the extension.
 
 ``tests/benchmarks/test_frame_speed.py`` times frames with and without the extension on the same stack, alternating.
 The comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives
@@ -142,8 +142,8 @@ def are_benchmarks(base: Path, head: Path) -> bool:
     if any(written) and not all(written):
         benchmarks, trials = (base, head) if written[0] else (head, base)
         raise BaselineError(
-            f"{benchmarks} is a file of pytest-benchmark and {trials} is not: name two such files, or two outputs of "
-            "'bench run' or 'bench baseline'"
+            f"{benchmarks} is a file of pytest-benchmark and {trials} is not: name two files of pytest-benchmark, or "
+            "two outputs of 'bench run' or 'bench baseline'"
         )
     return all(written)
 
@@ -172,12 +172,12 @@ def read_benchmarks(path: Path) -> FrameTimes:
         if info.policy == ALONE:
             continue
         if cell in ratios:
-            raise BaselineError(f"{path}: {one.fullname[:200]!r} occurs twice; remove one of them")
+            raise BaselineError(f"{path}: {one.fullname[:200]!r} occurs twice; remove the second entry")
         versions[cell], ratios[cell] = info.version, _ratios(path, one)
     if not ratios:
         raise BaselineError(
-            f"{path}: contains no frame times with the extension; create such a file with 'uv run pytest "
-            "--benchmark-only'"
+            f"{path}: contains no frame times with the extension; create a file with frame times by 'uv run "
+            "pytest --benchmark-only'"
         )
     commit = (file.commit_info.id or "unknown")[:12] + (" with changes" if file.commit_info.dirty else "")
     processor = file.machine_info.cpu.brand_raw
@@ -202,8 +202,8 @@ def compare_benchmarks(base: FrameTimes, head: FrameTimes, *, across_versions: b
     """
     if not base.ratios.keys() & head.ratios.keys():
         raise NothingInCommonError(
-            f"{base.name} and {head.name} share no frame with the extension: create both with 'uv run pytest "
-            "--benchmark-only'"
+            f"{base.name} and {head.name} have no stack in common that is timed with the extension: create both files "
+            "with 'uv run pytest --benchmark-only'"
         )
     findings = [
         Finding("time", str(cell), "open", "missing in the head") for cell in base.ratios if cell not in head.ratios
@@ -261,7 +261,7 @@ def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
     """Return the frame ratio of each whole second, shape (s,)."""
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
-        raise BaselineError(f"{path}: saved without the time of each round; save it with --benchmark-save-data")
+        raise BaselineError(f"{path}: contains no time of each round; create the file again with --benchmark-save-data")
     count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:
         raise BaselineError(

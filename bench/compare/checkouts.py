@@ -54,9 +54,9 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
     """Return a checkout of ``version`` with its own environment.
 
     Args:
-        version: a commit, a branch or a tag; or a folder with a checkout, which is used unchanged.
+        version: a commit, a branch or a tag; or a folder with a checkout, which stays unchanged.
         packages: packages to install over the locked environment, such as the wheel of another build of an engine.
-        console: console on which the slow steps are announced.
+        console: console that shows the start of each slow step.
 
     Raises:
         CheckoutError: if there is no such version, or it cannot be installed.
@@ -64,7 +64,9 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
     if (Path(version) / "bench" / "__main__.py").is_file():
         checkout = Checkout(version, Path(version).resolve())
         if packages:
-            raise CheckoutError(f"{version} is a folder, which is used unchanged: install {packages[0]} there yourself")
+            raise CheckoutError(
+                f"{version} is a folder, which must stay unchanged: install {packages[0]} there yourself"
+            )
         if not checkout.python.exists():
             raise CheckoutError(f"{version} has no environment (.venv): run 'uv sync' there")
         return checkout
@@ -97,5 +99,5 @@ def _call(version: str, command: Sequence[str], folder: Path) -> str:
         ) from error
     if done.returncode != 0:
         words = " ".join(done.stderr.split())[-500:] or "no error output"
-        raise CheckoutError(f"{version}: '{' '.join(command[:4])} ...' failed; correct its error: {words}")
+        raise CheckoutError(f"{version}: '{' '.join(command[:4])} ...' failed; correct this error: {words}")
     return done.stdout

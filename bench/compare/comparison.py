@@ -30,7 +30,7 @@ def compare_runs(
 
     Args:
         base: the expected run.
-        head: the run to judge; the tolerances are those of its study.
+        head: the run to judge; its study gives the tolerances.
         names: names of base and head, for the messages.
         across_versions: True to compare outcomes of different versions of an engine.
 
@@ -156,7 +156,7 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 
 
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
-    """Return processors, platforms, versions and commits of a side, by name; a set has a value per machine."""
+    """Return processors, platforms, versions and commits of a side, by name; each is a set over machines."""
     found: dict[str, set[str]] = defaultdict(set)
     for machine in side.machines.values():
         found["processor"].add(machine.processor)

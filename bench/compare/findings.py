@@ -10,9 +10,11 @@ from typing import Literal, TypeAlias, get_args
 from scenarios.lookup import look_up
 
 Gate: TypeAlias = Literal["outcome", "hash", "time"]
-"""Name of a gate: ``outcome`` judges verdicts and levels, ``hash`` poses bit for bit, ``time`` parts of a frame."""
+"""Name of a gate: ``outcome`` judges verdicts and levels, ``hash`` judges poses bit for bit, ``time`` judges parts of a
+frame."""
 Judgement: TypeAlias = Literal["worse", "changed", "better", "same", "open"]
-"""Result of a gate; ``open`` if it cannot decide, for the reason in the finding's message, and never a pass."""
+"""Result of a gate. ``open`` means that the gate cannot decide, for the reason in the finding's message; the gate
+then does not pass."""
 
 GATES: tuple[Gate, ...] = get_args(Gate)
 """All gates."""

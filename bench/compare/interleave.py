@@ -29,7 +29,7 @@ def run_interleaved(
         study: the study that both run; its tolerances apply.
         rounds: number of runs of each side.
         out: folder for the results of all runs.
-        console: console on which each run is announced.
+        console: console that shows the start of each run.
 
     Raises:
         CheckoutError: if a side cannot run the study.

@@ -14,8 +14,8 @@ from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
 
 LEAST_REPEATS = 5
-"""Repeats needed per side for an engine that does not repeat bit for bit. If both sides are equal, all five repeats of
-the head are worse than all five of the base in one of 252 groups."""
+"""Fewest repeats per side for an engine that does not repeat bit for bit. Five repeats are enough, because with equal
+sides all repeats of the head are worse than all repeats of the base in only one of 252 groups."""
 
 _PLAYED = frozenset({"completed", "collapsed"})
 """Statuses of trials that were played to their end."""
@@ -79,9 +79,9 @@ def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
 
 
 def _differ_in_creep_rule(base: TrialRecord, head: TrialRecord) -> bool:
-    """Return whether one side is right, the other creeps, and the creep of only one was measured.
+    """Return whether one side is right and the other side creeps, and only one side has a measured creep.
 
-    Format 3 of the records introduced creep, so an earlier record has none.
+    An earlier record has no creep, because format 3 of the records introduced it.
     """
     is_judged_alike = (base.creep_m_s is None) == (head.creep_m_s is None)
     return not is_judged_alike and {base.verdict, head.verdict} == {"right", "creeps"}
@@ -107,7 +107,7 @@ def _less(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> list[st
 def _certain_creep(record: TrialRecord) -> float | None:
     """Return the creep [m/s] if its interval excludes zero, else None.
 
-    An interval that includes zero is no creep, because the vibration of a stack can look like creep.
+    An interval that includes zero counts as no creep, because the vibration of a stack can look like creep.
     """
     is_certain = record.creep_m_s is not None and record.creep_m_s > (record.creep_error_m_s or 0.0)
     return record.creep_m_s if is_certain else None
@@ -116,7 +116,7 @@ def _certain_creep(record: TrialRecord) -> float | None:
 def _fall_error(record: TrialRecord) -> int:
     """Return the difference [levels] between the collapse level and the level that theory demands.
 
-    A stack that stands counts as one that falls at the level above its last.
+    A stack that stands counts as a stack that falls at the level above its last level.
     """
     beyond = record.levels_planned + 1
     falls_at = beyond if record.collapse_level is None else record.collapse_level

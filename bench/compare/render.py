@@ -98,7 +98,7 @@ def _literal(text: str) -> str:
 
 
 def junit(comparison: Comparison, fail_on: Collection[Gate]) -> bytes:
-    """Return JUnit XML with a suite per gate and a case per finding; open findings are skipped cases."""
+    """Return JUnit XML with a suite per gate and a case per finding; an open finding becomes a skipped case."""
     root = ET.Element("testsuites", name="stillstack")
     for gate in GATES:
         findings = [finding for finding in comparison.findings if finding.gate == gate]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 MOST_BYTES = 2**26
-"""Greatest size of a file [bytes]; 64 MiB are enough for about 40,000 trials."""
+"""Greatest size of a file [bytes]: 64 MiB, because a file of about 40,000 trials has this size."""
 
 
 class JsonError(ValueError):

@@ -27,7 +27,8 @@ from bench.compare.findings import Judgement
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 
 Part: TypeAlias = Literal["engine", "readback", "core"]
-"""Part of a frame: the engine's step, reading contacts, the core. Freezing and unfreezing are too rare to judge."""
+"""Part of a frame: the engine's step, the reading of contacts, or the core. Freezing and unfreezing are no parts,
+because they are too rare to judge."""
 PARTS: tuple[Part, ...] = get_args(Part)
 """All parts of a frame."""
 LEAST_PAIRS = 3
@@ -93,8 +94,13 @@ def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
 def judge_times(pairs: Sequence[tuple[float, float]], least: float) -> tuple[Judgement, str]:
     """Judge the interval of the ratio head / base; return the judgement and a message.
 
-    ``worse`` if the whole interval lies above 1 + ``least``; ``better`` if it lies below 1 / (1 + ``least``); ``same``
-    if it ends at or below 1 + ``least``; ``open`` otherwise, and for fewer than ``LEAST_PAIRS`` pairs.
+    The cases, in order:
+
+    - ``open``: there are fewer than ``LEAST_PAIRS`` pairs;
+    - ``worse``: the whole interval lies above 1 + ``least``;
+    - ``better``: the whole interval lies below 1 / (1 + ``least``);
+    - ``same``: the interval ends at or below 1 + ``least``;
+    - ``open``: otherwise.
 
     Args:
         pairs: figures (base, head), all positive.

@@ -10,7 +10,7 @@ _PERCENT = 100.0
 def tracked(side: Baseline) -> list[dict[str, str | float]]:
     """Return figures for which smaller is better: levels missed, and parts of a frame over the engine's step.
 
-    Times in milliseconds are left out, because on CI machines they vary with the machine.
+    The figures contain no times in milliseconds, because such times vary between CI machines.
     """
     figures: list[dict[str, str | float]] = []
     for record in side.trials:

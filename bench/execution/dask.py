@@ -33,7 +33,7 @@ from bench.trial.run_trial import Outcome, bare_record
 CONNECT_S = 10
 """Time to wait for a scheduler [s]."""
 _POLL_S = 0.2
-"""Interval at which an interruption is checked [s]."""
+"""Interval of the checks for an interruption [s]."""
 _DECISIVE = ("python", "packages", "lock_sha256", "sources", "settings", "engines")
 """Properties of an environment that must be the same on every worker, so that a trial has one outcome everywhere."""
 
@@ -103,7 +103,7 @@ def run_on_cluster(
         limits: limits of a trial.
         engines: engines whose modules the workers load.
         core_policies: policies for which the workers compile the core.
-        environment: environment of this process; a worker with other code or engines is refused.
+        environment: environment of this process; the function refuses workers with other code or engines.
         observer: object that receives the progress.
         stopped: function that returns True to end the run early, without outcomes of the running trials.
 
@@ -160,7 +160,8 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
     different = [name for name in _DECISIVE if environment[name] != order.decisive[name]]
     if different:
         raise ClusterError(
-            f"the worker on {platform.node()} differs in: {', '.join(different)}; start it again from the same checkout"
+            f"the worker on {platform.node()} differs from the client in: {', '.join(different)}; start the worker "
+            "again from the same checkout"
         )
     with _preparing:
         _prepare(order.engines, order.core_policies)

@@ -6,9 +6,9 @@ over the first of these sets that is not empty:
 
 1. records of the same trial;
 2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
-3. trials with the same engine and scene, preferably both with or both without an extension;
-4. trials with the same engine, else with any engine, by their wall time per level and simulated second; again
-   preferably both with or both without an extension.
+3. trials with the same engine and scene, first with equal use of the core, then with any use;
+4. trials with the same engine, else with any engine, by their wall time per level and simulated second; in both cases
+   with equal use of the core, if such trials exist.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The fork server: the process from which trials are forked. It has loaded harness and engines, but opened no engine.
+"""The fork server: the process that forks all trials. The server loads harness and engines, but opens no engine.
 
 A lock guards the read of a child's exit status. ``multiprocessing`` reads the status from a pipe that contains it only
 once, so that the second of two threads would find the end of the pipe and record status 255. Two threads do read at
@@ -26,7 +26,7 @@ WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
 
 class _Popen(popen_forkserver.Popen):
     _asking: ClassVar[threading.Lock] = threading.Lock()
-    """Lock held while a status is read."""
+    """Lock that guards the read of a child's exit status."""
 
     def poll(self, flag: int = os.WNOHANG) -> int | None:
         if self.returncode is None and connection.wait([self.sentinel], 0 if flag == os.WNOHANG else None):
@@ -86,6 +86,6 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """Wrap ``function`` to run in a new process, with an end after ``timeout_s`` [s] if that is not None."""
+    """Wrap ``function`` to run in a new process, which ends after ``timeout_s`` [s]; None sets no limit."""
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
     return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]

@@ -21,9 +21,9 @@ from bench.trial.run_trial import Outcome
 from reports.records.trial import TrialRecord
 
 _POLL_S = 0.2
-"""Interval at which progress and interruptions are checked [s]."""
+"""Interval of the checks for progress and interruptions [s]."""
 _CALM_S = 0.2
-"""Time for which the load of the cores is measured to find idle cores [s]."""
+"""Duration of the measurement of the load of all cores, which finds idle cores [s]."""
 
 
 class Observer(Protocol):

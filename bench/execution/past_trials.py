@@ -18,7 +18,7 @@ COLUMNS = (
     *("trial", "engine", "profile", "scene", "policy"),
     *("levels_planned", "simulated_s", "wall_s", "calibration_ms", "status"),
 )
-"""Columns of a published table that are read."""
+"""Columns of a published table that an estimate needs."""
 
 
 class PastTrial(NamedTuple):

@@ -82,10 +82,10 @@ class PlainProgress(AbstractContextManager["PlainProgress"]):
         """Do nothing."""
 
     def started(self, trial: Trial) -> None:
-        """Do nothing; a trial is printed when it ends."""
+        """Do nothing, because ``finished`` prints the trial."""
 
     def progressed(self, trial: Trial, progress: Progress) -> None:
-        """Do nothing; a trial is printed when it ends."""
+        """Do nothing, because ``finished`` prints the trial."""
 
     def finished(self, trial: Trial, record: TrialRecord) -> None:
         """Print the trial's status, levels and wall time [s]."""

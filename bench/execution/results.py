@@ -48,7 +48,7 @@ def check_folder(folder: Path) -> None:
     """
     nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not nearest.is_dir():
-        raise ResultsError(f"{nearest} is not a folder: choose another with --out")
+        raise ResultsError(f"{nearest} is not a folder: choose another folder with --out")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise ResultsError(f"{nearest} cannot be written: choose another folder with --out")
 
@@ -115,7 +115,7 @@ class Results:
         try:
             self._lock.acquire(blocking=False)
         except Timeout:
-            raise ResultsError(f"another run uses {folder}: wait for it, or choose another --out") from None
+            raise ResultsError(f"another run uses {folder}: wait for its end, or choose another --out") from None
         try:
             if fresh:
                 _clear(folder)
@@ -141,7 +141,7 @@ class Results:
         self._recordings.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
-        """True if an interruption left the last line of the records incomplete; its trial is run again."""
+        """True if an interruption left the last line of the records incomplete; the run repeats its trial."""
         self.statuses: dict[str, Status] = {record.trial: record.status for record in read_records(folder / TRIALS)}
         """Status of each recorded trial, by trial id."""
 

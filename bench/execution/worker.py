@@ -42,7 +42,7 @@ _REPORT_S = 0.25
 _MOST_OUTPUT = 2**24
 """Greatest size of the output of a trial's process [bytes], so that an engine cannot fill the disk."""
 _TAIL = 2**16
-"""Length of the end of the output that is searched for an error message [bytes]."""
+"""Length of the end of the output in which the harness searches for an error message [bytes]."""
 _MEBI = 2**20
 _HUNG = "the engine hung and was stopped; its progress is unknown"
 
@@ -58,7 +58,7 @@ class IsolatedTrial:
             limits: limits of the trial.
             environment: digest of the environment, for the record.
             core: the processor core to run on; None lets the system choose.
-            folder: folder for the log file of the process, which is removed at the end.
+            folder: folder for the temporary log file of the process.
         """
         self.trial = trial
         self.core = core

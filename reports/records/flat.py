@@ -31,7 +31,7 @@ def flat_columns(of_format: int = FORMAT) -> list[str]:
     """Return the columns of a flat row: the fields of a record, with the expectation replaced by its own fields.
 
     Args:
-        of_format: format of the records; columns that format 3 introduced are left out for earlier formats.
+        of_format: format of the records; earlier formats lack the columns that format 3 introduced.
     """
     columns: list[str] = []
     for name in TrialRecord.model_fields:

@@ -40,7 +40,7 @@ class ResultsFolder:
     """A folder with the results of a run, or with their published part."""
 
     def __init__(self, path: Path) -> None:
-        """Keep the path of the folder; each file is read on first use."""
+        """Keep the path of the folder; properties read the files on first use."""
         self.path = path
 
     @property
@@ -75,7 +75,7 @@ class ResultsFolder:
             RecordError: if the file of trials is missing, or one of its lines is not a record.
 
         Warns:
-            RecordWarning: if an interruption left the last line incomplete; it is left out.
+            RecordWarning: if an interruption made the last line incomplete; the reader skips this line.
         """
         file = self.trials_file
         if file.name == TRIALS:

@@ -26,17 +26,17 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 LENGTH_STEP = 1e-5
-"""Resolution of positions [m], about a thousandth of a plank's thickness, because less cannot be seen."""
+"""Resolution of positions [m], about a thousandth of a plank's thickness, because a reader cannot see less."""
 QUATERNION_STEP = 1e-4
-"""Resolution of the components of quaternions; one step moves a plank's end by 0.01 mm."""
+"""Resolution of the components of quaternions, chosen so that one step moves a plank's end by 0.01 mm."""
 MOST_BYTES = 1_000_000
-"""Size above which a recording is thinned [bytes]."""
+"""Size above which the writer thins a recording [bytes]."""
 THINNED = 3
 """Interval of the frames that a thinned recording keeps."""
 LENGTH_BAND = 5e-5
 """Dead band of each coordinate of a position [m], which suppresses the vibration of a solver."""
 _QUATERNION_BAND = 4e-4
-"""Dead band of each component of a quaternion, which moves a plank's end by 0.05 mm."""
+"""Dead band of each component of a quaternion, chosen so that it moves a plank's end by 0.05 mm."""
 FIXED_FIELDS = ("size", "position", "quaternion")
 """Fields of a fixed box that a recording contains."""
 _COLUMNS = ("body", "frame", "x", "y", "z", "qw", "qx", "qy", "qz", "state")

@@ -41,7 +41,7 @@ _EXPECTATION_TYPES = {
 
 
 class Results:
-    """The results of a study as data frames; each file is read on first use."""
+    """The results of a study as data frames; the class reads each file on first use."""
 
     def __init__(self, folder: Path) -> None:
         """Keep the path of a results folder, or of a published folder in ``docs/results``."""

@@ -1,8 +1,8 @@
 """The record of a trial: its schema, its writer and its reader.
 
-A file has one line of JSON per trial, which is appended and flushed, so that an interrupted run keeps every finished
-trial. A value that does not exist is null; the schema rejects NaN and infinity. Records are raw data: derive other data
-from them, but never edit them.
+A file has one line of JSON per trial. The writer flushes each line to disk, so that an interrupted run keeps every
+finished trial. A value that does not exist is null; the schema rejects NaN and infinity. Records are raw data: derive
+other data from them, but never edit them.
 """
 
 from __future__ import annotations
@@ -115,7 +115,8 @@ class TrialRecord(BaseModel):
     frame_ms_max: float | None = None
     """Longest time [ms] of a frame."""
     engine_ms: float | None = None
-    """Mean time [ms] per frame of the engine's step; measured in the engine's own process if that is separate."""
+    """Mean time [ms] per frame of the engine's step; measured in the engine's process if the engine runs in a separate
+    process."""
     readback_ms: float | None = None
     """Mean time [ms] per frame in which the port reads contacts and masses; null without an extension."""
     core_ms: float | None = None
@@ -131,7 +132,7 @@ class TrialRecord(BaseModel):
     longest_live_s: float | None = None
     """Longest simulated time [s] for which one body stayed live; null without an extension."""
     realtime_factor: float | None = None
-    """Simulated time over measured time of all timed frames; below 1 is slower than real time."""
+    """Simulated time over measured time of all timed frames; a value below 1 is slower than real time."""
     pose_hash: str | None = None
     """BLAKE2b digest of the float64 poses of all frames, in hexadecimal."""
     expectation: Expectation
@@ -170,7 +171,7 @@ class TrialRecord(BaseModel):
     """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if a brick still
     moved at the end, and for scenes without a pile."""
     repose_deg: float | None = None
-    """Angle of repose [deg] of a poured pile, taken as the cone with the same median height and radius."""
+    """Angle of repose [deg] of a poured pile: the slope of the cone with the same median height and radius."""
     live_mean: float | None = None
     """Mean number of live bricks per frame; null (unknown) without an extension."""
     live_last: int | None = None
@@ -288,7 +289,7 @@ def read_records(path: Path) -> list[TrialRecord]:
         RecordError: if the file is missing, or contains a line that is not a record.
 
     Warns:
-        RecordWarning: if an interruption left the last line incomplete; it is left out.
+        RecordWarning: if an interruption made the last line incomplete; the reader skips this line.
     """
     try:
         return list(_records(path))
@@ -306,7 +307,9 @@ def _records(path: Path) -> Iterator[TrialRecord]:
             if not raw.strip():
                 continue
             if _is_torn(raw):
-                warnings.warn(f"{path}:{number}: the last line is incomplete: left out", RecordWarning, stacklevel=4)
+                warnings.warn(
+                    f"{path}:{number}: the last line is incomplete; the reader skips it", RecordWarning, stacklevel=4
+                )
                 return
             try:
                 yield TrialRecord.model_validate_json(raw)

@@ -71,7 +71,7 @@ def test_a_report_of_no_trial_is_refused_and_a_torn_line_reported(tmp_path) -> N
     path.write_text(f"{record}\n{record[:50]}")
     printed = call("report", str(tmp_path), status=0)
     assert "warning:" in printed
-    assert "trials.jsonl:2: the last line is incomplete: left out" in printed
+    assert "trials.jsonl:2: the last line is incomplete; the reader skips it" in printed
 
 
 def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_path) -> None:
@@ -110,7 +110,7 @@ def test_a_report_lists_which_planned_trials_are_missing(tmp_path) -> None:
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
     file = tmp_path / "file"
     file.touch()
-    assert "is not a folder: choose another with --out" in call("run", "ci", "--out", str(file / "x"), status=2)
+    assert "is not a folder: choose another folder with --out" in call("run", "ci", "--out", str(file / "x"), status=2)
 
 
 def test_a_folder_that_holds_trials_of_another_run_is_refused_unless_they_are_to_be_replaced(tmp_path) -> None:

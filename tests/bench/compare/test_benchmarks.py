@@ -213,14 +213,14 @@ def _rename_engine(content) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (_drop_rounds, "saved without the time of each round; save it with --benchmark-save-data"),
+        (_drop_rounds, "contains no time of each round; create the file again with --benchmark-save-data"),
         (_drop_alone, "contains less than a second of frames with and without"),
-        (_only_kernels, "contains no frame times with the extension; create such a file with"),
+        (_only_kernels, "contains no frame times with the extension; create a file with frame times by"),
         (lambda content: content["benchmarks"].append(steered(content)[0]), "occurs twice"),
         (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
         (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),
         (lambda content: steered(content)[0]["stats"].update(data=[-1.0]), "benchmarks.1.stats.data.0"),
-        (_rename_engine, "share no frame with the extension"),
+        (_rename_engine, "have no stack in common that is timed with the extension"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_refused_with_the_reason(base, tmp_path, change, message) -> None:
@@ -236,7 +236,7 @@ def test_benchmarks_and_trials_are_not_mixed(base, make, tmp_path) -> None:
     write_baseline(make.side(), trials)
     for other in (trials, tmp_path):  # a file, a folder
         for sides in ((base, other), (other, base)):
-            message = f"{base} is a file of pytest-benchmark and {other} is not: name two such files"
+            message = f"{base} is a file of pytest-benchmark and {other} is not: name two files of pytest-benchmark"
             assert message in compare(*sides, status=2)
 
 

@@ -75,7 +75,7 @@ def test_a_torn_last_line_is_left_out_with_a_warning_and_mended_when_the_file_is
     path = tmp_path / "trials.jsonl"
     write(path, trial(), trial(trial="b"))
     path.write_bytes(path.read_bytes()[:-40])
-    with pytest.warns(RecordWarning, match=r"trials\.jsonl:2: the last line is incomplete: left out"):
+    with pytest.warns(RecordWarning, match=r"trials\.jsonl:2: the last line is incomplete; the reader skips it"):
         assert [one.trial for one in read_records(path)] == ["a"]
     write(path, trial(trial="c"))
     assert [one.trial for one in read_records(path)] == ["a", "c"]
