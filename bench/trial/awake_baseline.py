@@ -21,17 +21,18 @@ from bench.trial.stepping import PlainFrames
 from scenarios.model import World
 
 WARM_UP_FRAMES = 2
-"""Number of warm-up frames: the first builds the engine's caches, the second starts from the contacts of the first."""
+"""Number of warm-up frames. Two frames are needed, because the engine builds its caches in the first frame, and the
+second frame is the first that starts from earlier contacts."""
 TIMED_FRAMES = 60
 """Number of timed frames, one second at 60 Hz."""
 LEAST_FRAMES = 10
 """Fewest timed frames that give a frame time."""
 MOST_WORLDS = 20
-"""Greatest number of worlds to open; a tall stack falls within a few frames and is loaded again to time more frames."""
+"""Greatest number of worlds to open. Several worlds are needed, because a tall stack falls within a few frames."""
 MOST_WALL_S = 20.0
 """Wall time after which no further frame starts [s], so that a slow engine does not use up the limit of its trial."""
 HIGHEST_LEVEL = 25
-"""Greatest level at which a ratio is measured, the height of the paper's stacks."""
+"""Greatest level at which the harness measures a ratio: the height of the paper's stacks."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
-"""Time for which a brick is held before it is pushed, pressed or pulled [s], so that the extension has unfrozen it."""
+"""Time of a hold before each push, press and pull of a brick [s], so that the extension unfreezes the brick first."""
 
 
 class Builder:
@@ -135,7 +135,7 @@ class Builder:
         self._note_lost_support(self._planned.pop(body), body)
 
     def _note_lost_support(self, before: Brick, moved: int) -> None:
-        """Record the drop heights of the bricks that lost their support because a brick was removed or pulled.
+        """Record the drop heights of the bricks that lost their support by a removal or a pull.
 
         Args:
             before: the moved brick at its planned pose before the motion.
@@ -180,8 +180,8 @@ class Builder:
         """Return the shift of planned heights [m] that puts the bricks of an action ``CLEARANCE`` above their support.
 
         The support is a fixed box or a brick of a lower level. A brick that is planned beside the group is no support,
-        although it may overlap the group horizontally by micrometres after a small motion. For a pile, planned places
-        are not compared, because poured bricks do not lie at them.
+        although it may overlap the group horizontally by micrometres after a small motion. For a pile, the function
+        ignores planned poses, because poured bricks do not rest at these poses.
         """
         _, position, quaternion = self._simulation.poses()
         plan, group = self.plan, Boxes.of(action.bricks)

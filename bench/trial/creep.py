@@ -1,6 +1,6 @@
 """Measure the creep of a finished stack: the slope of its bricks' positions over the last half of the watch.
 
-The interval of the slope is that of Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator of
+The interval of the slope comes from Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator of
 Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
 frames. Frames are not independent, because a vibrating or oscillating brick is close to its position in the frame
 before. Therefore the usual interval would find creep in stacks that only oscillate. The estimator used here requires no
@@ -55,7 +55,7 @@ class CreepMeter:
         self._positions: list[FloatArray] = []
 
     def see(self, time: float, position: FloatArray) -> None:
-        """Record the positions at the end of a frame; earlier positions are dropped if the number of bricks changes.
+        """Record the positions at the end of a frame; drop earlier positions if the number of bricks changes.
 
         Args:
             time: end of the frame [s].

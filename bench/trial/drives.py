@@ -50,7 +50,7 @@ class Drives:
     def go_on(self, time: float, planned: Mapping[int, Brick]) -> dict[int, Brick]:
         """Set the velocities of the driven bodies for one frame; return the bricks with a new planned pose, by body.
 
-        The velocity is that at the middle of the frame, so that a uniform acceleration covers the exact distance.
+        Use the velocity at the middle of the frame, so that a uniform acceleration covers the exact distance.
 
         Args:
             time: start of the frame [s].

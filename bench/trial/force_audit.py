@@ -15,7 +15,7 @@ UP = 2
 
 
 class ForceAudit:
-    """Audit of the contact forces in the frames in which a finished stack is watched."""
+    """Audit of the contact forces during the watch of a finished stack."""
 
     def __init__(self, simulation: Simulation) -> None:
         """Make the engine record contacts and forces from its first step on."""
@@ -26,7 +26,7 @@ class ForceAudit:
         self._residual: list[float] = []
 
     def see(self) -> None:
-        """Add the contacts after the latest step to the audit; without effect if the engine reports no forces."""
+        """Add the contacts after the latest step to the audit; do nothing if the engine reports no forces."""
         contacts = self._simulation.port.contacts()
         bricks = self._simulation.bricks.values()
         if contacts.force is None or not len(contacts) or not bricks:

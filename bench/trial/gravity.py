@@ -18,7 +18,7 @@ class TurningGravity:
 
     simulation: Simulation
     notify: Callable[[Vector], None]
-    """Function that is called with every new gravity [m/s2]."""
+    """Function that receives every new gravity [m/s2]."""
     tilts: list[tuple[Tilt, Vector]] = field(default_factory=list)
     """Tilts in progress, each with the gravity at its start [m/s2]."""
 

@@ -28,7 +28,7 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 EARLY_S = 1e-9
-"""Time before its due time at which an action is already due [s], because frame times are rounded sums."""
+"""Greatest time by which an action may start before it is due [s], because frame times are rounded sums."""
 TILT_LIMIT = falling.TILT_LIMIT
 """Angle from the plan beyond which a brick has toppled [rad]."""
 SLIDE_LIMIT = falling.SLIDE_LIMIT

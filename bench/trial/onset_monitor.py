@@ -27,7 +27,7 @@ class OnsetMonitor:
         Args:
             scene: a scene with at least one ``Tilt``.
             simulation: the simulation of the scene.
-            is_alone: True without an extension, because only then the engine's own contacts are read.
+            is_alone: True without an extension, because the monitor reads the engine's own contacts only then.
         """
         self._scene, self._simulation = scene, simulation
         self._first: Tilt = next(action for action in scene.actions if isinstance(action, Tilt))

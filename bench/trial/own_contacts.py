@@ -73,7 +73,7 @@ def limit_slope(
     None if the forces cannot hold the bricks on level ground, or still hold them at ``STEEPEST``.
 
     Args:
-        bricks: the bricks, of which masses and sizes are used.
+        bricks: bricks with the masses and sizes to use.
         world: a world with the friction of the scene and the gravity on level ground.
         axis: horizontal axis of the tilt (x, y); see ``scenarios.model.Tilt``.
         patches: contact patches.

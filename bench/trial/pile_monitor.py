@@ -1,6 +1,6 @@
 """Monitor a poured pile: time to rest, height, angle of repose, sink and creep.
 
-``PileMonitor`` replaces ``StackMonitor`` for bricks without planned places, because these cannot collapse.
+``PileMonitor`` replaces ``StackMonitor`` for bricks without planned poses, because a pile cannot collapse.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from bench.trial.stack_monitor import Standing
 from scenarios.geometry import Boxes
 
 MOVING_M_S = 10e-3
-"""Speed of a brick's centre above which the brick is not at rest [m/s]; creep is slower, and tumbling is faster."""
+"""Speed of a brick's centre above which the brick is not at rest [m/s], because creep is slower and tumbling is
+faster."""
 HALF_BELOW = 1 - 0.5 ** (1 / 3)
 """Share of a cone's height below which half of the cone's volume lies."""
 
@@ -25,9 +26,9 @@ HALF_BELOW = 1 - 0.5 ** (1 / 3)
 def slope_deg(position: FloatArray) -> float | None:
     """Return the angle of repose of a pile of equal bricks [deg]; None if the median radius is zero.
 
-    The angle is that of the cone with the same median height and median radius as the pile. Medians are used, because
-    they do not depend on single bricks that rolled away. Half of a cone's volume lies within half its radius, and half
-    lies below ``HALF_BELOW`` of its height.
+    The angle is the slope of the cone with the same median height and median radius as the pile. The function uses
+    medians, because they do not depend on single bricks that rolled away. Half of a cone's volume lies within half its
+    radius, and half lies below ``HALF_BELOW`` of its height.
 
     Args:
         position: centres of the bricks [m], shape (n, 3), world frame.

@@ -1,4 +1,4 @@
-"""Play one scene on one engine frame by frame, until its watch ends, the stack has fallen or the limit is reached."""
+"""Play one scene on one engine frame by frame, until its watch ends, the stack has fallen or the time is up."""
 
 from __future__ import annotations
 
@@ -80,8 +80,8 @@ class Playback:
             simulation: an empty world.
             policy: policy of the core; None for the engine alone.
             wall_limit_s: wall time [s] after which to stop.
-            on_progress: function that is called with the progress after every frame.
-            audits_forces: True to audit contact forces while the finished stack is watched, if the engine is alone;
+            on_progress: function that receives the progress after every frame.
+            audits_forces: True to audit contact forces during the watch of the finished stack, if the engine is alone;
                 with the core there is no audit, because engines report no force on a frozen brick.
         """
         self._scene = scene

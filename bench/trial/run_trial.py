@@ -43,7 +43,7 @@ _MEANS = (
 )
 """Columns of frames, of which the record contains the means under the same names."""
 _BROKEN: tuple[Status, ...] = ("error", "crashed")
-"""Statuses after which the baseline (all awake) is not timed, because the engine may fail again."""
+"""Statuses after which the harness does not time the baseline (all awake), because the engine may fail again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
         trial: the trial to run.
         limits: limits of the trial.
         environment: digest of the environment, for the record.
-        on_progress: function that is called with the progress after every frame.
+        on_progress: function that receives the progress after every frame.
     """
     try:
         scene = trial.build_scene()

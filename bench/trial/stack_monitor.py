@@ -19,9 +19,9 @@ LANDING_S = 0.9
 It is slightly less than the second until the next brick, so that a level that falls when its last brick lands does not
 count as reached."""
 AFTERMATH_S = 1.0
-"""Time for which a trial of standard planks continues after a collapse is first seen [s], long enough to distinguish a
-topple from a slide. For thicker bricks it increases with the square root of their thickness, because they need that
-much longer to fall."""
+"""Time for which a trial of standard planks continues after a collapse is first seen [s], so that the monitor can
+distinguish a topple from a slide. For thicker bricks it increases with the square root of their thickness, because they
+need that much longer to fall."""
 
 
 @dataclass(frozen=True, slots=True)

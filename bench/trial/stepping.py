@@ -56,7 +56,7 @@ class Steering:
 
 
 class PlainFrames:
-    """Frames of the engine alone; its port is never requested, so that the engine need not record contacts."""
+    """Frames of the engine alone, which never request its port, so that the engine need not record contacts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -68,13 +68,13 @@ class PlainFrames:
         return _without_bridge(FrameTimes(perf_counter() - begin), self._simulation), None
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """Do nothing: there is no extension."""
+        """Do nothing, because there is no extension."""
 
     def release(self, bodies: Sequence[int]) -> None:
-        """Do nothing: there is no extension."""
+        """Do nothing, because there is no extension."""
 
     def turn_gravity(self, gravity: Vector) -> None:
-        """Do nothing: there is no extension."""
+        """Do nothing, because there is no extension."""
 
 
 class SteeredFrames:

@@ -45,7 +45,7 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
 def _room(upper: Boxes, lower: Boxes) -> FloatArray:
     """Return the distance by which each upper box can move down until it meets a lower box [m], shape (m,).
 
-    The distance is infinite for a box without a lower box below it. Of two overlapping boxes, the box above is the one
+    The distance is infinite for a box without a lower box below it. Of two overlapping boxes, the upper box is the box
     that needs the smaller upward motion to separate them.
     """
     down, up = vertical_clearance(upper, lower), vertical_clearance(lower, upper).T
