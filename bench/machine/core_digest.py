@@ -1,8 +1,8 @@
 """A digest of the core's code without its prose, which identifies the core that made a published page.
 
-The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name. Docstrings, other
-stand-alone strings, comments and layout are left out, so that an edit of prose does not change the digest. Any other
-edit changes it, even one without effect on results, such as a renamed variable.
+The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name. The digest ignores
+docstrings, other stand-alone strings, comments and layout, so that an edit of prose does not change the digest. Any
+other edit changes the digest, even an edit without effect on results, such as a renamed variable.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def core_of_commit(commit: str) -> str | None:
 def _code(part: object) -> str:
     """Write a syntax tree without prose.
 
-    Empty fields are left out, because they differ between versions of Python.
+    Leave out empty fields, because they differ between versions of Python.
     """
     if isinstance(part, ast.AST):
         fields = [f"{name}={_code(value)}" for name, value in ast.iter_fields(part) if value not in (None, [])]

@@ -28,7 +28,7 @@ _PACKAGES = ("numpy", "numba", "pydantic", "pyarrow", "pebble")
 def describe(engines: Iterable[str]) -> dict[str, Any]:
     """Return the environment that all trials of a run share, as JSON values.
 
-    It depends only on the machine, its packages and the checkout, not on the time.
+    The environment depends only on the machine, its packages and the checkout, not on the time.
     """
     environment = {
         "python": platform.python_version(),

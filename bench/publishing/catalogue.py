@@ -59,7 +59,7 @@ class Publication:
 _THREE_STACKS = ("four_stack", "card_house", "leaning_tower")
 PUBLICATIONS: dict[str, Publication] = {
     "paper": Publication(
-        "the paper's three stacks and two planar ones, four engines, profile `game`, seed 0, without and with the "
+        "the paper's three stacks and two planar stacks, four engines, profile `game`, seed 0, without and with the "
         "extension",
         "paper",
         gallery=Gallery("bullet", "game", ("four_stack", "card_house-3", "leaning_tower")),
@@ -129,7 +129,7 @@ PUBLICATIONS: dict[str, Publication] = {
         "cost",
     ),
     "thresholds": Publication(
-        "each engine's own limits by bisection, in percent of the exact ones: friction, height over width, overhang, "
+        "each engine's own limits by bisection, in percent of the exact limits: friction, height over width, overhang, "
         "angle of an inverted V; profiles `game` and `tuned`, without the extension and with `equilibrium`",
         "thresholds",
     ),
@@ -150,7 +150,7 @@ PUBLICATIONS: dict[str, Publication] = {
     ),
     "scale": Publication("the effect of a world 10 or 100 times larger", "scale"),
     "ratio": Publication(
-        "frame time with the extension over frame time without, 25 levels of PhysX and Rapier, every profile",
+        "frame time with the extension over frame time without it, 25 levels of PhysX and Rapier, every profile",
         "ratio",
         Selection(engines=("physx", "rapier")),
     ),

@@ -203,7 +203,9 @@ def filled(document: str, block: str, content: str) -> str:
     """
     marks = re.compile(rf"(<!-- begin {block}\b[^>]*-->\n).*?(<!-- end {block} -->)", re.DOTALL)
     if not marks.search(document):
-        raise ValueError(f"no block '{block}': mark it with <!-- begin {block} --> and <!-- end {block} -->")
+        raise ValueError(
+            f"the document has no block '{block}': mark it with <!-- begin {block} --> and <!-- end {block} -->"
+        )
     return marks.sub(lambda found: f"{found[1]}\n{content}\n{found[2]}", document)
 
 

@@ -27,7 +27,7 @@ def holdings(folder: Path) -> str:
 
 
 def differences(folder: Path, publication: Publication) -> str:
-    """Describe in one line how a run today would differ from a published folder; empty if it would not.
+    """Describe in one line the differences of a run today from a published folder; empty without differences.
 
     The comparison uses the ids of trials, and the settings of profiles in the environment file of the folder.
     """

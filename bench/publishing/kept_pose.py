@@ -7,7 +7,7 @@ A real leaning tower turns about the edge of its lowest plank and does not break
 measured fall begins with the frame before the core unfreezes the tower, and ends with the first frame in which a
 falling plank touches the ground. A plank keeps its pose if, relative to the plank below, it has moved by less than half
 a thickness and turned by less than 5 degrees. The count leaves out the lowest plank, because it does not fall, and the
-second, because it turns on the lowest.
+second plank, because it turns on the lowest plank.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ MOVED = THICKNESS / 2
 TURNED = np.radians(5.0)
 """Rotation relative to the plank below [rad] from which a plank has lost its pose."""
 STRUCK = 1e-3
-"""Height of a corner above the ground [m] below which it touches the ground; less than the fall of one frame."""
+"""Height of a corner above the ground [m] below which the corner counts as touching the ground. The height is less than
+a plank falls in one frame, so that the measured fall loses no more than a frame."""
 
 
 @dataclass(frozen=True)

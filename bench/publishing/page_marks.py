@@ -1,4 +1,4 @@
-"""Marks on published pages: the digest of the core that made a page, and a banner if that is not the present core.
+"""Marks on published pages: the digest of the core that made a page, and a banner if the present core differs.
 
 Each page below ``docs/results`` ends with a line ``core: DIGEST``, which its generator writes together with the numbers
 and nobody changes later. The banner at the top depends on that digest; ``uv run python -m bench.publishing --mark``
@@ -33,8 +33,8 @@ class MarkError(ValueError):
 def pages(folder: Path) -> Iterator[Path]:
     """Yield every published page below ``folder``, sorted by path.
 
-    Files directly in ``folder``, such as the README that lists the pages, are not published pages. Nor are reports that
-    were built there.
+    Files directly in ``folder``, such as the README that lists the pages, are not published pages. Reports that were
+    built there are not published pages either.
     """
     return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder and path.parent.name != REPORT)
 

@@ -83,7 +83,7 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
 
 def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:
     if not load_study(str(folder / STUDY)).has_same_plan(publication.resolved()):
-        raise PublishError(f"{folder} contains another study: run {publication.command}")
+        raise PublishError(f"{folder} contains another study than '{publication.study}': run {publication.command}")
     missing = missing_trials(folder, records)
     if missing:
         raise PublishError(f"{folder} lacks {len(missing)} trials: run {publication.command} --out {folder}")
@@ -133,11 +133,13 @@ def main(
 ) -> None:
     """Publish a study in docs/results; without a results folder, run the study first."""
     if is_mark == (name is not None):
-        raise typer.BadParameter("give either the name of a publication, or --mark alone")
+        raise typer.BadParameter(
+            "expected either the name of a publication or --mark, got both or neither: give only one of the two"
+        )
     if name is None:
         earlier = mark_all(PUBLISHED)
         doc_blocks.main()
-        typer.echo(f"pages of an earlier core: {earlier}; the generated blocks of the documents are filled")
+        typer.echo(f"pages of an earlier core: {earlier}; filled the generated blocks of the documents")
         return
     try:
         publication = look_up("publication", name, PUBLICATIONS)
@@ -152,11 +154,11 @@ def main(
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
     doc_blocks.main()
-    typer.echo(f"published in {target.relative_to(ROOT)}; the generated blocks of the documents are filled")
+    typer.echo(f"published in {target.relative_to(ROOT)}; filled the generated blocks of the documents")
 
 
 def _bench(*arguments: str) -> None:
-    """Run a command of the suite in its own process, with its tables discarded."""
+    """Run a command of the suite in its own process, and discard its tables."""
     done = subprocess.run([sys.executable, "-m", "bench", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
     if done.returncode:
         raise typer.Exit(done.returncode)

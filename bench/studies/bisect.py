@@ -13,7 +13,7 @@ class Bisect(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     parameter: str
-    """Name of the scenario's parameter, a number; it must not be among those that the study sets."""
+    """Name of the bisected parameter, a number; ``parameters`` of the scenario must not contain it."""
     low: StrictFloat | StrictInt
     """Lower end of the search. The search starts with trials at both ends."""
     high: StrictFloat | StrictInt
@@ -34,5 +34,8 @@ class Bisect(BaseModel):
     @model_validator(mode="after")
     def _ends_are_apart(self) -> Bisect:
         if self.high - self.low < 2 * self.tolerance:
-            raise ValueError("'high' must exceed 'low' by two tolerances or more")
+            raise ValueError(
+                f"'high' must exceed 'low' by two tolerances or more, got {self.low} to {self.high} with tolerance "
+                f"{self.tolerance}: widen the range or reduce 'tolerance'"
+            )
         return self

@@ -46,11 +46,11 @@ class StudyError(ValueError):
 
 
 MOST_SEEDS = 100_000
-"""Greatest number of seeds; a greater number is a typing error, and its plan would fill the memory."""
+"""Greatest number of seeds, because a greater number is a typing error whose plan would fill the memory."""
 MOST_REPEATS = 1_000
-"""Greatest number of repeats; a greater number is a typing error, and its plan would fill the memory."""
+"""Greatest number of repeats, because a greater number is a typing error whose plan would fill the memory."""
 MOST_WATCH_S = 100 * 3600.0
-"""Greatest time of a watch [s]; a longer time is a typing error."""
+"""Greatest time of a watch [s], because a longer time is a typing error."""
 
 
 def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
@@ -87,9 +87,9 @@ class ChosenScenario(_Model):
     name: ScenarioName
     parameters: Mapping[str, Value | list[Value]] = {}
     tolerance: Tolerance = Tolerance()
-    """Tolerance for comparisons of the scenario's trials with those of another run."""
+    """Tolerance for comparisons of the scenario's trials with the trials of another run."""
     bisect: Bisect | None = None
-    """Parameter whose threshold is searched in every variant; None without a search."""
+    """Parameter whose threshold the study searches in every variant; None without a search."""
 
     def variants(self) -> Iterator[dict[str, Value]]:
         """Yield the parameters of every variant: all combinations of listed values, without the bisected parameter."""
@@ -139,7 +139,7 @@ class Rule(_Model):
     @model_validator(mode="after")
     def _says_something(self) -> Rule:
         if not (self.engines or self.profiles or self.policies or self.scenarios):
-            raise ValueError(f"a rule must name at least one of: {', '.join(Rule.model_fields)}")
+            raise ValueError(f"an empty rule; remove the rule, or name at least one of: {', '.join(Rule.model_fields)}")
         return self
 
 
@@ -166,7 +166,8 @@ class Limits(_Model):
     trial_wall_s: float = Field(default=60.0, gt=0)
     """Wall time [s] after which a trial stops, so that its levels are only lower bounds (censored)."""
     memory_mib: int = Field(default=4096, ge=1)
-    """Resident memory [MiB] above which the harness ends a trial's process; a hundred planks take about 300 MiB."""
+    """Resident memory [MiB] above which the harness ends a trial's process. The default is ample, because a hundred
+    planks take about 300 MiB."""
     creep_per_min: float = Field(default=CREEP_LIMIT_PER_MIN, gt=0)
     """Greatest creep of a stack that must stand, in thicknesses of a brick per minute."""
     ratio: bool = True
@@ -190,7 +191,7 @@ class Study(_Model):
     repeats: int = Field(default=1, ge=1, le=MOST_REPEATS)
     """Number of repeats of each seed."""
     sweep: list[Sweep] = []
-    """Variations of profiles; engines of a sweep that the study does not name are skipped."""
+    """Variations of profiles; the study skips engines of a sweep that it does not name."""
     include: list[Rule] = []
     """Rules of which a trial must match at least one; empty to include all trials."""
     exclude: list[Rule] = []

@@ -18,7 +18,8 @@ class Tolerance(BaseModel):
     """Tolerated difference [levels] in the height of a stack, or in the level of its fall. The default is zero, because
     a user notices a missing level. A verdict that was right must stay right at any tolerance."""
     sink_m: float = Field(default=5e-5, ge=0)
-    """Tolerated increase of the sink [m]: a quarter of the 0.2 mm at which the core freezes a brick."""
+    """Tolerated increase of the sink [m]. The default is small, because it is a quarter of the 0.2 mm at which the core
+    freezes a brick."""
     sink_share: float = Field(default=0.2, ge=0)
     """Additionally tolerated increase of the sink, as a share of the base's sink."""
     creep_m_s: float = Field(default=1e-6, ge=0)
@@ -30,4 +31,4 @@ class Tolerance(BaseModel):
     creep, and tolerates the effect of another processor's rounding on a slow slide. A creep whose interval includes
     zero counts as none."""
     time_share: float = Field(default=0.1, ge=0)
-    """Least slowdown that counts, as a share of the base's time, because a smaller one needs no attention."""
+    """Least slowdown that counts, as a share of the base's time, because a smaller slowdown needs no attention."""

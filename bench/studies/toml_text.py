@@ -13,7 +13,7 @@ from bench.studies.tolerance import Tolerance
 def to_toml(study: Study) -> str:
     """Return the study as TOML without unset fields.
 
-    Values are written by ``json``, because JSON's strings, numbers and flat lists are valid TOML.
+    ``json`` writes the values, because JSON's strings, numbers and flat lists are valid TOML.
     """
     content = study.model_dump()
     scenarios, limits = content.pop("scenario"), content.pop("limits")

@@ -129,7 +129,8 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"seeds": 0}, "field 'seeds': must be 1 or more"),
         (
             {"exclude": [{}]},
-            "field 'exclude[0]': a rule must name at least one of: engines, profiles, policies, scenarios",
+            "field 'exclude[0]': an empty rule; remove the rule, or name at least one of: "
+            "engines, profiles, policies, scenarios",
         ),
         ({"exclude": [{"engine": ["bullet"]}]}, "unknown field 'engine'; did you mean 'engines'?"),
         ({"include": [{"policies": ["papr"]}]}, "field 'include[0].policies[0]': unknown policy 'papr'"),
