@@ -88,7 +88,7 @@ class Report:
     page: Path
     """Path of the page."""
     notices: tuple[str, ...]
-    """Messages about parts that were left out, with the reason."""
+    """Messages about missing parts, with the reason."""
 
 
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:

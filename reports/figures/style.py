@@ -36,7 +36,7 @@ STYLE: dict[Any, Any] = {
 
 
 def save(figure: Figure, stem: Path) -> str:
-    """Write a figure as SVG and PDF, and return the SVG; without dates, so that equal records give identical files."""
+    """Write a figure as SVG and PDF without dates, so that equal records give identical files; return the SVG."""
     with mpl.rc_context(STYLE):
         figure.savefig(stem.with_suffix(".svg"), transparent=True, metadata={"Date": None})
         figure.set_layout_engine("none")  # so that the PDF keeps the layout of the SVG

@@ -11,7 +11,7 @@ from reports.records.trial import TrialRecord
 OWN_SCENE = "own_scene"
 """Name of the scenario of users' own scenes, which come from files."""
 _MOST_IN_TITLE = 3
-"""Most scenes whose names are the title of a study."""
+"""Greatest number of scenes whose names form the title of a study."""
 _UNCHANGED = {"size": 1.0, "mass": 1.0, "yaw": 0.0}
 """Values of parameters with which an own scene is the same as in its file."""
 
@@ -37,7 +37,7 @@ def scene_names(trials: Sequence[TrialRecord]) -> dict[str, str]:
 
 
 def title_of(trials: Iterable[TrialRecord], study: str) -> str:
-    """Return the title of a study: the names of its scenes if they are few and all of the user's own, else its name."""
+    """Return the title of a study: the names of its scenes if it has few and only own scenes, else its name."""
     names = {scene_name(trial): trial.scenario for trial in trials}
     is_own = set(names.values()) == {OWN_SCENE}
     return ", ".join(names) if is_own and len(names) <= _MOST_IN_TITLE else study

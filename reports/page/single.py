@@ -1,4 +1,4 @@
-"""The page as one file with everything inside: stills and replays are packed into it, and open without a folder."""
+"""The page as one file that contains all stills and replays, so that a reader can open it without a folder."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def write_single(page: Path) -> Path:
 
 
 def _packed_replays(report: Path, links: list[str]) -> str:
-    """Return the player of packed replays. The scripts that they share are packed once."""
+    """Return the player of packed replays, with one copy of the scripts that the replays share."""
     pages = {link: (report / _path(link)).read_text(encoding="utf-8") for link in links}
     scripts = {name for page in pages.values() for name in _SCRIPT.findall(page)}
     shared = {name: _deflated((report / "replays" / name).read_text(encoding="utf-8")) for name in sorted(scripts)}

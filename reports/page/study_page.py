@@ -179,7 +179,7 @@ def _seeds(group: Group) -> int:
 
 
 def _sort_key(entry: Entry) -> str:
-    """Return the attributes of an entry: its sort key, unless its text is that number, or that there is nothing."""
+    """Return the HTML attributes of an entry: a class if it is empty, a sort key if its text is not a number."""
     if entry.text == NOTHING:
         return Markup(' class="n"')
     if math.isnan(entry.sort) or re.fullmatch(r"[\d.]+", entry.text):

@@ -61,7 +61,7 @@ def _headline(scores: Sequence[PolicyScore]) -> str:
 
 
 def _how(perfect: Sequence[PolicyScore]) -> str:
-    """Return the policies in words; only the engine alone if it is among them, because it is the simplest."""
+    """Return the policies in words; only the engine alone if the list has it, because it is the simplest."""
     names = [one.policy for one in perfect]
     return "alone" if ALONE in names else f"with {' or '.join(names)}"
 

@@ -16,19 +16,22 @@ from reports.records.trial import TrialRecord
 from reports.statistics.groups import Group
 
 BINS = 240
-"""Greatest number of bins of a trace; a bin is one to three pixels wide on a page."""
+"""Greatest number of bins of a trace, so that a bin is one to three pixels wide on a page."""
 _FEWEST_BINS = 48
-"""Least number of bins of a trace if a page has many traces; the worst frame of each bin still shows."""
+"""Least number of bins of a trace on a page with many traces. Few bins are enough, because each bin shows its worst
+frame."""
 _BINS_A_PAGE = 250_000
-"""Approximate number of bins of all traces of a page, about 2 MB, so that a page of a thousand traces stays usable."""
+"""Approximate number of bins of all traces of a page, which take about 2 MB, so that a page of a thousand traces stays
+usable."""
 _STEPS_A_DECADE = 100
-"""Resolution of frame times [steps per decade]: 2.3 %, less than a pixel of a logarithmic axis."""
+"""Resolution of frame times [steps per decade]. Finer steps are useless, because a step of 2.3 % is less than a pixel
+of a logarithmic axis."""
 
 
 def traces(folder: Path, groups: Sequence[Group]) -> tuple[list[dict[str, Any]], list[str]]:
     """Return a trace per group, and the ids of trials whose frames cannot be read.
 
-    The trace is that of the group's first trial with frame times.
+    The trace of a group shows its first trial with frame times.
 
     Args:
         folder: a results folder.

@@ -1,7 +1,7 @@
 """Conversion of a recording to an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
 Each brick is a node with an animated pose. The node has a child box for each state of the brick. The animation shows
-one of these boxes at a time: its scale is the size of the brick, and the scale of the others is 0. Fixed boxes are
+one of these boxes at a time: its scale is the size of the brick, and the scale of the other boxes is 0. Fixed boxes are
 static nodes. The root node turns the z axis into the y axis, because the y axis of glTF points up.
 """
 

@@ -93,7 +93,7 @@ def _described(trial: Replayed) -> dict[str, Any]:
 def _packed(columns: np.ndarray) -> str:
     """Compress integer columns, shape (columns, n), into a base64 text.
 
-    The differences along each column are split into bytes, grouped by significance, and deflated.
+    Take the differences along each column, split them into bytes, group the bytes by significance, and deflate them.
     """
     differences = np.diff(columns, axis=1, prepend=0).astype("<i4")
     by_byte = np.ascontiguousarray(differences).view(np.uint8).reshape(-1, 4).T

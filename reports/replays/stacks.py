@@ -16,7 +16,8 @@ from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import ordered_policies
 
 MOST_STILLS = 120
-"""Greatest number of stills that are drawn without a request; the paper's stacks have fewer, which take about 30 s."""
+"""Greatest number of stills that a report draws without a request. The limit exceeds the number of the paper's stacks,
+because their stills take only about 30 s."""
 
 
 def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:
@@ -57,15 +58,15 @@ def write_stack_replay(folder: Path, trials: Sequence[Replayed]) -> Path:
 def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:
     """Draw the stills of stacks into the report of a results folder.
 
-    Stills that are newer than the records are kept.
+    Keep stills that are newer than the records.
 
     Args:
         folder: a results folder.
-        stacks: the stacks whose trials are drawn.
+        stacks: the stacks to draw.
         however_many: False to draw no stills if there are more than ``MOST_STILLS``.
 
     Returns:
-        A message with the reason for which stills were not drawn; empty if all were drawn.
+        Message with the reason for missing stills; empty without missing stills.
     """
     stills, changed = folder / "report" / "stills", ResultsFolder(folder).trials_file.stat().st_mtime
     waiting = [those for those in stacks if any(_is_older(still_of(stills, one), changed) for one in those)]

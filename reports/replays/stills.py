@@ -19,7 +19,8 @@ from reports.replays.replay import Replayed
 _ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
 PIXELS = 240
-"""Edge length of a still [pixels]: sharp at the 120 to 160 pixels of a page, and drawn in about 0.3 s."""
+"""Edge length of a still [pixels], chosen so that a still is sharp at the 120 to 160 pixels of a page and takes about
+0.3 s to draw."""
 COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
 """Colours by state, as in a replay: red, green and blue from 0 to 255. They also differ in lightness, so that
 colour-blind readers can distinguish them."""
@@ -28,7 +29,7 @@ FIXED_COLOUR = (150, 154, 158)
 _TINT = 0.08
 """Greatest relative change of a brick's lightness, so that neighbours can be distinguished."""
 _LONGEST_S = 900
-"""Time after which the renderer is stopped [s]."""
+"""Time limit of the renderer [s]."""
 
 
 class StillsError(RuntimeError):
@@ -40,7 +41,7 @@ def write_stills(folder: Path, stacks: Iterable[Sequence[Replayed]], pixels: int
 
     Args:
         folder: folder of the stills, created if necessary.
-        stacks: lists of trials; the trials of a list are drawn with the same camera.
+        stacks: lists of trials; the trials of a list have the same camera.
         pixels: edge length of the square pictures.
 
     Raises:
@@ -90,7 +91,7 @@ def _jobs(folder: Path, stack: Sequence[Replayed]) -> list[dict[str, Any]]:
 def _drawn(trial: Replayed) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
     """Return the final bricks with the fixed boxes, and corners [m] that span the visible space.
 
-    The corners, each of shape (3,), are those of the fixed boxes and of all bricks at their first positions.
+    The corners, each of shape (3,), belong to the fixed boxes and to all bricks at their first positions.
     """
     recording, rng = trial.recording, np.random.default_rng(0)
     bricks, corners = [], []

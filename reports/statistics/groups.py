@@ -65,7 +65,7 @@ class Group:
 
     @cached_property
     def draws(self) -> list[TrialRecord]:
-        """First repeat of each seed; further repeats are left out, because they add no evidence of outcomes."""
+        """First repeat of each seed only, because further repeats add no evidence of outcomes."""
         return [repeats[0] for repeats in self.by_seed.values()]
 
     @cached_property
@@ -88,13 +88,13 @@ class Group:
         return kaplan_meier(list(self.lifetimes.values())) if self.lifetimes else None
 
     def values(self, field: str) -> list[float]:
-        """Return one value of a field per seed, the median of its repeats; seeds without a value are left out."""
+        """Return one value of a field for each seed with a value: the median of its repeats."""
         seeds = ([getattr(trial, field) for trial in repeats] for repeats in self.by_seed.values())
         measured = ([value for value in repeats if value is not None] for repeats in seeds)
         return [statistics.median(repeats) for repeats in measured if repeats]
 
     def measured(self, field: str) -> list[float]:
-        """Return one value of a field per trial, including repeats; trials without a value are left out."""
+        """Return the value of a field for each trial with a value, including repeats."""
         return [value for trial in self.trials if (value := getattr(trial, field)) is not None]
 
     def estimate(self, field: str) -> Estimate | None:

@@ -1,7 +1,7 @@
 """The cost of height: levels that stood against milliseconds per frame, for engines with several profiles.
 
 The frame time of a trial is the median over the frames in which the highest level that stood was the top level.
-Therefore the time of a stack that fell early is that of the standing stack, not that of the fallen bricks.
+Therefore the time of a stack that fell early describes the standing stack, not the fallen bricks.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Pairs of scenes: one scene must stand, its partner must fall, and they differ in little but the deciding quantity.
+"""Pairs of scenes: one scene must stand, its partner must fall, and mainly the deciding quantity differs.
 
 A pair counts as correct only if both outcomes are correct, because single trials reward trivial policies. A policy that
 freezes everything also holds the scene that must fall. A policy that freezes nothing may let the scene that must stand
@@ -55,7 +55,7 @@ class PairRow(NamedTuple):
 
 
 def pairs_of(groups: Sequence[Group]) -> list[Pair]:
-    """Return the pairs in the groups of one engine, profile and policy; scenes without their partner are left out."""
+    """Return the pairs in the groups of one engine, profile and policy; skip scenes without a partner."""
     sides = grouped([group for group in groups if group.pair], "pair")
     return [_pair(name, those) for (name,), those in sides.items() if are_opposed([one.expectation for one in those])]
 

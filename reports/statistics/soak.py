@@ -10,7 +10,8 @@ from reports.records.trial import TrialRecord
 from reports.statistics.groups import grouped
 
 LEAST_WATCH_S = 60.0
-"""Shortest watch of a soak [s]; in a shorter watch, the noise of a solver hides a creep of a micrometre per second."""
+"""Shortest watch of a soak [s], because in a shorter watch the noise of a solver hides a creep of a micrometre per
+second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class SoakSummary:
     creep: int
     """Number of trials whose creep has an interval that excludes zero."""
     median_m_s: float | None
-    """Median creep of the trials with a measured creep [m/s]; None if there are none."""
+    """Median creep of the trials with a measured creep [m/s]; None without such trials."""
     shortest_s: float | None
     """Shortest time of a creeping trial until a brick has moved by its thickness [s]; None without creeping trials."""
 

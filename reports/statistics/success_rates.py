@@ -62,7 +62,7 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
 
 
 def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
-    """Return the kinds of error that a table shows; creep is left out if no trial creeps.
+    """Return the kinds of error that a table shows, without creep if no trial creeps.
 
     Therefore tables of trials from before format 3, which did not judge creep, do not change.
     """

@@ -138,8 +138,8 @@ class PairedTest:
 def compare_pairs(pairs: Sequence[tuple[Lifetime, Lifetime]]) -> PairedTest:
     """Return the paired Prentice-Wilcoxon test (O'Brien and Fleming, Biometrics 43, 1987), by permutation within pairs.
 
-    All lifetimes are pooled and scored by the generalised Wilcoxon scores of Peto and Peto (J. R. Statist. Soc. A 135,
-    1972), which allow ties. With the pooled Kaplan-Meier estimate S:
+    The test pools all lifetimes and scores them by the generalised Wilcoxon scores of Peto and Peto (J. R. Statist.
+    Soc. A 135, 1972), which allow ties. With the pooled Kaplan-Meier estimate S:
 
         score      S(t) + S(t-) - 1   if the stack fell at level t
                    S(t) - 1           if the level t is censored

@@ -42,7 +42,7 @@ class Threshold:
 
     @property
     def whole(self) -> Bracket | None:
-        """Bracket that encloses the brackets of all seeds; None unless a threshold was found for each."""
+        """Bracket that encloses the brackets of all seeds; None unless each seed has a threshold."""
         if not all(bracket.is_found for bracket in self.brackets):
             return None
         low, high = min(one.low for one in self.brackets), max(one.high for one in self.brackets)

@@ -10,7 +10,7 @@ from reports.tables.table import NOTHING, Table
 from reports.tables.wording import ratio_text
 
 _BRIDGE = Measure("bridge", "bridge_ms", "{:.3f}")
-"""Column that is shown if an engine runs in a separate process."""
+"""Column for engines that run in a separate process."""
 MEASURES = (
     Measure("p50", "frame_ms_p50", "{:.3f}"),
     Measure("p99", "frame_ms_p99", "{:.3f}"),

@@ -13,7 +13,7 @@ _MICRO = 1e6
 _UNITS = ((365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 """Units of time: length [s] and name, the longest first."""
 _MOST_YEARS = 100.0
-"""Longest time that is given as a number [years]."""
+"""Longest time that the table gives as a number [years]."""
 
 
 def soak_tables(records: Sequence[TrialRecord]) -> list[Table]:

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NOTHING = "-"
-_REST = " ... (the rest: report/tables.md)"
 """Text of an entry without a value."""
+_REST = " ... (the rest: report/tables.md)"
+"""End of a shortened note."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ def _row(one: Threshold) -> tuple[str, ...]:
 
 
 def _distinct(exact: tuple[float | None, float | None]) -> list[float]:
-    """Return the known exact limits; a single one if both conventions for a ridge agree."""
+    """Return the known exact limits; a single limit if both conventions for a ridge agree."""
     known = [value for value in exact if value is not None]
     return known[:1] if len(known) == 2 and math.isclose(*known, rel_tol=1e-3) else known
 

@@ -21,7 +21,8 @@ NEAR_DEG = 0.25
 deg/s, because a brick first has to move by 1 % of its thickness or turn by half a degree. The distance is less than
 half a degree, so that an error of half a degree shows."""
 NAMED_DEG = 2.0
-"""Greatest angle between a ridge's normal and the bisector, or a face normal, after which the normal is named [deg]."""
+"""Greatest angle between a ridge's normal and the bisector, or a face normal, whose name the table then gives to the
+ridge's normal [deg]."""
 
 
 class Onset(NamedTuple):

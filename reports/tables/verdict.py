@@ -26,13 +26,13 @@ STATE_WORDS: dict[State, tuple[str, str]] = {
     "not_playable": ("not playable", "not playable"),
     "open": ("not judged", "not judged"),
 }
-"""Words for each state: for one build, and for several."""
+"""Words for each state: for one build, and for several builds."""
 _PERCENTILES = (5, 95)
 """Percentiles of the calibration times, whose ratio measures the variation of the machine's speed."""
 
 
 def sentence(ranking: Ranking, unfinished: int = 0) -> str:
-    """Return the verdict: the cheapest set-up that is right in all units, or a sentence that no set-up is.
+    """Return a sentence that names the cheapest set-up that is right in all units, or states that none exists.
 
     Args:
         ranking: the ranking of the study.
@@ -135,7 +135,7 @@ def _creep(creep: Creep | None) -> str:
 
 
 def _micrometres(creep: Creep | None) -> str:
-    """Return a creep [µm/s] to 0.01, from 100 on to 1; a dash for None."""
+    """Format a creep [µm/s] with two decimals, from 100 on without decimals; a dash for None."""
     if creep is None:
         return NOTHING
     speed = creep.m_s * 1e6
