@@ -106,7 +106,7 @@ def test_a_baseline_replaces_a_baseline_and_nothing_else(make, good, tmp_path) -
     assert read_baseline(good).trials[0].height_levels == 2
     other = tmp_path / "notes.json"
     other.write_text("{}")
-    with pytest.raises(BaselineError, match="is no baseline: name another file"):
+    with pytest.raises(BaselineError, match="is not a baseline file: name another file"):
         write_baseline(make.side(), other)
     assert other.read_text() == "{}"
     with pytest.raises(BaselineError, match="is a folder"):
