@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 SPARE_DIGITS = 2
-"""Decimal digits of a tried value beyond those of the tolerance, so that the ids of trials stay short."""
+"""Number of decimal digits of a tried value beyond the digits of the tolerance, so that the ids of trials stay
+short."""
 
 
 class Bracket(NamedTuple):

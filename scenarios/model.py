@@ -48,8 +48,8 @@ class Brick:
     level: int = 1
     """Level of the stack that the brick belongs to, from 1."""
     moved: bool = False
-    """True for a body that only the host moves: a lift, a belt, a door. It carries the bricks on it. It must
-    not touch the ground, fixed boxes or other moved bodies. Its mass has no effect."""
+    """True for a body that only the host moves: a lift, a belt, a door. The body carries bricks. It must not touch the
+    ground, fixed boxes or other moved bodies. Its mass has no effect."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -107,7 +107,7 @@ def build(name: str, **parameters: Value) -> Scene:
     """Return the scene of scenario ``name`` with ``parameters``; missing parameters take their defaults.
 
     Raises:
-        UnknownNameError: if there is no scenario ``name``, or it has no parameter of a given name.
+        UnknownNameError: if no scenario is called ``name``, or the scenario has no parameter of a given name.
         ValueError: if a parameter's value is not allowed; the message names the allowed values.
     """
     scenario = look_up("scenario", name, SCENARIOS)

@@ -30,7 +30,7 @@ P = ParamSpec("P")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """The return value of a builder: a scene without its ids and parameters. The fields are those of ``Scene``."""
+    """The return value of a builder: a scene without its ids and parameters. ``Scene`` describes the fields."""
 
     world: World
     actions: tuple[Action, ...]

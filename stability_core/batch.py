@@ -125,7 +125,7 @@ class Batch:
         return named if len(named) == 1 else dict(sorted(named.items()))
 
     def _take_back(self, asleep: Iterable[int]) -> None:
-        """Undo a batch that the port did not carry out: the bodies ``asleep`` are live, bodies to wake are frozen."""
+        """Undo a batch that the port did not carry out: make ``asleep`` live, and freeze the bodies to unfreeze."""
         table = self._world.graph.bodies
         for row in asleep:
             unfreeze(self._world, row)

@@ -1,7 +1,7 @@
 """Compile all kernels before their first use, and log the time.
 
 Numba compiles a kernel on its first call, and caches it beside the sources, in the user's cache, or in
-``NUMBA_CACHE_DIR``. This is the only module of the core that reads a clock and files; neither affects a verdict.
+``NUMBA_CACHE_DIR``. Only this module of the core reads a clock and files, and neither affects a verdict.
 """
 
 from __future__ import annotations

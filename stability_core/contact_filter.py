@@ -28,7 +28,7 @@ CONTACT = np.dtype(
     ],
     align=True,
 )
-"""Row of a contact that the filter kept; its fields are those of ``Contacts``."""
+"""Row of a contact that the filter kept, with the fields of ``Contacts``."""
 ContactRows: TypeAlias = Any
 """Structured array of ``CONTACT``."""
 BEARS = 0.1

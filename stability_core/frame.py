@@ -189,8 +189,12 @@ def observe(
         force: forces on b [N], shape (n, 3), or (0, 3) if the engine reports none.
 
     Returns:
-        A fault (FINE if there is none); its row, or for NO_ROOM the number of missing rows, or for FINE the number of
-        listed frozen bodies; the number of bodies in ``worklist``; the number of contacts kept of all frames.
+        Four numbers:
+
+        - the fault, or FINE without a fault;
+        - the row of the fault; for NO_ROOM the number of missing rows; for FINE the number of listed frozen bodies;
+        - the number of bodies in ``worklist``;
+        - the number of contacts kept of all frames.
     """
     named = ContactArrays(body_a, body_b, point, normal, separation, relative_velocity, friction, force)
     listed = MassArrays(body, mass, center)

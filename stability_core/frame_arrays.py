@@ -17,7 +17,7 @@ NO_FORCES = np.zeros((0, 3))
 
 
 class ContactArrays(NamedTuple):
-    """Contacts of one frame, in the upright frame of reference; the fields are those of ``Contacts``."""
+    """Contacts of one frame, in the upright frame of reference, with the fields of ``Contacts``."""
 
     body_a: IntArray
     """First bodies, ids or rows of the table, shape (n,)."""
@@ -38,7 +38,7 @@ class ContactArrays(NamedTuple):
 
 
 class MassArrays(NamedTuple):
-    """Listed bodies of one frame; the fields are those of ``Masses``."""
+    """Listed bodies of one frame, with the fields of ``Masses``."""
 
     body: IntArray
     """The bodies, ids or rows of the table, shape (m,)."""

@@ -168,9 +168,9 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 
 @compiled
 def _patience(body: Bodies, limits: Limits) -> float:
-    """Return the additional rest time [s] of a body: ``calm_s`` after the second wake, doubled after each further wake.
+    """Return the additional rest time [s] of a body: ``calm_s`` after two unfreezings, doubled after each further one.
 
-    The wait is longer because a body that is woken repeatedly in its place lies in a pile that still moves.
+    The wait is longer because a body that unfreezes repeatedly in its place lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0

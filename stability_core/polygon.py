@@ -1,6 +1,6 @@
 """Convex polygons on the ground plane: hull, distance, width and centroid of contact points.
 
-Points are (n, 3) [m]; only x and y count, and z is copied.
+Points are (n, 3) [m]; only x and y count, and the functions copy z.
 """
 
 from __future__ import annotations

@@ -29,8 +29,8 @@ centre to the contacts."""
 STOPPED = 1e-3
 """Greatest motion of a body at rest in one frame, over its size."""
 SAME = 1e-6
-"""Greatest change of a frozen body's position over its size, or of its mass over its mass: a rounding error of single
-precision."""
+"""Greatest change of a frozen body's position over its size, or of its mass over its mass, because single precision
+rounds by less."""
 ASLEEP = 10
 """Number of frames for which the check freezes a body. In free fall, the body would move by 14 cm in this time."""
 

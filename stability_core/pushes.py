@@ -17,7 +17,8 @@ from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
-"""Change of a push, over the sum of the body's weight and the push, above which the body's balance is judged again."""
+"""Change of a push, over the sum of the body's weight and the push, above which the core judges the body's balance
+again."""
 
 
 @compiled

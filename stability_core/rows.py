@@ -18,7 +18,7 @@ from stability_core.stack import NONE, sorted_ids
 UNKNOWN = -2
 """Row of an unknown body."""
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
-"""2^64 over the golden ratio: its multiples spread ids in sequence evenly (Fibonacci hashing)."""
+"""2^64 over the golden ratio, because its multiples spread ids in sequence evenly (Fibonacci hashing)."""
 _HALF = np.uint64(32)
 
 

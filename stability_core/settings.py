@@ -170,5 +170,5 @@ class Settings:
 
 
 _LIMITS = np.dtype([*((item.name, "f8") for item in fields(Settings)), ("gravity", "f8")], align=True)
-"""Dtype of all settings. It is one shared object, because Numba recognises the same object at once and compares
+"""Dtype of all settings. This dtype is one shared object, because Numba recognises the same object at once and compares
 different objects field by field."""

@@ -26,7 +26,7 @@ NONE = -1
 FEW = 16
 """Number of ids up to which an insertion sort is fastest."""
 MAX_VERTICES = 16
-"""Greatest number of vertices kept per contact patch; a box on a box has at most 8 per frame."""
+"""Greatest number of vertices kept per contact patch, enough because a box on a box has at most 8 per frame."""
 
 Bodies: TypeAlias = Any
 """Structured array of ``BODY``, one row per body: see ``rows``. In the kernels a body's number is its row."""
@@ -37,7 +37,7 @@ BODY = np.dtype(
     [
         ("state", "i1"),  # ABSENT, LIVE, FROZEN, FIXED or MOVING
         ("id", "i8"),  # its id at the port
-        ("held", "?"),  # a user holds it: it stays live
+        ("held", "?"),  # True while a user holds it, so that it stays live
         ("mass", "f8"),  # [kg], infinite for kinematic bodies
         ("blow", "f8"),  # slide that the blows of the latest frame would cause [m]
         ("slid", "f8"),  # sum of such slides since it was frozen [m]; infinite for a hard blow
@@ -67,10 +67,10 @@ BODY = np.dtype(
         ("still_center", "f8", (3,)),  # centre of mass at the start of ``still_s`` [m]
         ("lean_s", "f8"),  # at rest by the rule for leaning
         ("load_s", "f8"),  # slow enough to lie on its support
-        ("unsettled", "?"),  # woken, and since then neither moving nor calm for ``calm_s``
+        ("unsettled", "?"),  # unfrozen, and since then neither moving nor calm for ``calm_s``
         ("idle_s", "f8"),  # at rest by the strict rule, with any or no contacts
         ("is_resting", "?"),  # at rest for as long as freezing requires
-        ("wakes", "i8"),  # number of wakes since it was last in flight
+        ("wakes", "i8"),  # number of unfreezings since it was last in flight
         ("carrier_normal", "f8", (3,)),  # sum of the normals from the kinematic bodies below it, in this frame
         ("still_normal", "f8", (3,)),  # unit direction of that sum when it last turned by ``steady_shift``
         # duration in its place among the same neighbours

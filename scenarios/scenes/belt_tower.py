@@ -2,8 +2,9 @@
 
 Theory, in the frame of the belt, which accelerates at a: the inertial force m a pushes a column of n cubes of edge b
 backward at its middle, n b / 2 high, and the weight m g acts b / 2 before its rear edge. So the column tips
-if a > g / n. It does not slide while a < mu g. At half of g / n the belt carries the column along, and it stands. At
-one and a half times g / n it tips, if the acceleration lasts long enough to move the centre of mass beyond the edge.
+if a > g / n. The column does not slide while a < mu g. At half of g / n the belt carries the column along. At
+one and a half times g / n the column tips, if the acceleration lasts long enough to move the centre of mass beyond the
+edge.
 
 Look for: a frozen column must travel with the belt, and must tip where a live column tips.
 """

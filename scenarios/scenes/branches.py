@@ -21,7 +21,13 @@ from scenarios.scenario import Plan, scenario
 TRUNK = 6.0
 """Height of the trunk in thicknesses of a plank, which leaves room to tip."""
 HALF_TRUNK, RADIUS, COLUMN, HALF_PLATE = 0.14, 0.34, 0.12, 0.45
-"""Half the trunk's edge, radius of the columns' centres, their edge, and half the plate's edge, in plank lengths."""
+"""Lengths over the length of a plank:
+
+- HALF_TRUNK: half the trunk's edge;
+- RADIUS: distance of the columns' centres from the trunk's axis;
+- COLUMN: edge of a column;
+- HALF_PLATE: half the plate's edge.
+"""
 
 
 @scenario

@@ -2,7 +2,8 @@
 
 Theory: moments about the pier's edge, with m and L the mass and the length of the beam. The beam holds with the moment
 0.05 m L and the counterweight with 2 m times 0.4 L; the load p pulls with 0.3 L p. So the stack stands while
-p < 2.83 m. Without the counterweight the beam carries at most m / 6, so it falls. Without the load it stands.
+p < 2.83 m. Without the counterweight the beam carries at most m / 6, so the stack falls. Without the load the stack
+stands.
 
 Look for: the counterweight decides, although it is not above or below the load. A rule that looks only at bodies
 straight above their support lets the beam stand without its counterweight, or tips it while the counterweight is there.

@@ -5,9 +5,9 @@ storeys a roof plank bridges each pair of neighbouring ridges. Levels count Vs a
 2 n - 1 levels; the top has no roof. All planks lie in the x-z plane.
 
 Layout. The ridges of a storey are so far apart that a roof plank covers both and overhangs by ``OVERHANG``. Over three
-ridges two roof planks must meet above the middle one, each on its own side of it, so they are moved outward until they
-leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four and more ridges whole
-planks do not fit, so the planks between the outermost two are shortened to leave the usual gap.
+ridges two roof planks must meet above the middle one, each on its own side of it, so the layout moves these planks
+outward until they leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four and more
+ridges whole planks do not fit, so the planks between the outermost two are shortened to leave the usual gap.
 
 Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
 ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
@@ -15,7 +15,7 @@ ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), whi
   from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the
   ridges together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
 - Two edges meet at the ridge, and most engines report a plank's face as the normal there (not Jolt and Havok, whose
-  normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta. This
+  normal is horizontal). The same horizontal force then leans 90 deg - theta from the normal: mu >= cot theta, which
   requires more friction, at any load: 0.325 at 72 deg.
 
 So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's

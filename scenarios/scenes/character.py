@@ -24,13 +24,23 @@ PEDESTAL = 6.0
 PROP = 0.1
 """Length of the prop, in lengths of the plank."""
 CHARACTER, FIGURE = 2.0, 0.15
-"""Mass of the character over the plank's mass (0.19 kg at twice the standard size), and its edges over the plank's
-length."""
+"""Ratios of the character to the plank:
+
+- CHARACTER: its mass over the plank's mass, which is 0.19 kg for the character at twice the standard size;
+- FIGURE: its edges over the plank's length.
+"""
 STEP_S, SPEED = 0.125, 0.05
-"""Time between two movements of the character [s], and its initial speed in each [m/s]."""
+"""Movements of the character:
+
+- STEP_S: time between two movements [s];
+- SPEED: initial speed of each movement [m/s].
+"""
 ALONE_S, WITHOUT_PROP_S = 3.0, 3.0
-"""Time [s] for which the character moves before the prop is removed, and time [s] from then to the removal of the
-character."""
+"""Times [s] of the removals:
+
+- ALONE_S: from the start of the movements to the removal of the prop;
+- WITHOUT_PROP_S: from the removal of the prop to the removal of the character.
+"""
 
 
 @dynamic_scenario

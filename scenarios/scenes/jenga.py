@@ -49,7 +49,7 @@ def jenga(
     Args:
         levels: number of levels, of three planks each.
         left: remaining plank of the last robbed level, "middle" or "side"; lower robbed levels keep the middle plank.
-        robbed: number of robbed levels, every other one from the second on.
+        robbed: number of robbed levels: the second level, the fourth level, and so on.
         speed: speed of the pull [m/s]; with 0 planks are removed at once.
         gap: distance between the planks of a level [mm]; at 0 their sides touch.
     """

@@ -19,11 +19,19 @@ from scenarios.scenario import Plan, dynamic_scenario
 from scenarios.scenes.shared.slopes import TILT_S, on_slope
 
 BOTTOM, PLATE = 0.1, 0.02
-"""Initial height [m] of the platform's lower face, and its thickness [m]."""
+"""Lengths [m] of the platform:
+
+- BOTTOM: initial height of its lower face;
+- PLATE: its thickness.
+"""
 PAUSE_S = 2.0
 """Time from the last plank to the lift [s]."""
 RISE, RISE_S = 0.1, 2.0
-"""Rise of the platform [m], and its duration [s]."""
+"""Motion of the platform:
+
+- RISE: height of the rise [m];
+- RISE_S: duration of the rise [s].
+"""
 
 
 @dynamic_scenario

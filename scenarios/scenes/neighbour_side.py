@@ -27,7 +27,11 @@ PEDESTAL = 6.0
 NEIGHBOUR, COUNTERWEIGHT = 10.0, 2.0
 """Masses of the neighbour and of the counterweight, over the mass of the brick."""
 PIECE, INWARD = 0.3, 0.3
-"""Length of the counterweight, and its distance from the brick's middle, inward, in lengths of a plank."""
+"""Lengths of the counterweight, over the length of a plank:
+
+- PIECE: its length;
+- INWARD: its distance from the brick's middle, inward.
+"""
 PAUSE_S = 2.0
 """Time from the last brick to the removal [s], in which the stack settles."""
 

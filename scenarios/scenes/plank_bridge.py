@@ -20,8 +20,12 @@ from scenarios.scenario import Plan, scenario
 PIER = 6.0
 """Height of the piers in thicknesses of a plank, which leaves room to tip."""
 BEHIND, SHARED, GAP = 0.2, 0.1, 0.4
-"""Distance of an outer plank's middle behind its pier's edge, its overlap with the middle plank, and the gap between
-the tips, in lengths of a plank."""
+"""Lengths over the length of a plank:
+
+- BEHIND: distance of an outer plank's middle behind its pier's edge;
+- SHARED: overlap of an outer plank with the middle plank;
+- GAP: distance between the tips of the outer planks.
+"""
 TIP = 0.5 - BEHIND
 ARM = TIP - SHARED
 """Distance before the edge at which half the middle plank's weight acts at best, in lengths of a plank."""

@@ -27,7 +27,7 @@ from scenarios.scenario import Plan, scenario
 MIN_DISTANCE = math.sqrt(10 * THICKNESS * CLEARANCE)
 """Least distance [m] of a centre of mass from an edge at which the answer is known."""
 MOST = 60
-"""Greatest number of planks: fewer than one tower in a million grows so high."""
+"""Greatest number of planks, because fewer than one tower in a million grows so high."""
 
 
 @scenario

@@ -39,7 +39,12 @@ AXES = {"along": (0.0, 1.0), "across": (-1.0, 0.0)}
 REST_S = 2.0
 """Time [s] for which a stack rests before the tilt."""
 FAST, SLOW, LAST = 5.0, 0.1, 1.0
-"""Speeds [deg/s] of the tilt below, in and above the slow range."""
+"""Speeds [deg/s] of the tilt:
+
+- FAST: below the slow range;
+- SLOW: in the slow range;
+- LAST: above the slow range.
+"""
 MARGIN = 1.0
 """Reach [deg] of the slow range below the least and beyond the greatest limit."""
 BEYOND = 5.0

@@ -22,7 +22,11 @@ DOOR = (0.1, 3 * WIDTH, 0.01)
 SLIT = 2e-3
 """Gap between table and door [m]."""
 DROP_M_S, DROP_S = 2.0, 0.06
-"""Speed [m/s] of the dropping door, and duration of its motion [s]."""
+"""Motion of the dropping door:
+
+- DROP_M_S: speed [m/s];
+- DROP_S: duration [s].
+"""
 PAUSE_S = 2.0
 """Time from the last plank to the drop [s]."""
 MIN_DISTANCE = 4.0

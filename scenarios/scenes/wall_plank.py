@@ -29,7 +29,7 @@ WALL = (0.08, 0.08, 0.16)
 TILE = (0.06, 0.08, THICKNESS)
 """Edges of the ground's two tiles together [m]."""
 HEAVY = 100 * MASS
-"""Mass [kg] of the wall, and of the tiles, large enough that they do not move."""
+"""Mass [kg] of the wall, and of the tiles, so large that wall and tiles do not move."""
 
 
 @scenario

@@ -116,7 +116,7 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int) -> list[Patch]:
     for index in np.flatnonzero(height_above_ground(boxes)[:bricks] <= TOUCH * thin[:bricks]).tolist():
         heights = boxes.corners[index, :, 2]
         if heights.min() < -TOUCH * thin[index]:
-            raise ValueError(f"brick {index} is {-heights.min():g} m below the ground; raise it")
+            raise ValueError(f"brick {index} is {-heights.min():g} m below the ground; raise the brick")
         points = boxes.corners[index][heights <= TOUCH * thin[index]]
         patches.append(Patch(GROUND, index, points, np.array([0.0, 0.0, 1.0])))
     return patches
@@ -193,7 +193,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
 def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
     """Return the part (m, 2) of a polygon, segment or point (k, 2) where the linear ``outside`` (k,) is not positive.
 
-    The method is that of Sutherland and Hodgman. A segment counts as a polygon that runs forth and back, so the result
+    The method is Sutherland and Hodgman's. A segment counts as a polygon that runs forth and back, so the result
     may contain a corner twice, which does no harm.
     """
     kept = []

@@ -12,8 +12,8 @@ As long as neither pyramid gives a proof, the pyramids get one more side at each
 circumscribed pyramid's force. There the error falls fourfold with each side, until the true cone decides. A case that
 stays open is in doubt.
 
-Each program is elastic: it minimises the sum of missing forces and moments. So it always has a solution, the two
-pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
+Each program is elastic: it minimises the sum of missing forces and moments. So each program always has a solution, the
+two pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
 """
 
 from __future__ import annotations
@@ -52,8 +52,9 @@ class Statics:
     verdict: Verdict
     """``stable``: forces that hold all bodies exist, and arise; ``unstable``: none exist; ``doubt``: neither is proven.
 
-    The existence of forces is necessary for rest. It is sufficient if normal forces alone hold the bodies, but not with
-    friction: bodies wedged against each other may stress themselves in theory and fall in reality (Kao et al. 2022).
+    The existence of forces is necessary for rest. This existence is sufficient if normal forces alone hold the bodies,
+    but not with friction: bodies wedged against each other may stress themselves in theory and fall in reality (Kao et
+    al. 2022).
     """
     by: Criterion
     """The criterion that decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: the motion as
@@ -63,8 +64,8 @@ class Statics:
     balanced: bool | None
     """Whether contact forces exist that obey Coulomb's law and hold all bodies; None if neither pyramid proves it."""
     residual: float
-    """Least missing force, in weights of all bodies: proven negligible if balanced, proven too large if not. It does
-    not measure the distance of a stable stack from its limit."""
+    """Least missing force, in weights of all bodies: proven negligible if balanced, proven too large if not. The
+    residual does not measure the distance of a stable stack from its limit."""
     frictionless: bool
     """True if normal forces alone hold all bodies."""
     points: FloatArray

@@ -31,9 +31,9 @@ other than zero, which rigid bodies with Coulomb friction may take from rest: th
 sense of Pang and Trinkle. A pile that "stands" has an equilibrium that is reached without prestress, for each of six
 kinds of contacts. That is not strong stability: other solutions may exist beside it.
 
-**Limits.** Displacements are infinitesimal, gaps zero: a contact that exactly grazes its neighbour's motion is decided
-by compression alone. The contacts are those of the plan; the motion makes no new contacts. Solutions need not be
-unique; the method finds the one that continues the solution of soft contacts.
+**Limits.** Displacements are infinitesimal, gaps zero: compression alone decides about a contact that exactly grazes
+its neighbour's motion. All contacts belong to the plan; the motion makes no new contacts. Solutions need not be unique;
+the method finds the solution that continues the solution of soft contacts.
 
 References:
     J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
@@ -67,14 +67,16 @@ RATIOS = (1.0, 0.1, 10.0)
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
 """Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0
-"""Sag up to which a pile counts as standing. It is 1 to 6 in card houses, logs, balls and planks at walls that stand,
-12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines let
-stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 / 100-270."""
+"""Sag up to which a pile counts as standing. The sag is 1 to 6 in card houses, logs, balls and planks at walls that
+stand, 12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines
+let stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 /
+100-270."""
 STANDS = 0.02
-"""Ratio of accelerations at kappa and kappa / 100 below which a pile stands; a pile at rest has 0.01."""
+"""Ratio of accelerations at kappa and kappa / 100 below which a pile stands, because a pile at rest has a ratio of
+0.01."""
 FALLS = 0.5
-"""Ratio of these accelerations from which a pile falls: a free fall has 1. Of 450 tight courses none lay between both
-limits at the highest kappa; arches within 0.1 % of their limit do."""
+"""Ratio of these accelerations from which a pile falls, because a free fall has a ratio of 1. Of 450 tight courses none
+lay between both limits at the highest kappa; arches within 0.1 % of their limit do."""
 MOST_FAILURES = 3
 """Number of kappas without a solution after which the search ends; a search may recover after two failures in a row."""
 _DECADE = 2

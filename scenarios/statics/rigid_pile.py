@@ -1,7 +1,7 @@
 """Rigid bodies and Coulomb's law at their corners, as ``strong_stability`` needs them: in space, or in a plane.
 
 A corner that sticks, or slides in some sector of directions, has forces in a polyhedral cone. In the plane that is
-exact. In space the cones contain those of Coulomb's law: the pyramid circumscribed about the cone for corners that
+exact. In space the cones contain Coulomb's cones: the pyramid circumscribed about the cone for corners that
 stick; for a sector, the triangle between the chord of the sector's arc on Coulomb's circle and the tangents at its
 ends.
 """

@@ -3,16 +3,16 @@
 The first criterion is loading from zero (``loading``). A stack that comes to rest must be stable for the judge
 (``truth``), and the first applicable criterion of these must confirm it:
 
-1. ``normal forces``: they alone hold it, which excludes every other solution (proof in ``force_balance``);
+1. ``normal forces``: these alone hold the stack, which excludes every other solution (proof in ``force_balance``);
 2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
-3. ``other stiffness``: it comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times softer or
-   stiffer. This is the weakest of the three criteria, for piles that are too large for the second criterion.
+3. ``other stiffness``: the stack comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times
+   softer or stiffer. This is the weakest of the three criteria, for piles that are too large for the second criterion.
 
 A stack that falls must not be stable for the judge, and the first applicable criterion of these must confirm it:
 
-1. ``cone``: no forces hold it, by a proof;
+1. ``cone``: no forces hold the stack, by a proof;
 2. ``strong stability``: rigid bodies may take another acceleration than rest;
-3. ``load-bearing contacts``: no forces hold it at contacts whose cones contain the vertical.
+3. ``load-bearing contacts``: no forces hold the stack at contacts whose cones contain the vertical.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ DRAWS = 5
 SPREAD = 3.0
 """Factor by which a corner may be softer or stiffer."""
 MOST_CHOICES = 40
-"""Greatest number of binary variables for which strong stability is computed, which takes about 3 s."""
+"""Greatest number of binary variables up to which the module computes strong stability, which takes about 3 s."""
 
 
 @dataclass(frozen=True, slots=True)

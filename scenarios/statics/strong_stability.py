@@ -17,10 +17,10 @@ of directions. A binary variable z for each mode but the first makes this linear
 The program searches for a solution in which the centre of mass of any body, chosen by more binary variables, falls with
 ``LEAST_FALL`` or more. If there is none, the pile is strongly stable, within these limits:
 
-- Piles that are their own mirror image are solved in their plane, with two directions to slide: exact, except for
-  motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie anywhere in a triangle
-  around its arc of Coulomb's circle, and corners that stick have the circumscribed pyramid. So the program's solutions
-  include all true solutions.
+- Piles that are their own mirror image have a solution in their plane, with two directions to slide. This is exact,
+  except for motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie anywhere in a
+  triangle around its arc of Coulomb's circle, and corners that stick have the circumscribed pyramid. So the program's
+  solutions include all true solutions.
 - Forces are at most ``MOST_FORCE`` times all weight. A solution with larger, self-stressing forces also exists with
   smaller forces in the same modes, unless a slow motion needs a large self-stress. In the piles that were tried, forces
   stayed below the weight of all bodies.
@@ -29,7 +29,7 @@ The program searches for a solution in which the centre of mass of any body, cho
   faster than ``LEAST_FALL``.
 
 HiGHS takes 0.1-0.6 s for a V or a plank at a wall (9-12 binary variables), 2 s for a card house of two storeys (39), 10
-s for four balls in space (54) and 20 s for an arch of 5 voussoirs (36). It does not finish an arch of 7 (48) in one
+s for four balls in space (54) and 20 s for an arch of 5 voussoirs (36). HiGHS does not finish an arch of 7 (48) in one
 minute, nor a card house of three storeys (84) in twenty. A pile that is not solved in time is in doubt.
 
 Reference:

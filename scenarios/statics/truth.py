@@ -45,7 +45,8 @@ def equilibrium(
 ) -> Statics:
     """Judge whether bricks in their planned poses can rest.
 
-    The verdict does not depend on scale. It is the same for planks of 8 mm and blocks of 8 m, of wood or of lead.
+    The verdict does not depend on scale. The verdict is the same for planks of 8 mm and blocks of 8 m, of wood or of
+    lead.
 
     Args:
         bricks: at least one; they must touch, not overlap (see ``contact_patch.TOUCH``).
@@ -65,7 +66,8 @@ def equilibrium(
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     """Return the level at which a scene, built action by action, first has no equilibrium; None if it always stands.
 
-    After a removal, the level is the highest level placed so far. Actions with the same time are judged together.
+    After a removal, the level is the highest level placed so far. The function judges actions with the same time
+    together.
 
     Raises:
         UndecidedError: if a state of the scene is in doubt.
@@ -92,7 +94,10 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
             continue
         statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)
         if statics.verdict == "doubt":
-            raise UndecidedError(f"{scene.variant}: in doubt with {placed} bricks laid: {statics.why}")
+            raise UndecidedError(
+                f"{scene.variant}: in doubt with {placed} bricks laid: {statics.why}; change the scene, or claim no "
+                "outcome"
+            )
         if not statics.stable:
             return level
     return None
@@ -150,10 +155,10 @@ def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World) -> S
 
 def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
     if not bricks:
-        raise ValueError("there must be at least one brick to judge, got none")
+        raise ValueError("bricks must contain at least one brick to judge, got none")
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
-            raise ValueError(f"brick {index} is not finite, give finite numbers: {brick}")
+            raise ValueError(f"brick {index} has a number that is not finite: give finite numbers, got {brick}")
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):

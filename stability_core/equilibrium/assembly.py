@@ -57,8 +57,11 @@ def _patches_of(graph: Graph, ids: IntArray, index: IntArray, outside: int) -> t
     """Return the patches that join the bodies ``ids`` to each other, to the ground, and to the rest of the stack.
 
     Returns:
-        Rows of the patches with unknown forces, shape (p,); their number of vertices; rows of the patches with kept
-        forces, shape (q,).
+        Three values:
+
+        - rows of the patches with unknown forces, shape (p,);
+        - number of vertices of these patches;
+        - rows of the patches with kept forces, shape (q,).
     """
     bodies, patches = graph.bodies, graph.patches
     found, kept = np.empty(len(patches), np.int64), np.empty(len(patches), np.int64)

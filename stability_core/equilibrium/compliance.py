@@ -128,7 +128,7 @@ def _add_block(
     lever: FloatArray,
     right: FloatArray,
 ) -> None:
-    """Add sign W^T right, (6, 6), to the block of the bodies in places i and j; W is that of ``lever``."""
+    """Add sign W^T right, (6, 6), to the block of the bodies in places i and j; W belongs to ``lever``."""
     for h in range(6):
         x, y, z = right[0, h], right[1, h], right[2, h]
         moment = (lever[1] * z - lever[2] * y, lever[2] * x - lever[0] * z, lever[0] * y - lever[1] * x)

@@ -62,9 +62,9 @@ def _reach(body: int, reached: BoolArray, found: IntArray, size: int) -> int:
 def bearing(graph: Graph, memory: Memory, seeds: IntArray, members: IntArray, gravity: float) -> IntArray:
     """Return the bodies whose contact forces must be solved again for the ``seeds``; all other forces may stay.
 
-    These are the seeds, all bodies that bear the seeds down to the ground, and the bodies beside or above them whose
-    kept forces do not balance. If new forces balance these bodies under the kept forces on their border, the whole
-    stack is in balance. O(bodies found).
+    The result contains the seeds, all bodies that bear the seeds down to the ground, and the bodies beside or above
+    them whose kept forces do not balance. If new forces balance these bodies under the kept forces on their border, the
+    whole stack is in balance. O(bodies found).
 
     Args:
         graph: the stack.

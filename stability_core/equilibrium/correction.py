@@ -6,8 +6,8 @@ f = P_K'(f0 + A^T y),    y minimises |P_K'(f0 + A^T y)|^2 / 2 - w . y.
 
 A step dy of Newton's method forecasts the forces f + P_K'' A^T dy, which balance but may leave K'. As soon as they lie
 in the true cones K they prove equilibrium, and the search ends before the minimum. The room between K' and K ends the
-search soon, mostly after one step, because the previous forces lie inside. If the search finds no such forces, nothing
-is proven.
+search soon, mostly after one step, because the previous forces lie inside. If the search finds no forces of this
+kind, it proves nothing.
 """
 
 from __future__ import annotations
@@ -43,8 +43,12 @@ def correct(
         steps: greatest number of steps.
 
     Returns:
-        True if the forces hold all bodies; the forces (m, 3), always in their cones; the unbalanced rest, (n, 6); the
-        greatest imbalance of a body relative to the largest force on it.
+        Four values:
+
+        - True if the forces hold all bodies;
+        - the forces, always in their cones, shape (m, 3);
+        - the unbalanced rest, shape (n, 6);
+        - the greatest imbalance of a body relative to the largest force on it.
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)

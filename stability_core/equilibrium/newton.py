@@ -45,7 +45,7 @@ RAY_RHO = 1e-4
 """Weight of the proximal term in the search for a motion that no contact resists, over its weight in the search that
 gave the first guess."""
 STRONGEST = 1e6
-"""Greatest force of an equilibrium, over the weight of all bodies: no real wedge bears more."""
+"""Greatest force of an equilibrium, over the weight of all bodies, because no real wedge bears more."""
 CONVERGED = 1e-14
 """Newton's decrement, relative to the minimised function, at which a proximal point is reached."""
 PROXIMAL_POINTS = 12
@@ -138,9 +138,12 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         strongest: greatest force of an equilibrium, over the weight of all bodies (see ``STRONGEST``).
 
     Returns:
-        HELD, FALLING or UNDECIDED; the forces on the second bodies [N], (m, 3), always in their cones; the unbalanced
-        rest, (n, 6), or the proof r if the bodies are FALLING; the greatest imbalance of a body relative to the largest
-        force on it.
+        Four values:
+
+        - HELD, FALLING or UNDECIDED;
+        - the forces on the second bodies [N], always in their cones, shape (m, 3);
+        - the unbalanced rest, or the proof r if the bodies are FALLING, shape (n, 6);
+        - the greatest imbalance of a body relative to the largest force on it.
     """
     n, m = len(problem.load), len(problem.normal)
     space = workspace_for(problem, rows)

@@ -1,7 +1,8 @@
 """Pass vertical forces from the top down: each body passes its load to its supports.
 
 For stacks on load-bearing contacts, one sweep of O(contacts) finds an equilibrium, where a joint solve of all bodies
-from zero takes several factorisations. Of all forces below a body that balance it, the sweep takes those of least norm,
+from zero takes several factorisations. Of all forces below a body that balance it, the sweep takes the forces of least
+norm,
 
     minimise sum f_c^2,    sum f_c = W,    sum y_c f_c = M_x,    -sum x_c f_c = M_y,    f_c >= 0,
 
@@ -87,8 +88,12 @@ def _supports(problem: Problem) -> tuple[IntArray, IntArray, IntArray, IntArray]
     """Return the supports of each body, by contacts along the vertical.
 
     Returns:
-        Upper body of each contact, negative for a fixed body, (m,); lower body, likewise; for each body, the start of
-        its list of contacts below, (n + 1,); all these lists in one array.
+        Four arrays:
+
+        - upper body of each contact, negative for a fixed body, shape (m,);
+        - lower body of each contact, negative for a fixed body, shape (m,);
+        - start of each body's list of contacts below the body, shape (n + 1,);
+        - all these lists, one after the other.
     """
     n, m = len(problem.load), len(problem.normal)
     upper, lower = np.empty(m, np.int64), np.empty(m, np.int64)
@@ -130,8 +135,12 @@ def pass_down(problem: Problem) -> tuple[bool, FloatArray, FloatArray, float]:
         problem: n bodies and m contacts, whose normals are all vertical.
 
     Returns:
-        True if the forces hold all bodies; the forces (m, 3); the unbalanced rest, (n, 6); the greatest imbalance of a
-        body relative to the largest force on it.
+        Four values:
+
+        - True if the forces hold all bodies;
+        - the forces, shape (m, 3);
+        - the unbalanced rest, shape (n, 6);
+        - the greatest imbalance of a body relative to the largest force on it.
     """
     n = len(problem.load)
     upper, lower, start, listed = _supports(problem)

@@ -36,8 +36,8 @@ class Problem(NamedTuple):
     """Force [N] and moment [N, over the body's size] that contacts must exert on each body, shape (n, 6)."""
     slack: FloatArray
     """Moment [N, over the body's size] that may stay unbalanced, shape (n,): the moment of the weight about a contact
-    point that is off by measurement noise. It is zero except for bodies that touch only in points and lines, because no
-    rigid sphere balances on a point that lies off the vertical by a rounding error."""
+    point that is off by measurement noise. The slack is zero except for bodies that touch only in points and lines,
+    because no rigid sphere balances on a point that lies off the vertical by a rounding error."""
 
 
 @compiled

@@ -8,7 +8,7 @@ support). Proof by induction from the ground up:
 - The supports pass on each of these forces in the same way, down to the ground.
 - Added to the forces of any equilibrium, they stay in the Coulomb cones, because the cones are convex.
 
-Therefore a stack that stood before also stands with the weight, and no force need be computed.
+Therefore a stack that stood before also stands with the weight, and no computation of forces is needed.
 """
 
 from __future__ import annotations

@@ -29,7 +29,12 @@ from stability_core.stack import FROZEN, LIVE, NONE, TOPPLES, Bodies, Graph, Pat
 from stability_core.stack_mass import support_polygon
 
 SAFE, LEFT, UNSOLVED = range(3)
-"""Rows of the results of ``settle_safely``: frozen bodies; candidates to be solved; bodies to be solved again."""
+"""Rows of the results of ``settle_safely``:
+
+- SAFE: frozen bodies;
+- LEFT: candidates to be solved;
+- UNSOLVED: bodies to be solved again.
+"""
 
 
 @compiled
@@ -164,8 +169,11 @@ def settle_safely(
     ``FrameBuffers`` are separate arguments, because Numba unpacks a tuple from Python slowly (ADR-0002).
 
     Returns:
-        Numbers of bodies written to the rows of ``found``, shape (3, bodies). SAFE: frozen. LEFT: candidates to be
-        solved together. UNSOLVED: bodies whose part of the stack must be solved again, valid if none is LEFT.
+        Numbers of bodies written to the rows of ``found``, shape (3, bodies):
+
+        - SAFE: frozen bodies;
+        - LEFT: candidates to be solved together;
+        - UNSOLVED: bodies whose part of the stack must be solved again, valid if no body is LEFT.
     """
     graph = Graph(bodies, patches, spare, changed)
     buffers = FrameBuffers(contacts, sizes, latest, clock, worklist)

@@ -87,9 +87,12 @@ def decide(
         displacement: start of loading, shape (3, n, 6), overwritten; None for zero (see ``loading``).
 
     Returns:
-        The verdict; forces (m, 3) that hold the bodies, or nearly if they are "unstable", or None; a motion (n, 6) that
-        is not zero for the bodies that fall, or that loading does not hold (see ``takes_part``); the greatest imbalance
-        of a body relative to the largest force on it.
+        Four values:
+
+        - the verdict;
+        - the forces that hold the bodies, or nearly hold them if they are "unstable", shape (m, 3); or None;
+        - a motion that is not zero for bodies that fall, or that loading does not hold (see ``takes_part``), (n, 6);
+        - the greatest imbalance of a body relative to the largest force on it.
     """
     if start is None:
         start = np.zeros_like(problem.normal)
@@ -201,7 +204,11 @@ def _held_within_slack(
         residual: the greatest imbalance.
 
     Returns:
-        HELD or UNDECIDED; the forces; the greatest imbalance beyond the slack.
+        Three values:
+
+        - HELD or UNDECIDED;
+        - the forces, shape (m, 3);
+        - the greatest imbalance beyond the slack.
     """
     borne = np.zeros_like(problem.load)
     for _ in range(SLACK_STEPS):
@@ -226,7 +233,12 @@ def _held_by_verticals(problem: Problem, level: BoolArray) -> tuple[bool, FloatA
     Such forces arise by themselves, because each body presses on its supports.
 
     Returns:
-        True if they hold the bodies; the forces (m, 3); the unbalanced rest, (n, 6); the greatest imbalance.
+        Four values:
+
+        - True if vertical forces hold the bodies;
+        - the forces, shape (m, 3);
+        - the unbalanced rest, shape (n, 6);
+        - the greatest imbalance.
     """
     verdict, force, rest, residual = solve(_along(problem, level, _verticals(problem)), VERTICAL_ROWS, STRONGEST)
     forces = np.zeros((len(level), 3))

@@ -20,7 +20,7 @@ class Decision(NamedTuple):
     """A policy's decision on one frame."""
 
     frozen: dict[int, str]
-    """The bodies that join the stack, each with the reason; they are marked as FROZEN."""
+    """The bodies that join the stack, each with the reason. The policy has marked these bodies as FROZEN."""
     unbalanced: IntArray
     """The frozen bodies that no longer balance, shape (k,)."""
     deferred: IntArray = NOBODY
@@ -64,7 +64,7 @@ class Policy(ABC):
 
         Every policy takes the same steps: build the patches of the worklist (``lay_due``); freeze the accepted
         candidates, lowest first; rebuild their patches (``lay_frozen``); and find the unbalanced bodies among all
-        affected ones (``take_changed``). A policy that takes them in one compiled call costs microseconds.
+        affected bodies (``take_changed``). A policy that takes these steps in one compiled call costs microseconds.
 
         Args:
             graph: the stack, with enough spare patches; it lists the bodies that changed since the last call.

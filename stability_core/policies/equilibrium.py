@@ -46,7 +46,8 @@ from stability_core.stack import (
 )
 
 WAKE_GRIP = 1.02
-"""Factor on friction for unfreezing, as a hysteresis: a body unfreezes only if it falls even with so much friction."""
+"""Factor on friction for unfreezing, as a hysteresis, so that a body unfreezes only if it falls even with so much
+friction."""
 UNCERTAIN = 0.2
 """Greatest missing force, over the greatest load, that unfreezes nothing where loads are estimates, because contact
 forces fluctuate by as much."""
@@ -60,8 +61,8 @@ FEW_TOGETHER = 16
 """Greatest number of bodies in a joint solve of live bodies with the stack below them; ``FEW_BODIES`` if all contacts
 of the live bodies are load-bearing."""
 FEW_BODIES = 64
-"""Greatest number of bodies for which a whole part of the stack is solved, if a solve of the affected bodies
-decides nothing."""
+"""Greatest number of bodies for which the policy solves a whole part of the stack, if a solve of the affected
+bodies decides nothing."""
 
 
 def _chosen(ids: IntArray, among: BoolArray) -> IntArray:

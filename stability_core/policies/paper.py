@@ -52,7 +52,7 @@ def leans_on_stack(graph: Graph, body: int) -> bool:
 def pass_flat_test(graph: Graph, candidates: IntArray) -> IntArray:
     """Freeze the ``candidates``, lowest first, that pass the flat test; return them, shape (k,).
 
-    The order is lowest first, so that the supports of each candidate are decided before it.
+    The order is lowest first, so that the function decides about the supports of a candidate before the candidate.
     """
     accepted = np.empty(len(candidates), np.int64)
     n = 0

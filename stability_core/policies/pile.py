@@ -178,7 +178,7 @@ class Pile(Policy):
         self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze bodies inside their piles, lowest first, because supports must be frozen. O(pile) per body."""
+        """Freeze bodies inside their piles, lowest first, because supports must freeze first. O(pile) per body."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))

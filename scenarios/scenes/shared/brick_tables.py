@@ -26,7 +26,10 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
     tables = content.get(name, [])
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:
-        raise ValueError(f"there must be {least} to {most} tables [[{name}]]: add or remove some")
+        raise ValueError(
+            f"there must be {least} to {most} tables [[{name}]], got {len(tables) if is_list else repr(tables)}: "
+            "add or remove tables"
+        )
     return list(tables)
 
 
@@ -65,11 +68,13 @@ def _box(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
 
 def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
     if "yaw" in table and "quaternion" in table:
-        raise ValueError(f"{name} has both yaw and quaternion: leave one out")
+        raise ValueError(f"{name} has both yaw and quaternion: leave out yaw or quaternion")
     if "quaternion" in table:
         w, i, j, k = _numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
-            raise ValueError(f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}")
+            raise ValueError(
+                f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: divide it by its length"
+            )
         return w, i, j, k
     half = math.radians(read_number(f"{name}.yaw", table.get("yaw", 0.0), -360, 360)) / 2
     return (math.cos(half), 0.0, 0.0, math.sin(half)) if half else UPRIGHT

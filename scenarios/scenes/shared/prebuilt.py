@@ -16,7 +16,7 @@ case 3 form a pair if they come from the two sides of a pair.
 
 The removed brick is the first, level by level from the lowest, without which exact statics finds no equilibrium under
 either ridge convention, and whose loss can be seen: a brick loses all of its support, or the support was ``TALL`` times
-as tall as the brick is thin. If there is no such brick (flat planks with two supports each), the stack stands on
+as tall as the brick is thin. If no brick qualifies (flat planks with two supports each), the stack stands on
 pedestals, and one pedestal is removed.
 """
 
@@ -68,7 +68,7 @@ def at_once_below(scene: Scene) -> Scene:
     """Return the prebuilt levels below the level at which a scene must fall.
 
     Raises:
-        ValueError: as ``at_once``; or if the scene has no such level, or this level is the first.
+        ValueError: as ``at_once``; or if the scene falls at no level, or at the first level.
     """
     _check(scene)
     scene = closed(scene)

@@ -78,4 +78,4 @@ def _resized_action(action: Action, size: float, pace: float) -> Action:
         return Place(action.time * pace, bricks, action.height * size)
     if isinstance(action, Remove):
         return replace(action, time=action.time * pace)
-    raise ValueError(f"a scene with {type(action).__name__} has one size only: leave out size")
+    raise ValueError(f"a scene with the action {type(action).__name__} has one size only: leave out size")
