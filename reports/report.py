@@ -75,6 +75,10 @@ SECTIONS = (
 """All sections, in their order in ``tables.md``."""
 
 
+OF_TIMES = frozenset({"frame_time", "comparison", "cost", "machine", "height_cost"})
+"""Ids of the tables that show times, which mean little if trials were run several at a time."""
+
+
 @dataclass(frozen=True, slots=True)
 class Report:
     """Tables, page and notices of a report."""
@@ -91,6 +95,15 @@ class Report:
     """Messages about missing parts, with the reason."""
 
 
+def tables_of(folder: ResultsFolder) -> dict[Section, Sequence[Table]]:
+    """Return the tables of a results folder by section, except the ranking.
+
+    Raises:
+        RecordError: if the records cannot be read.
+    """
+    return {section: section.tables(folder) for section in SECTIONS}
+
+
 def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stills: bool = False) -> Report:
     """Write tables, figures, replays, stills and the page of a results folder, from its raw records only.
 
@@ -104,7 +117,7 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
     """
     if not folder.records:
         raise RecordError(f"{folder.trials_file}: holds no trial yet; run the study first")
-    tables = {section: section.tables(folder) for section in SECTIONS}
+    tables = tables_of(folder)
     judged = rank(groups_of(_fixed(folder)))
     ranking, verdict = ranking_table(judged, folder.records), sentence(judged, len(missing))
     write_tables(folder, [*([ranking] if ranking.rows else []), *chain.from_iterable(tables.values())], verdict)

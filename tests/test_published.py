@@ -13,6 +13,7 @@ from bench.machine.core_digest import core_of_commit, present_core
 from bench.publishing.doc_blocks import BLOCKS
 from bench.publishing.page_marks import NOT_USED, UNKNOWN, core_of, is_of_core, marked, pages, warning
 from reports.records.flat import flat_columns
+from reports.tables.separation import STUDIES as SEPARATION
 
 ROOT = Path(__file__).parent.parent
 PAPER = ROOT / "docs" / "results" / "paper"
@@ -101,10 +102,17 @@ def test_the_core_of_a_study_is_that_of_its_run(name: str):
 
 
 @pytest.mark.parametrize(
-    ("block", "page"), [("headline", "paper"), ("many_seeds", "publish"), ("pairs", "truth"), ("ratios", "ratio")]
+    ("block", "page"),
+    [("headline", "paper"), ("many_seeds", "publish"), ("pairs", "truth"), ("ratios", "ratio")],
 )
 def test_a_document_says_below_a_table_that_it_is_of_an_earlier_core(block: str, page: str):
     found = block_of(block)
     output = warning(core_of(PAGES[f"{page}/tables.md"]), present_core())
     assert ("Made with an earlier core" in found) == bool(output), AGAIN
     assert output in found
+
+
+def test_the_readme_says_below_its_table_which_studies_are_of_an_earlier_core():
+    found = block_of("separation")
+    for study in SEPARATION:
+        assert warning(core_of(PAGES[f"{study}/tables.md"]), present_core()) in found, AGAIN

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from operator import itemgetter
 from pathlib import Path
 
 import pandas as pd
@@ -116,6 +118,62 @@ def test_the_verdict_of_a_report(name: str) -> None:
     best = frame_ms[in_all].idxmin() if len(in_all) else None
     expected = f"Cheapest set-up that is right in all .*: {' '.join(best[:2])} .*{best[2]}" if best else "No set-up is"
     assert re.match(expected, sentence(ranking))
+
+
+SLOPE_DEG, SLOPE_SEARCH = 20.0, 0.001
+"""Slope [deg] on which the friction is bisected, and the width of the last bracket: see the study ``thresholds``."""
+
+
+def in_game(study: str) -> pd.DataFrame:
+    trials = reports.load(PUBLISHED / study).trials
+    return trials[(trials["profile"] == "game") & (trials["repeat"] == 0)]
+
+
+def effective_friction(trials: pd.DataFrame) -> float:
+    """The middle between the least friction at which the block stood and the greatest at which it slid, in percent."""
+    stood = trials[trials["status"] == "completed"]["parameters"].map(itemgetter("friction"))
+    slid = trials[trials["status"] == "collapsed"]["parameters"].map(itemgetter("friction"))
+    assert stood.min() - slid.max() <= SLOPE_SEARCH
+    return 100 * (stood.min() + slid.max()) / 2 / math.tan(math.radians(SLOPE_DEG))
+
+
+def greatest_ratio(trials: pd.DataFrame) -> float:
+    """The middle between the greatest ratio that stood and the least that toppled, in percent of 1 / tan(slope)."""
+    stood = trials[trials["status"] == "completed"]["parameters"].map(itemgetter("ratio"))
+    fell = trials[trials["status"] == "collapsed"]["parameters"].map(itemgetter("ratio"))
+    assert fell.min() - stood.max() <= 10 * SLOPE_SEARCH
+    return 100 * (stood.max() + fell.min()) / 2 * math.tan(math.radians(SLOPE_DEG))
+
+
+def is_frictionless(parameters: Mapping[str, object]) -> bool:
+    """True for the public stack that stands without friction, in neutral balance."""
+    return parameters.get("file") == "issue_mujoco_366_mu0.toml"
+
+
+def test_what_separates_engines() -> None:
+    """Each figure of the README's table."""
+    studies = {name: in_game(name) for name in ("thresholds", "tilt", "soak", "heavy", "issues", "sleep")}
+    for row in rows_of("separation"):
+        engine, method = row["engine"], row["method"]
+        of = {
+            name: trials[(trials["engine"] == engine) & (trials["policy"] == method)]
+            for name, trials in studies.items()
+        }
+        sliding, toppling = (
+            of["thresholds"][of["thresholds"]["scene"].str.startswith(f"slope-{name}")]
+            for name in ("friction", "ratio")
+        )
+        assert float(row["friction"].split(" ")[0]) == pytest.approx(effective_friction(sliding), abs=0.01)
+        assert float(row["toppling"].split(" ")[0]) == pytest.approx(greatest_ratio(toppling), abs=0.01)
+        stood = of["soak"][of["soak"]["status"] == "completed"]
+        assert float(row["creep"].split(" ")[0]) == pytest.approx(1e6 * stood["creep_m_s"].median(), rel=0.05)
+        assert ("lost" in row["creep"]) == (len(stood) < len(of["soak"]))
+        for column, study in (("heavy on light", "heavy"), ("threads", "issues")):
+            judged = of[study][of[study]["verdict"].isin(DECIDED) & ~of[study]["parameters"].map(is_frictionless)]
+            assert row[column] == counted(judged["verdict"] == "right"), (row, column)
+        sleeping = studies["sleep"][studies["sleep"]["engine"] == engine]
+        asleep = sleeping[sleeping["policy"] == ("native" if method == "none" else method)]["asleep_s"]
+        assert row["asleep"] == (f"{asleep.max():.2f}" if asleep.notna().any() else "-")
 
 
 @pytest.mark.parametrize("name", STUDIES)

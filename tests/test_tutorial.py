@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from stability_core import StabilityExtension
+
 DOCS = Path(__file__).parent.parent / "docs"
 MOST_LINES = 120
 """Of the whole file, marks of its parts included; the port itself is to stay under a hundred."""
@@ -44,3 +46,23 @@ def _flipped(contacts):
 
 def test_the_example_stays_short() -> None:
     assert len((DOCS / "examples" / "toy_engine.py").read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+
+
+def test_a_second_plank_freezes_later_and_a_blow_unfreezes_the_first(example) -> None:
+    """As the tutorial says: 10 mm above the first it only joins; dropped from 100 mm it strikes the first."""
+    assert "struck" not in _reasons(example, drop_m=0.010)
+    assert _reasons(example, drop_m=0.100).count("flat") == 3
+    assert "struck" in _reasons(example, drop_m=0.100)
+
+
+def _reasons(example, drop_m: float) -> list[str]:
+    """Reasons of all changes until both planks are frozen; the first starts 10 mm above the ground."""
+    thickness = example["THICKNESS"]
+    engine = example["ToyEngine"]([0.5 * thickness + 0.010, 1.5 * thickness + 0.010 + drop_m])
+    extension = StabilityExtension(example["ToyPort"](engine))
+    reasons: list[str] = []
+    for _ in range(120):
+        engine.step()
+        reasons += extension.update(example["FRAME_S"]).reasons.values()
+    assert extension.frozen.tolist() == [0, 1]
+    return reasons

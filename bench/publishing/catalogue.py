@@ -31,6 +31,9 @@ class Publication:
     """Choices that narrow or change the study."""
     gallery: Gallery | None = None
     """Picture to publish; None for a publication without stills."""
+    is_timed: bool = True
+    """False if cost is not the subject: trials may then be run several at a time (``--jobs``), and no times are shown.
+    """
 
     @property
     def arguments(self) -> list[str]:
@@ -97,13 +100,18 @@ PUBLICATIONS: dict[str, Publication] = {
         Selection(profiles=("game",)),
     ),
     "issues": Publication(
-        "stacks of public threads: reported outcomes, outcomes on six engines in `game`, and exact outcomes", "issues"
+        "stacks of public threads: reported outcomes, outcomes on six engines in `game`, and exact outcomes",
+        "issues",
+        is_timed=False,
     ),
     "heavy": Publication(
         "heavy on light: column, pyramid of 55 and off-centre pair on six engines, at the origin and 100 m from it",
         "heavy",
+        is_timed=False,
     ),
-    "soak": Publication("creep of stacks that must stand: 600 s on six engines, `game` and `tuned`", "soak"),
+    "soak": Publication(
+        "creep of stacks that must stand: 600 s on six engines, `game` and `tuned`", "soak", is_timed=False
+    ),
     "profiles": Publication(
         "the paper's scenes on the engines alone, as shipped and as tuned",
         "paper",
@@ -132,21 +140,25 @@ PUBLICATIONS: dict[str, Publication] = {
         "each engine's own limits by bisection, in percent of the exact limits: friction, height over width, overhang, "
         "angle of an inverted V; profiles `game` and `tuned`, without the extension and with `equilibrium`",
         "thresholds",
+        is_timed=False,
     ),
     "tilt": Publication(
         "ground that tilts at 0.1 deg/s below prebuilt stacks: the angle of the first motion against exact statics, "
         "profiles `game` and `tuned`, without the extension and with `equilibrium`",
         "tilt",
+        is_timed=False,
     ),
     "sleep": Publication(
         "bricks at rest or slow that must move: the time for which engines (`native`, `raised`) and the extension let "
         "them sleep, every profile",
         "sleep",
+        is_timed=False,
     ),
     "forces": Publication(
         "the contact forces that engines report, against what contacts allow: weight carried, friction cone and "
         "complementarity, every profile",
         "forces",
+        is_timed=False,
     ),
     "scale": Publication("the effect of a world 10 or 100 times larger", "scale"),
     "ratio": Publication(

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 
 from adapters import ENGINES, Profile, capabilities, engine_version, profiles
@@ -26,6 +27,7 @@ from reports.tables.capabilities import capability_table
 from reports.tables.correctness import correctness_table
 from reports.tables.outcomes import outcomes_table
 from reports.tables.pairs import right_of_judged
+from reports.tables.separation import STUDIES, separation_table
 from reports.tables.table import NOTHING, Table, to_markdown
 from reports.tables.wording import ratio_text
 from scenarios.registry import SCENARIOS, build
@@ -61,6 +63,12 @@ def headline_block() -> str:
 def many_seeds_block() -> str:
     """Return the table of correct trials of the publication ``publish``, whose scenes are run with twenty seeds."""
     return f"{_rows(correctness_table(load(PUBLISHED / 'publish').trials))}{_caveat('publish')}"
+
+
+def separation_block() -> str:
+    """Return the comparison of the engines, alone and with the extension, by a figure from each of several studies."""
+    table = separation_table({name: ResultsFolder(PUBLISHED / name) for name in STUDIES})
+    return _untitled(table) + "".join(dict.fromkeys(map(_caveat, STUDIES)))
 
 
 def pairs_block() -> str:
@@ -109,6 +117,18 @@ def cores_block() -> str:
     present = present_core()
     rows = tuple((f"[`{name}`]({name})", *_core(page, present)) for name, page in _published_pages())
     return _untitled(Table("", ("Page", "Core", "Claims"), rows))
+
+
+def example_block(part: str) -> str:
+    """Return a part of the tutorial's example, between its marks ``# begin PART`` and ``# end PART``, as a code block.
+
+    Raises:
+        ValueError: if the example has no such part.
+    """
+    found = re.search(rf"# begin {part}\n(.*?)\n# end {part}\n", EXAMPLE.read_text(encoding="utf-8"), re.DOTALL)
+    if not found:
+        raise ValueError(f"{EXAMPLE}: has no part '{part}'; mark it with '# begin {part}' and '# end {part}'")
+    return f"```python\n{found[1].strip()}\n```\n"
 
 
 def _core(page: Path, present: str) -> tuple[str, str]:
@@ -180,17 +200,23 @@ HEADLINE = "paper"
 """Publication whose table and picture ``docs/findings.md`` shows."""
 RATIOS = ("ratio", "publish")
 """Publications whose frame ratios ``docs/findings.md`` shows."""
+EXAMPLE = ROOT / "docs" / "examples" / "toy_engine.py"
+"""The example of the tutorial."""
+EXAMPLE_PARTS = ("imports", "engine", "port", "check", "main")
+"""Parts of the example, in the order of the tutorial."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "headline": ("docs/findings.md", headline_block),
     "ratios": ("docs/findings.md", ratios_block),
     "many_seeds": ("docs/findings.md", many_seeds_block),
-    "pairs": ("README.md", pairs_block),
+    "separation": ("README.md", separation_block),
+    "pairs": ("docs/findings.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
     "cores": ("docs/results/README.md", cores_block),
     "claims": ("docs/reproducing_the_paper.md", claims_block),
     "capabilities": ("docs/choosing_an_engine.md", capabilities_block),
     "scenes": ("docs/truth.md", scenes_block),
     "profiles": ("docs/profiles.md", profiles_block),
+    **{f"toy_{part}": ("docs/tutorial.md", partial(example_block, part)) for part in EXAMPLE_PARTS},
 }
 """Document of each block and function that returns its content, by the name of the block."""
 

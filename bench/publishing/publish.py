@@ -28,17 +28,22 @@ from bench.publishing.catalogue import PUBLICATIONS, Gallery, Publication
 from bench.publishing.page_marks import mark, mark_all
 from bench.studies.schema import load_study
 from reports.records.atomic import atomic_file
-from reports.records.folder import ENVIRONMENT, PARQUET, STUDY, TRIALS
+from reports.records.folder import ENVIRONMENT, PARQUET, STUDY, TRIALS, ResultsFolder
 from reports.records.results import write_trials_parquet
 from reports.records.trial import TrialRecord, read_records
 from reports.replays.gallery_figure import gallery_figure
 from reports.replays.stacks import first_stacks, read_stack
 from reports.replays.stills import write_stills
+from reports.report import OF_TIMES, tables_of
 from reports.statistics.groups import groups_of
+from reports.tables.table import to_markdown
 from scenarios.lookup import UnknownNameError, look_up
 
 PICTURE = "stills.png"
 """File name of the published picture of stills."""
+WITHOUT_TIMES = (
+    "This page shows no times, because trials of this study may be run several at a time, which disturbs times."
+)
 FIGURE = "figure.svg"
 """File name of the published figure."""
 _FIGURES = ("cost.svg", "figures/pairs.svg", "figures/speed.svg")
@@ -72,6 +77,8 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     for part in (report / "tables.md", folder / STUDY, folder / ENVIRONMENT):
         if part.exists():
             shutil.copyfile(part, target / part.name)
+    if not publication.is_timed:
+        _write_without_times(folder, target / "tables.md")
     if (target / "tables.md").exists():
         mark(target / "tables.md")
     if publication.gallery is not None:
@@ -79,6 +86,13 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     else:
         _copy_figure(report, target / FIGURE)
     return target
+
+
+def _write_without_times(folder: Path, page: Path) -> None:
+    """Write the tables of a report that show no times, without the verdict, which ranks set-ups by their times."""
+    tables = [table for tables in tables_of(ResultsFolder(folder)).values() for table in tables]
+    content = to_markdown([table for table in tables if table.id not in OF_TIMES])
+    page.write_text(f"{content}\n{WITHOUT_TIMES}\n", encoding="utf-8")
 
 
 def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:

@@ -1,6 +1,6 @@
 """A toy engine of vertical motion with a port: the example of docs/tutorial.md, run by tests/test_tutorial.py."""
 
-# --8<-- [start:imports]
+# begin imports
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,10 +12,10 @@ FRAME_S = 1 / 60
 LENGTH, WIDTH, THICKNESS = 0.117, 0.0234, 0.0078  # edges of a plank, m
 MASS = 0.0119  # kg
 FRICTION = 0.45
-# --8<-- [end:imports]
+# end imports
 
 
-# --8<-- [start:engine]
+# begin engine
 class ToyEngine:
     """A column of flat planks that move up and down only; index 0 lies lowest."""
 
@@ -40,10 +40,10 @@ class ToyEngine:
             below, below_speed = self.height[plank] + THICKNESS / 2, self.speed[plank]
 
 
-# --8<-- [end:engine]
+# end engine
 
 
-# --8<-- [start:port]
+# begin port
 class ToyPort:
     """The four calls that the stability core makes."""
 
@@ -86,20 +86,20 @@ class ToyPort:
         self.engine.is_fixed[list(bodies)] = False
 
 
-# --8<-- [end:port]
+# end port
 
 
-# --8<-- [start:check]
+# begin check
 def check() -> list[str]:
     """Check the port on a plank that comes to rest."""
     engine = ToyEngine([THICKNESS / 2 + 0.01])
     return check_port(ToyPort(engine), engine.step)
 
 
-# --8<-- [end:check]
+# end check
 
 
-# --8<-- [start:main]
+# begin main
 def freeze_first_plank() -> int:
     """Drop a plank from 10 mm and return the frame in which it freezes."""
     engine = ToyEngine([THICKNESS / 2 + 0.01])
@@ -116,4 +116,4 @@ def freeze_first_plank() -> int:
 if __name__ == "__main__":
     print("\n".join(check()))
     freeze_first_plank()
-# --8<-- [end:main]
+# end main

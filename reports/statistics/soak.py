@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.records.trial import TrialRecord
-from reports.statistics.groups import grouped
+from reports.statistics.groups import grouped, groups_of
 
 LEAST_WATCH_S = 60.0
 """Shortest watch of a soak [s], because in a shorter watch the noise of a solver hides a creep of a micrometre per
@@ -36,10 +36,14 @@ class SoakSummary:
 
 
 def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
-    """Return the trials of scenes that must stand, watched for at least ``LEAST_WATCH_S``, without repeats."""
+    """Return the trials of scenes that must stand, watched for at least ``LEAST_WATCH_S``, without repeats.
+
+    Their order is that of their groups.
+    """
     return [
         record
-        for record in records
+        for group in groups_of(records)
+        for record in group.trials
         if record.expectation.outcome == "stand"
         and record.repeat == 0
         and record.status != "unsupported"

@@ -17,6 +17,8 @@ from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
 """Width of the bracket by exact statics over the width of the engine's bracket, so that its error is negligible."""
+_SET_UP = (("engines", "engine"), ("profiles", "profile"), ("policies", "policy"))
+"""Lists of a study, and the fields of its records that hold one of their entries."""
 
 
 def stood(status: Status) -> bool | None:
@@ -74,10 +76,11 @@ def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> l
         records: records of the study's trials.
         study: content of the study file in the results folder.
     """
+    in_order = sorted(records, key=lambda record: [study[key].index(getattr(record, name)) for key, name in _SET_UP])
     found = []
     for chosen in study.get("scenario", ()):
         if "bisect" in chosen:
-            found += _of_scenario(chosen, [record for record in records if record.scenario == chosen["name"]])
+            found += _of_scenario(chosen, [record for record in in_order if record.scenario == chosen["name"]])
     return found
 
 

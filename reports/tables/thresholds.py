@@ -36,10 +36,16 @@ def _row(one: Threshold) -> tuple[str, ...]:
     head = (one.scene, one.parameter, one.engine, one.profile, one.policy)
     if whole is None:
         return (*head, one.why, limits, NOTHING)
-    share = " / ".join(
-        f"{_rounded(100 * whole.middle / value, 100 * whole.half_width / value)}" for value in exact if value
-    )
-    return (*head, _rounded(whole.middle, whole.half_width), limits, share or NOTHING)
+    return (*head, _rounded(whole.middle, whole.half_width), limits, percent_of_exact(one))
+
+
+def percent_of_exact(one: Threshold) -> str:
+    """Return a threshold in percent of each exact limit, with its uncertainty; a dash without either."""
+    whole = one.whole
+    if whole is None:
+        return NOTHING
+    shares = ((100 * whole.middle / value, 100 * whole.half_width / value) for value in _distinct(one.exact) if value)
+    return " / ".join(_rounded(*share) for share in shares) or NOTHING
 
 
 def _distinct(exact: tuple[float | None, float | None]) -> list[float]:

@@ -1,15 +1,18 @@
 """The table of public threads."""
 
 from bench.studies.schema import load_study
-from reports.tables.threads import measured, thread_tables
+from reports.tables.threads import is_neutral, measured, thread_tables
 from scenarios.model import Expectation
 from scenarios.registry import build
 from scenarios.scenes.from_file import EXAMPLES
 from scenarios.threads import thread_of, threads
 from tests.reports.studies import STANDS, failed, fallen, record
 
-FLAX = {"scene": "flax", "parameters": {"file": "issue_flax_15_60.toml", "size": 1.0, "mass": 1.0, "yaw": 0.0}}
-BULLET = {"scene": "cube", "parameters": {"file": "issue_bullet3_3049.toml"}}
+FLAX = {
+    "scene": "own_scene-flax",
+    "parameters": {"file": "issue_flax_15_60.toml", "size": 1.0, "mass": 1.0, "yaw": 0.0},
+}
+BULLET = {"scene": "own_scene-cube", "parameters": {"file": "issue_bullet3_3049.toml"}}
 TIPS = Expectation("fall", "statics", 2)
 
 
@@ -64,3 +67,11 @@ def test_what_did_not_come_to_its_end_is_no_answer():
     assert measured(failed("unsupported")) == "n/a"
     assert measured(failed("crashed")) == "crashed ✗"
     assert measured(None) == "-"
+
+
+def test_no_engine_is_blamed_for_a_stack_without_friction():
+    """A rounding error is enough to move such a stack, and nothing stops it."""
+    lost = {"scene": "own_scene-ice", "parameters": {"file": "issue_mujoco_366_mu0.toml"}, "collapse_s": 0.5}
+    assert is_neutral(fallen(2, **lost))
+    assert measured(fallen(2, **lost)) == "falls at 0.5 s"
+    assert not is_neutral(record(**BULLET))

@@ -1,0 +1,100 @@
+"""Table that compares engines, alone and with the extension, by a figure from each of several published studies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from reports.records.folder import ResultsFolder
+from reports.records.trial import TrialRecord
+from reports.statistics.groups import ALONE, judged_trials
+from reports.statistics.soak import soak_summaries
+from reports.statistics.thresholds import thresholds_of
+from reports.tables.table import NOTHING, Table
+from reports.tables.threads import is_neutral
+from reports.tables.thresholds import percent_of_exact
+from reports.tables.tilt import onsets_of
+from scenarios.scenes.tilt_test import TiltLimits, tilt_limits
+
+STUDIES = ("thresholds", "tilt", "soak", "heavy", "issues", "sleep")
+"""Published studies that the table reads."""
+PROFILE = "game"
+EXTENSION = "equilibrium"
+SLEEPING = {ALONE: "native", EXTENSION: EXTENSION}
+"""Policy whose sleeping bodies count in the row of a method: an engine that never lets bodies sleep shows nothing."""
+LEAST_SHOWN = 1e-3
+"""Least creep [um/s] that is shown as a number, because a plank then takes three months to move by its thickness."""
+_MICRO = 1e6
+
+
+def separation_table(studies: Mapping[str, ResultsFolder]) -> Table:
+    """Return a row per engine, alone and with ``equilibrium``, in profile ``game``.
+
+    Args:
+        studies: the results folder of each of ``STUDIES``.
+    """
+    engines = dict.fromkeys(record.engine for folder in studies.values() for record in folder.records)
+    rows = tuple((engine, method, *_figures(studies, engine, method)) for engine in engines for method in SLEEPING)
+    header = ("engine", "method", "friction", "toppling", "tilt", "creep", "heavy on light", "threads", "asleep")
+    return Table("What separates engines", header, rows, id="separation")
+
+
+def _figures(studies: Mapping[str, ResultsFolder], engine: str, method: str) -> tuple[str, ...]:
+    def of(study: str, policy: str = method) -> list[TrialRecord]:
+        return [
+            record
+            for record in studies[study].records
+            if (record.engine, record.profile, record.policy) == (engine, PROFILE, policy)
+        ]
+
+    return (
+        _limit("friction", of("thresholds"), studies["thresholds"]),
+        _limit("ratio", of("thresholds"), studies["thresholds"]),
+        _tilt(of("tilt")),
+        _creep(of("soak")),
+        _right(of("heavy")),
+        _right(of("issues")),
+        _asleep(of("sleep", SLEEPING[method])),
+    )
+
+
+def _limit(parameter: str, records: Sequence[TrialRecord], folder: ResultsFolder) -> str:
+    """Return the threshold of a parameter in percent of the exact one."""
+    found = [one for one in thresholds_of(records, folder.study) if one.parameter == parameter]
+    return percent_of_exact(found[0]) if found else NOTHING
+
+
+def _tilt(records: Sequence[TrialRecord]) -> str:
+    """Return how many stacks first move at their exact limit, of those for which every ridge normal gives one limit."""
+    onsets = [one for one in onsets_of(records) if len(set(_limits(one.trial))) == 1]
+    return f"{sum(one.is_near for one in onsets)}/{len(onsets)}" if onsets else NOTHING
+
+
+def _limits(trial: TrialRecord) -> TiltLimits:
+    return tilt_limits(str(trial.parameters["stack"]), str(trial.parameters["heading"]))
+
+
+def _creep(records: Sequence[TrialRecord]) -> str:
+    """Return the median creep [um/s] of the stacks that stood, and how many did not."""
+    for one in soak_summaries(records):
+        lost = one.fell + one.failed
+        speed = NOTHING if one.median_m_s is None else _micrometres(one.median_m_s)
+        return f"{speed} ({lost} of {one.trials} lost)" if lost else speed
+    return NOTHING
+
+
+def _micrometres(speed_m_s: float) -> str:
+    """Format a speed in um/s; below ``LEAST_SHOWN`` the text gives only this bound."""
+    speed = speed_m_s * _MICRO
+    return f"<{LEAST_SHOWN:g}" if 0.0 < speed < LEAST_SHOWN else f"{speed:.2g}"
+
+
+def _right(records: Sequence[TrialRecord]) -> str:
+    """Return how many trials ended as they must, of those that were judged."""
+    judged = [trial for trial in judged_trials(records) if not is_neutral(trial)]
+    return f"{sum(trial.verdict == 'right' for trial in judged)}/{len(judged)}" if judged else NOTHING
+
+
+def _asleep(records: Sequence[TrialRecord]) -> str:
+    """Return the longest time [s] for which a brick that must move kept its pose."""
+    times = [record.asleep_s for record in records if record.asleep_s is not None]
+    return f"{max(times):.2f}" if times else NOTHING
