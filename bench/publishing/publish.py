@@ -46,8 +46,8 @@ WITHOUT_TIMES = (
 )
 FIGURE = "figure.svg"
 """File name of the published figure."""
-_FIGURES = ("cost.svg", "figures/pairs.svg", "figures/speed.svg")
-"""Candidates for the figure of a publication without a picture, in order of preference."""
+_FIGURES = {"cost.svg": True, "figures/pairs.svg": False, "figures/speed.svg": True}
+"""Candidates for the figure of a publication without a picture, in order of preference; True for a figure of times."""
 _EARLIER = ("trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg", "figures")
 """Files of earlier versions to remove, because "bench report" makes them from the published folder."""
 _STILL_PIXELS, _PICTURE_DPI = 480, 120
@@ -84,7 +84,7 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
     if publication.gallery is not None:
         _draw(publication.gallery, folder, records, target / PICTURE)
     else:
-        _copy_figure(report, target / FIGURE)
+        _copy_figure(report, target / FIGURE, is_timed=publication.is_timed)
     return target
 
 
@@ -118,9 +118,10 @@ def _remove_earlier(target: Path) -> None:
             (target / name).unlink(missing_ok=True)
 
 
-def _copy_figure(report: Path, target: Path) -> None:
-    """Copy the first existing figure of ``_FIGURES`` from a report to ``target``, if any."""
-    figure = next((report / name for name in _FIGURES if (report / name).exists()), None)
+def _copy_figure(report: Path, target: Path, *, is_timed: bool) -> None:
+    """Copy the first existing figure of ``_FIGURES`` from a report to ``target``; a figure of times only if timed."""
+    names = (name for name, shows_times in _FIGURES.items() if is_timed or not shows_times)
+    figure = next((report / name for name in names if (report / name).exists()), None)
     if figure is not None:
         shutil.copyfile(figure, target)
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from typer.testing import CliRunner
 
 from bench.machine.core_digest import present_core
 from bench.publishing.catalogue import PUBLICATIONS, Publication
-from bench.publishing.publish import PublishError, main, publish
+from bench.publishing.publish import WITHOUT_TIMES, PublishError, main, publish
 from bench.studies.plan import plan_trials
 from bench.studies.schema import load_study
 from bench.studies.selection import Selection
@@ -66,6 +67,19 @@ def test_tables_trials_figures_and_where_they_come_from_are_copied(run, tmp_path
     assert ResultsFolder(target).records == ResultsFolder(run).records
     assert (target / "figure.svg").read_text() == "figures/pairs.svg", "it shows more than the speed"
     assert (target / "tables.md").read_text() == f"tables.md\n\ncore: {present_core()}\n"
+
+
+def test_a_study_that_is_not_about_cost_shows_no_times(run, tmp_path, monkeypatch) -> None:
+    """Its trials may have been run several at a time: neither tables nor figure of times, and no ranking by them."""
+    monkeypatch.setitem(PUBLICATIONS, "made-up", replace(PUBLICATIONS["made-up"], is_timed=False))
+    (run / "report" / "figures" / "pairs.svg").unlink()
+    target = publish("made-up", run, tmp_path / "docs")
+    text = (target / "tables.md").read_text()
+    assert WITHOUT_TIMES in text
+    assert "## Outcomes" in text
+    assert "## Frame time" not in text
+    assert "## Comparison" not in text
+    assert not (target / "figure.svg").exists()
 
 
 def test_results_of_an_earlier_core_are_marked_as_such(run, tmp_path) -> None:
