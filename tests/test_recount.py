@@ -13,11 +13,14 @@ import pandas as pd
 import pytest
 
 import reports
+from bench.publishing.catalogue import PUBLICATIONS
 from bench.publishing.doc_blocks import BLOCKS
 from reports.records.folder import ResultsFolder
+from reports.report import OF_TIMES
 from reports.statistics.groups import groups_of
 from reports.statistics.pairs import pair_rows
 from reports.statistics.ranking import rank
+from reports.statistics.thresholds import of_fixed_scenes
 from reports.tables.collapse_levels import collapse_level_tables
 from reports.tables.pairs import pair_tables
 from reports.tables.piles import pile_tables
@@ -166,7 +169,8 @@ def test_what_separates_engines() -> None:
         assert float(row["friction"].split(" ")[0]) == pytest.approx(effective_friction(sliding), abs=0.01)
         assert float(row["toppling"].split(" ")[0]) == pytest.approx(greatest_ratio(toppling), abs=0.01)
         stood = of["soak"][of["soak"]["status"] == "completed"]
-        assert float(row["creep"].split(" ")[0]) == pytest.approx(1e6 * stood["creep_m_s"].median(), rel=0.05)
+        shown, creep = row["creep"].split(" ")[0], 1e6 * stood["creep_m_s"].median()
+        assert creep < float(shown[1:]) if shown.startswith("<") else float(shown) == pytest.approx(creep, rel=0.05)
         assert ("lost" in row["creep"]) == (len(stood) < len(of["soak"]))
         for column, study in (("heavy on light", "heavy"), ("threads", "issues")):
             judged = of[study][of[study]["verdict"].isin(DECIDED) & ~of[study]["parameters"].map(is_frictionless)]
@@ -202,13 +206,18 @@ def with_plain_ratios(table: Table, trials: pd.DataFrame) -> Table:
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_published_tables_can_be_made_again_from_the_published_trials(name: str) -> None:
     """Every row of all tables that need no frames, to the last digit."""
-    records = ResultsFolder(PUBLISHED / name).records
+    folder = ResultsFolder(PUBLISHED / name)
+    records = of_fixed_scenes(folder.records, folder.study)
     published = (PUBLISHED / name / "tables.md").read_text(encoding="utf-8")
+    if not records:
+        pytest.skip("all of its scenes are bisected")
     tables = [*study_tables(records), *pair_tables(pair_rows(groups_of(records)))]
     if "pairs and its 95 % interval" not in published:
         trials = reports.load(PUBLISHED / name).trials
         tables = [with_plain_ratios(table, trials) if table.id == "frame_time" else table for table in tables]
     tables += [*pile_tables(records), *collapse_level_tables(records)]
+    if not PUBLICATIONS[name].is_timed:
+        tables = [table for table in tables if table.id not in OF_TIMES]
     rows = [line for line in to_markdown(tables).splitlines() if line.startswith("| ")]
     assert len(rows) > 20
     later = re.compile(r"(\| falls at \d+) after [\d.]+ s")  # earlier versions did not say after how long

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from reports.records.folder import PARQUET, TRIALS
+from reports.records.folder import ENVIRONMENT, PARQUET, TRIALS
 
 COLUMNS = (
     *("trial", "engine", "profile", "scene", "policy"),
@@ -44,6 +44,8 @@ def past_trials(folder: Path) -> list[PastTrial]:
 
     A trial that the engine does not support and that has no wall time counts with a wall time of 0.
     """
+    if not is_timed(folder):
+        return []
     rows = [row for row in map(_with_refusals, _rows(folder)) if _known(row.get("wall_s")) and "trial" in row]
     taken = [row["calibration_ms"] for row in rows if _known(row.get("calibration_ms"))]
     typical = statistics.median(taken) if taken else None
@@ -60,6 +62,15 @@ def past_trials(folder: Path) -> list[PastTrial]:
         )
         for row in rows
     ]
+
+
+def is_timed(folder: Path) -> bool:
+    """Return False if the environment of a folder says that its times are disturbed; True also without such a file."""
+    try:
+        environment = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return True
+    return bool(environment.get("timed", True))
 
 
 def _with_refusals(row: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -27,7 +27,7 @@ from bench.publishing import doc_blocks
 from bench.publishing.catalogue import PUBLICATIONS, Gallery, Publication
 from bench.publishing.page_marks import mark, mark_all
 from bench.studies.schema import load_study
-from reports.records.atomic import atomic_file
+from reports.records.atomic import atomic_file, write_atomic
 from reports.records.folder import ENVIRONMENT, PARQUET, STUDY, TRIALS, ResultsFolder
 from reports.records.results import write_trials_parquet
 from reports.records.trial import TrialRecord, read_records
@@ -79,6 +79,8 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
             shutil.copyfile(part, target / part.name)
     if not publication.is_timed:
         _write_without_times(folder, target / "tables.md")
+        environment = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
+        write_atomic(target / ENVIRONMENT, (json.dumps({**environment, "timed": False}, indent=2) + "\n").encode())
     if (target / "tables.md").exists():
         mark(target / "tables.md")
     if publication.gallery is not None:

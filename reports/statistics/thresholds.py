@@ -76,6 +76,8 @@ def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> l
         records: records of the study's trials.
         study: content of the study file in the results folder.
     """
+    if not bisected_scenarios(study):
+        return []
     in_order = sorted(records, key=lambda record: [study[key].index(getattr(record, name)) for key, name in _SET_UP])
     found = []
     for chosen in study.get("scenario", ()):

@@ -9,7 +9,7 @@ from bench.machine.memory import PeakMemory
 
 MIB = 2**20
 SLACK_MIB = 8.0
-"""What Python and the C library may take or keep at the same time."""
+"""What Python and the C library may take, keep or use again at the same time."""
 
 
 def use(mib: int) -> None:
@@ -28,7 +28,7 @@ def test_only_the_peak_since_the_start_counts() -> None:
     use(32)
     growth = peak.growth_mib()
     assert growth is not None
-    assert 32 <= growth < 2 * 32 + SLACK_MIB, "the pages, and the bytes that were written to them"
+    assert 32 - SLACK_MIB <= growth < 2 * 32 + SLACK_MIB, "the pages, and the bytes that were written to them"
 
 
 def test_a_system_that_cannot_reset_the_peak_has_none(monkeypatch, tmp_path) -> None:

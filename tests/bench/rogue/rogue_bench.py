@@ -25,6 +25,6 @@ if __name__ == "__main__":
 
     worker.GRACE_S = float(os.environ.get("GRACE_S", "1"))
     if "REPORT" not in os.environ:
-        run.make_report = lambda _: ()
+        run.make_report = run.show = lambda _: None
     run.describe = lambda _: {"commit": os.environ.get("COMMIT", "c0ffee")}
     app()

@@ -53,8 +53,8 @@ def test_a_row_a_set_up_and_a_row_a_stack():
     )
     assert [row[4:] for row in stacks.rows] == [
         ("2", "0.1", "2", "0", "1.08 h"),
+        ("1", "2", "2", "0", "never"),
         ("0", "0", "0", "0", "never"),
         ("fell", "-", "-", "-", "6.67 min"),
         ("timeout", "-", "-", "-", "-"),
-        ("1", "2", "2", "0", "never"),
-    ]
+    ], "scene by scene"
