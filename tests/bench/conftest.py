@@ -141,12 +141,13 @@ class RogueSuite:
         return " ".join((output + errors).split())
 
 
-CIRCUMSTANCES = {"wall_s", "realtime_factor", "core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
+COSTS = {"wall_s", "realtime_factor", "memory_mib", "core_instructions"}
+CIRCUMSTANCES = COSTS | {"core"} | {name for name in TrialRecord.model_fields if "_ms" in name}
 
 
 @pytest.fixture
 def untimed():
-    """Returns the fields of records, by trial, that depend neither on the clock nor on the processor core."""
+    """Returns the fields of records, by trial, that depend neither on the clock, the memory nor the processor core."""
     return lambda records: {record.trial: record.model_dump(exclude=CIRCUMSTANCES) for record in records}
 
 
