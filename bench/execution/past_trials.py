@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from reports.records.folder import ENVIRONMENT, PARQUET, TRIALS
+from reports.records.folder import PARQUET, TRIALS, ResultsFolder
 
 COLUMNS = (
     *("trial", "engine", "profile", "scene", "policy"),
@@ -42,10 +42,11 @@ class PastTrial(NamedTuple):
 def past_trials(folder: Path) -> list[PastTrial]:
     """Return the readable trials of a folder with a known wall time.
 
-    A trial that the engine does not support and that has no wall time counts with a wall time of 0.
+    The result is empty for a published folder that says that its times are disturbed. A trial that the engine does not
+    support and that has no wall time counts with a wall time of 0.
     """
-    if not is_timed(folder):
-        return []
+    if not ResultsFolder(folder).environment.get("timed", True):
+        return []  # its trials disturbed each other's times
     rows = [row for row in map(_with_refusals, _rows(folder)) if _known(row.get("wall_s")) and "trial" in row]
     taken = [row["calibration_ms"] for row in rows if _known(row.get("calibration_ms"))]
     typical = statistics.median(taken) if taken else None
@@ -62,15 +63,6 @@ def past_trials(folder: Path) -> list[PastTrial]:
         )
         for row in rows
     ]
-
-
-def is_timed(folder: Path) -> bool:
-    """Return False if the environment of a folder says that its times are disturbed; True also without such a file."""
-    try:
-        environment = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return True
-    return bool(environment.get("timed", True))
 
 
 def _with_refusals(row: Mapping[str, Any]) -> Mapping[str, Any]:

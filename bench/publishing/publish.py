@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -79,8 +80,8 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
             shutil.copyfile(part, target / part.name)
     if not publication.is_timed:
         _write_without_times(folder, target / "tables.md")
-        environment = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
-        write_atomic(target / ENVIRONMENT, (json.dumps({**environment, "timed": False}, indent=2) + "\n").encode())
+        environment = {**ResultsFolder(folder).environment, "timed": False}
+        write_atomic(target / ENVIRONMENT, (json.dumps(environment, indent=2) + "\n").encode())
     if (target / "tables.md").exists():
         mark(target / "tables.md")
     if publication.gallery is not None:
@@ -92,7 +93,7 @@ def publish(name: str, folder: Path, to: Path = PUBLISHED) -> Path:
 
 def _write_without_times(folder: Path, page: Path) -> None:
     """Write the tables of a report that show no times, without the verdict, which ranks set-ups by their times."""
-    tables = [table for tables in tables_of(ResultsFolder(folder)).values() for table in tables]
+    tables = chain.from_iterable(tables_of(ResultsFolder(folder)).values())
     content = to_markdown([table for table in tables if table.id not in OF_TIMES])
     page.write_text(f"{content}\n{WITHOUT_TIMES}\n", encoding="utf-8")
 

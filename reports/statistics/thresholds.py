@@ -9,6 +9,7 @@ from itertools import product
 from typing import Any
 
 from reports.records.trial import Status, TrialRecord
+from reports.statistics.groups import groups_of
 from scenarios.bisection import Bisection, Bracket
 from scenarios.parameters import Value
 from scenarios.registry import build, with_defaults
@@ -17,8 +18,6 @@ from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
 """Width of the bracket by exact statics over the width of the engine's bracket, so that its error is negligible."""
-_SET_UP = (("engines", "engine"), ("profiles", "profile"), ("policies", "policy"))
-"""Lists of a study, and the fields of its records that hold one of their entries."""
 
 
 def stood(status: Status) -> bool | None:
@@ -76,9 +75,7 @@ def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> l
         records: records of the study's trials.
         study: content of the study file in the results folder.
     """
-    if not bisected_scenarios(study):
-        return []
-    in_order = sorted(records, key=lambda record: [study[key].index(getattr(record, name)) for key, name in _SET_UP])
+    in_order = [record for group in groups_of(records) for record in group.trials]
     found = []
     for chosen in study.get("scenario", ()):
         if "bisect" in chosen:

@@ -12,8 +12,8 @@ from reports.statistics.thresholds import thresholds_of
 from reports.tables.table import NOTHING, Table
 from reports.tables.threads import is_neutral
 from reports.tables.thresholds import percent_of_exact
-from reports.tables.tilt import onsets_of
-from scenarios.scenes.tilt_test import TiltLimits, tilt_limits
+from reports.tables.tilt import Onset, onsets_of
+from reports.tables.wording import MICRO
 
 STUDIES = ("thresholds", "tilt", "soak", "heavy", "issues", "sleep")
 """Published studies that the table reads."""
@@ -23,7 +23,6 @@ SLEEPING = {ALONE: "native", EXTENSION: EXTENSION}
 """Policy whose sleeping bodies count in the row of a method: an engine that never lets bodies sleep shows nothing."""
 LEAST_SHOWN = 1e-3
 """Least creep [um/s] that is shown as a number, because a plank then takes three months to move by its thickness."""
-_MICRO = 1e6
 
 
 def separation_table(studies: Mapping[str, ResultsFolder]) -> Table:
@@ -39,17 +38,16 @@ def separation_table(studies: Mapping[str, ResultsFolder]) -> Table:
 
 
 def _figures(studies: Mapping[str, ResultsFolder], engine: str, method: str) -> tuple[str, ...]:
+    def is_of(record: TrialRecord, policy: str = method) -> bool:
+        return (record.engine, record.profile, record.policy) == (engine, PROFILE, policy)
+
     def of(study: str, policy: str = method) -> list[TrialRecord]:
-        return [
-            record
-            for record in studies[study].records
-            if (record.engine, record.profile, record.policy) == (engine, PROFILE, policy)
-        ]
+        return [record for record in studies[study].records if is_of(record, policy)]
 
     return (
         _limit("friction", of("thresholds"), studies["thresholds"]),
         _limit("ratio", of("thresholds"), studies["thresholds"]),
-        _tilt(of("tilt")),
+        _tilt([one for one in onsets_of(studies["tilt"].records) if is_of(one.trial)]),
         _creep(of("soak")),
         _right(of("heavy")),
         _right(of("issues")),
@@ -63,14 +61,10 @@ def _limit(parameter: str, records: Sequence[TrialRecord], folder: ResultsFolder
     return percent_of_exact(found[0]) if found else NOTHING
 
 
-def _tilt(records: Sequence[TrialRecord]) -> str:
-    """Return how many stacks first move at their exact limit, of those for which every ridge normal gives one limit."""
-    onsets = [one for one in onsets_of(records) if len(set(_limits(one.trial))) == 1]
-    return f"{sum(one.is_near for one in onsets)}/{len(onsets)}" if onsets else NOTHING
-
-
-def _limits(trial: TrialRecord) -> TiltLimits:
-    return tilt_limits(str(trial.parameters["stack"]), str(trial.parameters["heading"]))
+def _tilt(onsets: Sequence[Onset]) -> str:
+    """Return the number of stacks that first move at a limit, over all stacks whose limit depends on no ridge."""
+    counted = [one for one in onsets if not one.depends_on_ridge]
+    return f"{sum(one.is_near for one in counted)}/{len(counted)}" if counted else NOTHING
 
 
 def _creep(records: Sequence[TrialRecord]) -> str:
@@ -84,12 +78,12 @@ def _creep(records: Sequence[TrialRecord]) -> str:
 
 def _micrometres(speed_m_s: float) -> str:
     """Format a speed in um/s; below ``LEAST_SHOWN`` the text gives only this bound."""
-    speed = speed_m_s * _MICRO
+    speed = speed_m_s * MICRO
     return f"<{LEAST_SHOWN:g}" if 0.0 < speed < LEAST_SHOWN else f"{speed:.2g}"
 
 
 def _right(records: Sequence[TrialRecord]) -> str:
-    """Return how many trials ended as they must, of those that were judged."""
+    """Return the number of trials with the right verdict, over all judged trials except stacks in neutral balance."""
     judged = [trial for trial in judged_trials(records) if not is_neutral(trial)]
     return f"{sum(trial.verdict == 'right' for trial in judged)}/{len(judged)}" if judged else NOTHING
 

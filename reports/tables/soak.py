@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from reports.records.trial import TrialRecord
 from reports.statistics.soak import creeps_at_all, soak_summaries, soaked, time_of_a_thickness
 from reports.tables.table import NOTHING, Table
+from reports.tables.wording import MICRO
 
-_MICRO = 1e6
-"""Factor from m/s to µm/s."""
 _UNITS = ((365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 """Units of time: length [s] and name, the longest first."""
 _MOST_YEARS = 100.0
@@ -45,7 +44,7 @@ def _summaries(records: Sequence[TrialRecord], watched: str) -> Table:
             f"{one.fell}",
             f"{one.failed}",
             f"{one.creep}",
-            NOTHING if one.median_m_s is None else f"{one.median_m_s * _MICRO:.3g}",
+            NOTHING if one.median_m_s is None else f"{one.median_m_s * MICRO:.3g}",
             duration(one.shortest_s),
         )
         for one in soak_summaries(records)
@@ -77,5 +76,5 @@ def _row(trial: TrialRecord) -> tuple[str, ...]:
     if trial.creep_m_s is None:
         return (*head, trial.status, *(NOTHING,) * 4)
     speeds = (trial.creep_m_s, trial.creep_error_m_s, trial.sliding_m_s, trial.sinking_m_s)
-    texts = (NOTHING if speed is None else f"{speed * _MICRO:.3g}" for speed in speeds)
+    texts = (NOTHING if speed is None else f"{speed * MICRO:.3g}" for speed in speeds)
     return (*head, *texts, duration(time_of_a_thickness(trial)) if creeps_at_all(trial) else "never")

@@ -8,12 +8,11 @@ from functools import lru_cache
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import grouped, ordered_policies
 from reports.tables.table import NOTHING, Table
+from reports.tables.wording import MICRO
 from scenarios.parameters import Value
 from scenarios.registry import build
 from scenarios.threads import Thread, thread_of
 
-_MICRO = 1e6
-"""Factor from m/s to µm/s."""
 _NOT_PLAYED = {"unsupported": "n/a", "timeout": "timed out"}
 
 
@@ -79,5 +78,5 @@ def _end(trial: TrialRecord) -> str:
     if trial.status != "completed":
         return _NOT_PLAYED.get(trial.status, trial.status)
     if trial.verdict == "creeps" and trial.creep_m_s is not None:
-        return f"creeps {trial.creep_m_s * _MICRO:.3g} µm/s"
+        return f"creeps {trial.creep_m_s * MICRO:.3g} µm/s"
     return "stands"

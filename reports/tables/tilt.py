@@ -10,7 +10,7 @@ from reports.statistics.groups import groups_of
 from reports.tables.table import NOTHING, Table
 from scenarios.model import Scene, Tilt
 from scenarios.registry import build
-from scenarios.scenes.tilt_test import THETA, tilt_limits
+from scenarios.scenes.tilt_test import THETA, TiltLimits, tilt_limits
 
 TITLE = "Onset on tilting ground"
 """Title of the table."""
@@ -29,8 +29,8 @@ class Onset(NamedTuple):
     """Onset of motion in one trial, with the limits of its stack."""
 
     trial: TrialRecord
-    exact_deg: float
-    """Limit slope by exact statics [deg]."""
+    limits: TiltLimits
+    """Limit slopes by exact statics [deg]."""
     own_deg: float | None
     """Limit slope by exact statics with the engine's own contacts [deg], from its trial without an extension; None if
     unknown."""
@@ -38,6 +38,16 @@ class Onset(NamedTuple):
     """Greatest angle between the engine's normal at a ridge and the bisector [deg]; None without a ridge."""
     fall_deg: float | None
     """Slope when the collapse was first seen [deg]; None without a collapse."""
+
+    @property
+    def exact_deg(self) -> float:
+        """Limit slope by exact statics, with the bisector as the normal of a ridge [deg]."""
+        return self.limits.exact
+
+    @property
+    def depends_on_ridge(self) -> bool:
+        """True if the limit slope depends on the normal of a ridge, which engines choose differently."""
+        return len(set(self.limits)) > 1
 
     @property
     def off_deg(self) -> float | None:
@@ -63,10 +73,10 @@ def onsets_of(records: Sequence[TrialRecord]) -> list[Onset]:
         scene = build(SCENARIO, **group.trials[0].parameters)
         alone = own.get(group.key[:3])
         for trial in group.trials:
-            exact = tilt_limits(str(trial.parameters["stack"]), str(trial.parameters["heading"])).exact
+            exact = tilt_limits(str(trial.parameters["stack"]), str(trial.parameters["heading"]))
             fall = None if trial.collapse_s is None else slope_at(scene, trial.collapse_s)
-            limits = (alone.own_limit_deg, alone.ridge_deg) if alone else (None, None)
-            found.append(Onset(trial, exact, *limits, fall))
+            own_limits = (alone.own_limit_deg, alone.ridge_deg) if alone else (None, None)
+            found.append(Onset(trial, exact, *own_limits, fall))
     return found
 
 

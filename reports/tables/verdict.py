@@ -14,7 +14,7 @@ from reports.statistics.pairs import SetUp
 from reports.statistics.ranking import Creep, Place, Ranking
 from reports.statistics.states import STATES, State
 from reports.tables.table import NOTHING, Table
-from reports.tables.wording import some
+from reports.tables.wording import MICRO, some
 
 STATE_WORDS: dict[State, tuple[str, str]] = {
     "right": ("correct", "correct"),
@@ -130,7 +130,7 @@ def _cost(place: Place) -> str:
 def _creep(creep: Creep | None) -> str:
     if creep is None:
         return ", creep not measured"
-    speed = creep.m_s * 1e6
+    speed = creep.m_s * MICRO
     return f", creeps {speed:.1f} µm/s" if speed >= 0.05 else ", creeps less than 0.05 µm/s"
 
 
@@ -138,7 +138,7 @@ def _micrometres(creep: Creep | None) -> str:
     """Format a creep [µm/s] with two decimals, from 100 on without decimals; a dash for None."""
     if creep is None:
         return NOTHING
-    speed = creep.m_s * 1e6
+    speed = creep.m_s * MICRO
     return f"{speed:.2f}" if speed < 100 else f"{speed:.0f}"
 
 

@@ -10,6 +10,8 @@ from reports.statistics.intervals import Estimate
 from reports.statistics.survival import Survival
 from reports.tables.table import NOTHING
 
+MICRO = 1e6
+"""Factor from m/s to µm/s."""
 _WENT_WRONG = {
     "timeout": ("timed out", "timed out"),
     "diverged": ("diverged", "diverged"),
