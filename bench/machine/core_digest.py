@@ -1,8 +1,9 @@
 """A digest of the core's code without its prose, which identifies the core that made a published page.
 
 The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name. The digest ignores
-docstrings, other stand-alone strings, comments and layout, so that an edit of prose does not change the digest. Any
-other edit changes the digest, even an edit without effect on results, such as a renamed variable.
+docstrings, other stand-alone strings, comments, layout and the wording of messages, so that an edit of prose does not
+change the digest. A string with a space counts as a message; keys and names have no spaces. Any other edit changes the
+digest, even an edit without effect on results, such as a renamed variable.
 """
 
 from __future__ import annotations
@@ -58,6 +59,8 @@ def _code(part: object) -> str:
 
     Leave out empty fields, because they differ between versions of Python.
     """
+    if _is_message(part):
+        return "message"
     if isinstance(part, ast.AST):
         fields = [f"{name}={_code(value)}" for name, value in ast.iter_fields(part) if value not in (None, [])]
         return f"{type(part).__name__}({', '.join(fields)})"
@@ -71,3 +74,10 @@ def _is_prose(statement: object) -> bool:
     if not isinstance(statement, ast.Expr) or not isinstance(statement.value, ast.Constant):
         return False
     return isinstance(statement.value.value, str)
+
+
+def _is_message(expression: object) -> bool:
+    """Return whether an expression is a text for people: a string with a space, formatted or not."""
+    if isinstance(expression, ast.JoinedStr):
+        return any(_is_message(piece) for piece in expression.values)
+    return isinstance(expression, ast.Constant) and isinstance(expression.value, str) and " " in expression.value

@@ -20,6 +20,8 @@ class Stack:
 
     def height(self, levels: int = 3) -> float:
         """Height [m]."""
+        if levels < 0:
+            raise ValueError(f"{levels} levels: give 0 or more", "levels")
         return levels * LIMIT  # as planned
 '''
 
@@ -33,6 +35,8 @@ class Stack:
         ('        """Height [m]."""\n', '        """Return the height [m].\n\n        With its reason.\n        """\n'),
         ("  # as planned", ""),
         ("levels * LIMIT", "(levels *  LIMIT)"),
+        ('f"{levels} levels: give 0 or more"', 'f"levels must not be negative, got {levels:d}"'),
+        ('f"{levels} levels: give 0 or more"', '"levels must not be negative"'),
     ],
 )
 def test_prose_and_layout_do_not_change_it(before: str, after: str) -> None:
@@ -49,6 +53,8 @@ def test_prose_and_layout_do_not_change_it(before: str, after: str) -> None:
         ("height", "rise"),
         ("import math\n", ""),
         ("return levels", "return 'levels'; levels"),
+        ('"levels"', '"storeys"'),
+        ("levels < 0", "levels < 1"),
     ],
 )
 def test_any_change_of_code_changes_it(before: str, after: str) -> None:
@@ -63,7 +69,7 @@ def test_names_of_files_count_and_their_order_does_not() -> None:
 
 def test_it_is_the_same_on_every_version_of_python() -> None:
     """Pinned: ``ast.dump`` itself differs between versions, in fields that are empty."""
-    assert digest_of({"stack.py": CODE}) == "a8daa633db78"
+    assert digest_of({"stack.py": CODE}) == "c0ba42525855"
 
 
 def test_a_commit_has_the_digest_of_its_files(monkeypatch) -> None:
