@@ -7,7 +7,6 @@ import importlib.metadata
 import json
 import os
 import platform
-import subprocess
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -17,6 +16,7 @@ from typing import Any
 import psutil
 
 from adapters import Profile, capabilities, engine_version, profiles
+from bench.machine.checkout import head, is_modified
 from bench.machine.core_digest import present_core
 from bench.machine.instructions import availability
 from bench.machine.source_digest import ROOT, SUITE, sources_digest
@@ -39,8 +39,8 @@ def describe(engines: Iterable[str]) -> dict[str, Any]:
         "memory_gib": round(psutil.virtual_memory().total / 2**30, 1),
         "packages": {name: importlib.metadata.version(name) for name in _PACKAGES},
         "lock_sha256": hashlib.sha256((ROOT / "uv.lock").read_bytes()).hexdigest(),
-        "commit": _git("rev-parse", "HEAD"),
-        "modified": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "commit": head(),
+        "modified": is_modified(),
         "sources": sources_digest(SUITE),
         "core": present_core(),
         "settings": asdict(Settings()),
@@ -112,12 +112,3 @@ def _governor() -> str | None:
     """Return the frequency governor of the processor; None if the system does not report it."""
     file = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
     return file.read_text(encoding="utf-8").strip() if file.exists() else None
-
-
-def _git(*arguments: str) -> str | None:
-    """Return the output of a git command in this checkout; None without git or a checkout."""
-    try:
-        done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True, timeout=10)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip()

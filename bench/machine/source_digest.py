@@ -12,6 +12,8 @@ SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters"
 """Folders of the suite's code."""
 PUBLISHED = ROOT / "docs" / "results"
 """Folder of the published studies."""
+ROUNDS = PUBLISHED / "rounds"
+"""Folder of the frozen rounds, each in a folder named by its date."""
 
 
 def sources_digest(folders: Iterable[Path]) -> str:

@@ -17,6 +17,7 @@ from bench.machine.source_digest import PUBLISHED, ROOT
 from bench.publishing.catalogue import PUBLICATIONS
 from bench.publishing.holdings import differences, holdings
 from bench.publishing.page_marks import NOT_USED, core_of, pages, warning
+from bench.publishing.rounds import rounds_block
 from reports import load
 from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord
@@ -212,6 +213,7 @@ BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "pairs": ("docs/findings.md", pairs_block),
     "results": ("docs/results/README.md", results_block),
     "cores": ("docs/results/README.md", cores_block),
+    "rounds": ("docs/results/README.md", rounds_block),
     "claims": ("docs/reproducing_the_paper.md", claims_block),
     "capabilities": ("docs/choosing_an_engine.md", capabilities_block),
     "scenes": ("docs/truth.md", scenes_block),

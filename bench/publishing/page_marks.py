@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bench.machine.core_digest import core_of_commit, present_core
+from bench.machine.source_digest import ROUNDS
 from bench.studies.policies import BENCH_POLICIES
 from reports.records.atomic import write_atomic
 from reports.records.folder import ENVIRONMENT, REPORT, ResultsFolder, published_rows
@@ -34,9 +35,14 @@ def pages(folder: Path) -> Iterator[Path]:
     """Yield every published page below ``folder``, sorted by path.
 
     Files directly in ``folder``, such as the README that lists the pages, are not published pages. Reports that were
-    built there are not published pages either.
+    built there and frozen rounds, which never change, are not published pages either.
     """
-    return (path for path in sorted(folder.rglob("*.md")) if path.parent != folder and path.parent.name != REPORT)
+    others = {REPORT, ROUNDS.name}
+    return (
+        path
+        for path in sorted(folder.rglob("*.md"))
+        if path.parent != folder and not others.intersection(path.relative_to(folder).parts)
+    )
 
 
 def signed(text: str, core: str) -> str:

@@ -5,7 +5,7 @@ then copies tables, figures and trials, and fills the generated blocks of the do
 tables.
 
 ``uv run python -m bench.publishing --mark`` runs no study: it marks the pages that an earlier core made, and fills the
-generated blocks.
+generated blocks. ``--round DATE`` freezes the published results, and ``--archive DATE`` packs a frozen round.
 """
 
 from __future__ import annotations
@@ -23,10 +23,12 @@ import typer
 
 from bench.execution.results import missing_trials
 from bench.machine.environment import describe
-from bench.machine.source_digest import PUBLISHED, ROOT
+from bench.machine.source_digest import PUBLISHED, ROOT, ROUNDS
 from bench.publishing import doc_blocks
+from bench.publishing.archive import write_archive
 from bench.publishing.catalogue import PUBLICATIONS, Gallery, Publication
 from bench.publishing.page_marks import mark, mark_all
+from bench.publishing.rounds import committed_results, freeze, require_clean
 from bench.studies.schema import load_study
 from reports.records.atomic import atomic_file, write_atomic
 from reports.records.folder import ENVIRONMENT, PARQUET, STUDY, TRIALS, ResultsFolder
@@ -148,31 +150,46 @@ def main(
     name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(PUBLICATIONS)}.")] = None,
     folder: Annotated[Path | None, typer.Argument(metavar="[DIR]", help="A results folder of this study.")] = None,
     is_mark: Annotated[bool, typer.Option("--mark", help="Only mark the pages that an earlier core made.")] = False,
+    frozen: Annotated[
+        str | None, typer.Option("--round", metavar="DATE", help="Freeze the published results as a round.")
+    ] = None,
+    archived: Annotated[
+        str | None, typer.Option("--archive", metavar="DATE", help="Write a frozen round into a zip file to deposit.")
+    ] = None,
 ) -> None:
     """Publish a study in docs/results; without a results folder, run the study first."""
-    if is_mark == (name is not None):
+    if sum((name is not None, is_mark, frozen is not None, archived is not None)) != 1:
         raise typer.BadParameter(
-            "expected either the name of a publication or --mark, got both or neither: give only one of the two"
+            "expected one of the name of a publication, --mark, --round and --archive, got none or several"
         )
-    if name is None:
-        earlier = mark_all(PUBLISHED)
-        doc_blocks.main()
-        typer.echo(f"pages of an earlier core: {earlier}; filled the generated blocks of the documents")
-        return
     try:
-        publication = look_up("publication", name, PUBLICATIONS)
-        if folder is None:
-            folder = ROOT / "results" / f"published-{name}"
-            _check_sources(describe(()), "this checkout")  # before a run that may take hours
-            _bench("run", *publication.arguments, "--out", str(folder))
+        if name is not None:
+            done = f"published in {_publish(name, folder).relative_to(ROOT)}"
+        elif frozen is not None:
+            done = f"frozen in {freeze(frozen, committed_results()).relative_to(ROOT)}: commit it"
+        elif archived is not None:
+            require_clean()
+            typer.echo(f"the archive: {write_archive(ROUNDS / archived, ROOT / 'results').relative_to(ROOT)}")
+            return
         else:
-            _bench("report", str(folder))
-        target = publish(name, folder)
+            done = f"pages of an earlier core: {mark_all(PUBLISHED)}"
     except (UnknownNameError, ValueError, OSError, RuntimeError) as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from error
     doc_blocks.main()
-    typer.echo(f"published in {target.relative_to(ROOT)}; filled the generated blocks of the documents")
+    typer.echo(f"{done}; filled the generated blocks of the documents")
+
+
+def _publish(name: str, folder: Path | None) -> Path:
+    """Publish a study from its results folder, or from a run if there is none; return the published folder."""
+    publication = look_up("publication", name, PUBLICATIONS)
+    if folder is None:
+        folder = ROOT / "results" / f"published-{name}"
+        _check_sources(describe(()), "this checkout")  # before a run that may take hours
+        _bench("run", *publication.arguments, "--out", str(folder))
+    else:
+        _bench("report", str(folder))
+    return publish(name, folder)
 
 
 def _bench(*arguments: str) -> None:

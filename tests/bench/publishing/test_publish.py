@@ -90,13 +90,13 @@ def test_results_of_an_earlier_core_are_marked_as_such(run, tmp_path) -> None:
     assert text.endswith("\n\ntables.md\n\ncore: 0123456789ab\n")
 
 
-@pytest.mark.parametrize("arguments", [[], ["paper", "--mark"]])
-def test_either_a_name_or_a_mark_is_asked_for(arguments: list[str]) -> None:
+@pytest.mark.parametrize("arguments", [[], ["paper", "--mark"], ["--round", "2026-01-01", "--archive", "2026-01-01"]])
+def test_exactly_one_job_is_asked_for(arguments: list[str]) -> None:
     app = typer.Typer()
     app.command()(main)
     text = CliRunner().invoke(app, arguments)
     assert text.exit_code == 2
-    message = "expected either the name of a publication or --mark, got both or neither: give only one of the two"
+    message = "expected one of the name of a publication, --mark, --round and --archive, got none or several"
     assert message in " ".join(text.output.replace("│", "").split())
 
 
