@@ -89,12 +89,17 @@ class CompliantPile:
         for block, mass, squared in zip(blocks, masses, gyration, strict=True):
             block[:3, :3], block[3:, 3:] = mass * np.eye(3), mass * squared
         self._masses = csr_array(block_diag(blocks))
+        self._inertia = self._masses.copy()
+        """Masses over kappa, whose values each Newton step replaces."""
         self._load, self._friction, self._ratio = load, friction, r
         self._corners = wrenches.shape[1] // 3
         self._precision = PRECISION * np.repeat(masses, 6)
         self._sizes = abs(wrenches)
-        entries = np.arange(3 * self._corners).reshape(-1, 3)
-        self._rows, self._columns = np.repeat(entries, 3, axis=1).ravel(), np.tile(entries, (1, 3)).ravel()
+        self._motion_sizes = self._sizes.T
+        columns = np.tile(np.arange(3 * self._corners).reshape(-1, 3), (1, 3)).ravel()
+        starts = 3 * np.arange(3 * self._corners + 1)
+        self._stiffness = csr_array((np.zeros(len(columns)), columns, starts), shape=(3 * self._corners,) * 2)
+        """Stiffness of the corners, whose values each Newton step replaces."""
 
     def relative_motion(self, displacement: FloatArray) -> FloatArray:
         """Return the relative motion of the surfaces at each corner, shape (p,), times sqrt(k)."""
@@ -114,13 +119,12 @@ class CompliantPile:
         The starts are ``start``, which suits bodies at rest, and sqrt(10) times ``start``, which keeps accelerations.
         """
         starts = [self._iterate(scale * start, kappa) for scale in (1.0, np.sqrt(10.0))]
-        start = min(starts, key=lambda iterate: iterate.size).displacement
-        found = self._newton(start, kappa)
-        if not self._is_solved(found):
-            found = self._newton(start, kappa, halvings=0)
-        if not self._is_solved(found):
-            found = self._by_fixed_bounds(start, kappa)
-        return found.displacement if self._is_solved(found) else None
+        first = min(starts, key=lambda iterate: iterate.size)
+        for search in (self._newton, self._by_whole_steps, self._by_fixed_bounds):
+            found = search(first, kappa)
+            if self._is_solved(found):
+                return found.displacement
+        return None
 
     def _iterate(self, displacement: FloatArray, kappa: float, bounds: FloatArray | None = None) -> _Iterate:
         motion = (self._motions @ displacement).reshape(-1, 3)
@@ -140,22 +144,22 @@ class CompliantPile:
         return _Iterate(displacement, motion[:, 0], pull, pulled, sticks, share, forces, imbalance, size, energy)
 
     def _is_solved(self, iterate: _Iterate) -> bool:
-        cancelled = self._sizes @ (self._sizes.T @ np.abs(iterate.displacement))
+        cancelled = self._sizes @ (self._motion_sizes @ np.abs(iterate.displacement))
         rounding = ROUNDING * (1.0 + self._ratio) * cancelled
         return bool((np.abs(iterate.imbalance) <= self._precision + rounding).all())
 
     def _newton(
-        self, start: FloatArray, kappa: float, bounds: FloatArray | None = None, halvings: int = HALVINGS
+        self, first: _Iterate, kappa: float, bounds: FloatArray | None = None, halvings: int = HALVINGS
     ) -> _Iterate:
-        """Return the solution near ``start``, or the last iterate without convergence.
+        """Return the solution near ``first``, or the last iterate without convergence.
 
         Args:
-            start: displacements to begin with, shape (6 n,).
+            first: the iterate to begin with, of the same ``kappa`` and ``bounds``.
             kappa: see the module docstring.
             bounds: fixed friction bounds, shape (p,); None for bounds that follow the normal forces.
             halvings: greatest number of halvings of a step; with 0 the method takes a step even if the imbalance grows.
         """
-        iterate = self._iterate(start, kappa, bounds)
+        iterate = first
         for _ in range(STEPS):
             step = None if self._is_solved(iterate) else self._step(iterate, kappa, are_fixed=bounds is not None)
             if step is None:
@@ -189,25 +193,29 @@ class CompliantPile:
         if not are_fixed:
             derivative[~closed] = 0.0
             derivative[:, 1:, 0] = np.where((closed & ~iterate.sticks)[:, None], self._friction * along, 0.0)
-        shape = (3 * self._corners, 3 * self._corners)
-        stiffness = csr_array((derivative.ravel(), (self._rows, self._columns)), shape=shape)
-        matrix = csc_array(self._masses / kappa + self._wrenches @ stiffness @ self._motions)
+        self._stiffness.data, self._inertia.data = derivative.ravel(), self._masses.data * (1.0 / kappa)
+        matrix = csc_array(self._inertia + self._wrenches @ self._stiffness @ self._motions)
         try:
             step: FloatArray = splu(matrix).solve(-iterate.imbalance)
         except RuntimeError:  # exactly singular
             return None
         return step if np.isfinite(step).all() else None
 
-    def _by_fixed_bounds(self, start: FloatArray, kappa: float) -> _Iterate:
+    def _by_whole_steps(self, first: _Iterate, kappa: float) -> _Iterate:
+        """Return the solution reached by whole steps from ``first``, or the last iterate without convergence."""
+        return self._newton(first, kappa, halvings=0)
+
+    def _by_fixed_bounds(self, first: _Iterate, kappa: float) -> _Iterate:
         """Return the solution reached by rounds of fixed friction bounds, or the last iterate without convergence."""
-        found = self._iterate(start, kappa)
+        found = first
         for _ in range(ROUNDS):
             bounds = self._friction * found.forces[:, 0]
-            held = self._newton(found.displacement, kappa, bounds).displacement
-            found = self._newton(held, kappa)
+            held = self._newton(self._iterate(found.displacement, kappa, bounds), kappa, bounds).displacement
+            renewed = self._iterate(held, kappa)
+            found = self._newton(renewed, kappa)
             if self._is_solved(found):
                 break
-            found = self._iterate(held, kappa)
+            found = renewed
         return found
 
 

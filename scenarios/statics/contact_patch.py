@@ -196,12 +196,16 @@ def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
     The method is Sutherland and Hodgman's. A segment counts as a polygon that runs forth and back, so the result
     may contain a corner twice, which does no harm.
     """
+    if (outside <= 0.0).all():
+        return polygon
+    corners, beyond = polygon.tolist(), outside.tolist()  # plain numbers, because NumPy is slow on a few corners
     kept = []
-    for here, there, d, e in zip(polygon, np.roll(polygon, -1, axis=0), outside, np.roll(outside, -1), strict=True):
+    for (x, y), (u, v), d, e in zip(corners, corners[1:] + corners[:1], beyond, beyond[1:] + beyond[:1], strict=True):
         if d <= 0:
-            kept.append(here)
+            kept.append((x, y))
         if d * e < 0:
-            kept.append(here + d / (d - e) * (there - here))
+            part = d / (d - e)
+            kept.append((x + part * (u - x), y + part * (v - y)))
     return np.array(kept).reshape(-1, 2)
 
 

@@ -77,8 +77,8 @@ def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bis
         length=float(np.mean([max(brick.size) for brick in bricks])),
     )
     gyration = Boxes.of(bricks).gyration
-    statics = judge(*pile, gyration=gyration)
     loading = load_from_zero(*pile, gyration=gyration)
+    statics = judge(*pile, gyration=gyration, loading=loading)
     if loading.verdict == "doubt":
         return Agreement("doubt", "", loading.why)
     if loading.verdict == "falls":

@@ -29,7 +29,7 @@ from scenarios.geometry import Boxes, FloatArray
 from scenarios.model import Brick, Place, Remove, Scene, World
 from scenarios.statics.contact_patch import GROUND, Patch, Ridge, contact_patches
 from scenarios.statics.force_balance import Statics, solve_balance
-from scenarios.statics.loading import load_from_zero
+from scenarios.statics.loading import Loading, load_from_zero
 
 LESS_FRICTION = 0.9
 """Share of the friction with which a pile that needs friction must stand as well, because of 709 kinds of tight
@@ -63,6 +63,20 @@ def equilibrium(
     return _judge(bricks, contact_patches(bricks, walls, ridge=ridge), world)
 
 
+def equilibrium_among(
+    present: Sequence[int], bricks: Sequence[Brick], patches: Sequence[Patch], world: World
+) -> Statics:
+    """Judge whether some bricks of a plan can rest without the others; see ``equilibrium``.
+
+    Args:
+        present: indices of the bricks that are there.
+        bricks: all bricks of the plan.
+        patches: contact patches of all bricks, from ``contact_patch.contact_patches``.
+        world: friction and gravity.
+    """
+    return _judge([bricks[index] for index in present], _among(present, patches), world)
+
+
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
     """Return the level at which a scene, built action by action, first has no equilibrium; None if it always stands.
 
@@ -92,7 +106,7 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 )
         if not present or (then is not None and then.time == action.time):
             continue
-        statics = _judge([scene.bricks[index] for index in present], _among(present, patches), scene.world)
+        statics = equilibrium_among(present, scene.bricks, patches, scene.world)
         if statics.verdict == "doubt":
             raise UndecidedError(
                 f"{scene.variant}: in doubt with {placed} bricks laid: {statics.why}; change the scene, or claim no "
@@ -111,6 +125,7 @@ def judge(
     length: float,
     *,
     gyration: FloatArray | None = None,
+    loading: Loading | None = None,
 ) -> Statics:
     """Judge whether bodies of any shape can rest, by their contacts; see ``equilibrium``.
 
@@ -121,11 +136,12 @@ def judge(
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the value of a ball.
+        loading: the result of ``load_from_zero`` for the same arguments, if the caller has it.
     """
     statics = solve_balance(centers, weights, patches, friction, length)
     if not (statics.verdict == "doubt" and statics.balanced):
         return statics
-    loading = load_from_zero(centers, weights, patches, friction, length, gyration=gyration)
+    loading = loading or load_from_zero(centers, weights, patches, friction, length, gyration=gyration)
     if loading.verdict != "stands":
         return replace(statics, by="loading", why=f"needs prestress: loaded from zero, {loading.why}")
     less = LESS_FRICTION * friction

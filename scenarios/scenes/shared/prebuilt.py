@@ -33,9 +33,9 @@ from scenarios.model import Action, Brick, Expectation, Place, Remove, Scene
 from scenarios.planks import GAP
 from scenarios.scenario import AT_ONCE, AT_ONCE_BELOW
 from scenarios.scenes.shared.pedestals import lifted, pedestals
-from scenarios.statics.contact_patch import GROUND, Patch, contact_patches
+from scenarios.statics.contact_patch import GROUND, Patch, Ridge, contact_patches
 from scenarios.statics.falling import fall_time
-from scenarios.statics.truth import equilibrium
+from scenarios.statics.truth import equilibrium_among
 
 STANDS_S = 3.0
 """Time [s] for which a prebuilt stack must stand: several times the fall time of any engine."""
@@ -45,6 +45,8 @@ frame later."""
 TALL = 3.0
 """Height of a support, over the least edge of the brick on it, above which its loss is visible: with one end on the
 ground, the brick's centre has then sunk by more than half of that edge."""
+RIDGES: tuple[Ridge, ...] = ("bisector", "face")
+"""Conventions of the normal of a ridge; a brick is removed only if the rest falls under both."""
 _UPWARD = 0.1
 """Vertical component of the normal above which a contact bears load."""
 
@@ -170,12 +172,13 @@ def _robbed(scene: Scene) -> Scene:
 def _load_bearing(scene: Scene) -> int | None:
     """Return the first brick, level by level, without which the rest falls visibly; None if no brick qualifies."""
     gone = _removed(scene)
-    patches = contact_patches(scene.bricks, scene.world.fixed)
+    bisector, face = (contact_patches(scene.bricks, scene.world.fixed, ridge=ridge) for ridge in RIDGES)
+    conventions = [bisector] if _are_equal(bisector, face) else [bisector, face]
     heights = 2 * Boxes.of(scene.bricks).reach[:, 2]
     order = sorted(set(range(len(scene.bricks))) - gone, key=lambda index: scene.bricks[index].level)
     for index in order:
-        borne = _seen_without(index, gone, scene.bricks, patches, heights[index])
-        if borne and _falls(scene, {*gone, index}, borne):
+        borne = _seen_without(index, gone, scene.bricks, bisector, heights[index])
+        if borne and all(_falls(scene, {*gone, index}, borne, patches) for patches in conventions):
             return index
     return None
 
@@ -195,15 +198,17 @@ def _seen_without(
     )
 
 
-def _falls(scene: Scene, gone: set[int], borne: Sequence[int]) -> bool:
-    """Return whether a brick of ``borne`` moves without the bricks ``gone``, under both ridge conventions."""
+def _are_equal(first: Sequence[Patch], second: Sequence[Patch]) -> bool:
+    """Return whether both ridge conventions give the same normals, as in a scene without ridges."""
+    return all((one.normal == other.normal).all() for one, other in zip(first, second, strict=True))
+
+
+def _falls(scene: Scene, gone: set[int], borne: Sequence[int], patches: Sequence[Patch]) -> bool:
+    """Return whether a brick of ``borne`` moves without the bricks ``gone``."""
     kept = [index for index in range(len(scene.bricks)) if index not in gone]
-    for ridge in ("bisector", "face"):
-        statics = equilibrium(_without(scene, gone), scene.world, ridge=ridge)
-        speed = np.abs(statics.mechanism).max(axis=1)
-        if statics.verdict != "unstable" or not (speed[[kept.index(brick) for brick in borne]] > 0.0).any():
-            return False
-    return True
+    statics = equilibrium_among(kept, scene.bricks, patches, scene.world)
+    speed = np.abs(statics.mechanism).max(axis=1)
+    return statics.verdict == "unstable" and bool((speed[[kept.index(brick) for brick in borne]] > 0.0).any())
 
 
 def _without(scene: Scene, gone: set[int]) -> list[Brick]:
