@@ -25,6 +25,11 @@ class EngineEntry(Protocol):
         """The fix if the engine cannot be loaded."""
         ...
 
+    @property
+    def is_optional(self) -> bool:
+        """True for an engine without which the suite's studies run on the other engines."""
+        ...
+
     def version(self) -> str:
         """Return the engine's version."""
         ...
@@ -42,6 +47,7 @@ class Entry:
     simulation: str
     package: str
     """The Python distribution that contains the engine. Records state its version as the engine's version."""
+    is_optional: bool = False
 
     @property
     def remedy(self) -> str:
@@ -76,6 +82,7 @@ class WasmEntry:
     simulation: str
     package: str
     """The npm package that contains the engine. Records state its version as the engine's version."""
+    is_optional: bool = True
 
     @property
     def remedy(self) -> str:
@@ -104,6 +111,7 @@ class LibraryEntry:
     """Module that loads the library and defines ``VERSION``."""
     group: str
     """Dependency group that contains one source of the library."""
+    is_optional: bool = True
 
     @property
     def remedy(self) -> str:

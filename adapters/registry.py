@@ -62,9 +62,9 @@ def profile_named(engine: str, name: str) -> Profile:
     Raises:
         UnknownNameError: if no engine, or no profile of the engine, has this name.
         ProfileError: if a variation is invalid.
-        EngineNotInstalledError: if the engine's package is not installed.
+        EngineNotInstalledError: if the engine's adapter cannot be loaded, because its package is not installed.
     """
-    return profile_of(_installed(engine), name)
+    return profile_of(_load(engine), name)
 
 
 def open_engine(

@@ -58,6 +58,7 @@ class ExternalEntry:
     timeout_s: float = SILENCE_S
     source: str = "--bridge"
     """File and table of the entry, for error messages."""
+    is_optional: bool = False
 
     @property
     def module(self) -> str:

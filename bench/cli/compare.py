@@ -17,7 +17,8 @@ from bench.compare.comparison import compare_runs
 from bench.compare.findings import GATES, chosen_gates
 from bench.compare.interleave import run_interleaved
 from bench.execution.results import check_folder
-from bench.studies.schema import load_study
+from bench.studies.schema import load_study, study_names
+from bench.studies.selection import default_part
 from reports.records.atomic import write_atomic
 
 
@@ -53,7 +54,7 @@ def compare(
     with input_errors():
         gates = chosen_gates(fail_on)
         if run_both:
-            plan = load_study(study)
+            plan = default_part(load_study(study)) if study in study_names() else load_study(study)
             folder = out or RESULTS / f"compare-{datetime.now(UTC):%Y%m%d-%H%M%S}"
             check_folder(folder)
             versions = prepare(base, base_with or (), ERR), prepare(head, head_with or (), ERR)

@@ -9,6 +9,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+from adapters import check_installed
 from bench.cli.console import ERR, RESULTS, input_errors, note, read_folder, relative
 from bench.cli.report import make_report, show
 from bench.execution.errors import ClusterError
@@ -20,8 +21,8 @@ from bench.machine.calibration import speed_now
 from bench.machine.environment import describe
 from bench.machine.source_digest import PUBLISHED
 from bench.studies.plan import Trial, later_trials, plan_trials, waiting_trials
-from bench.studies.schema import Study, load_study
-from bench.studies.selection import Selection, selected
+from bench.studies.schema import Study, load_study, study_names
+from bench.studies.selection import Selection, installed_part, selected
 from bench.trial.run_trial import Outcome
 from reports.records.folder import PARQUET, TRIALS
 
@@ -71,6 +72,13 @@ def run(
                 "--jobs applies to this machine only: with --dask leave it out, and start each worker with --nthreads"
             )
         chosen = selected(load_study(study), wanted)
+        if study in study_names() and not engine:
+            chosen, missing = installed_part(chosen)
+            for reason in missing:
+                note(f"left out: {reason}")
+        else:
+            for name in chosen.engines:
+                check_installed(name)
         folder = out or RESULTS / f"{chosen.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
         check_folder(folder)
         if dry_run:

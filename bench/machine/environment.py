@@ -60,8 +60,17 @@ def describe_engine(name: str) -> dict[str, Any]:
     return {
         "version": engine_version(name),
         "capabilities": asdict(shown),
-        "profiles": {key: _profile(profile) for key, profile in profiles(name).items()},
+        "profiles": described_profiles(name),
     }
+
+
+def described_profiles(name: str) -> dict[str, dict[str, Any]]:
+    """Return the description of each profile of an engine, by name.
+
+    Raises:
+        EngineNotInstalledError: if the engine's adapter cannot be loaded, because its package is missing.
+    """
+    return {key: _profile(profile) for key, profile in profiles(name).items()}
 
 
 def session() -> dict[str, Any]:

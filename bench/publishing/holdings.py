@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from bench.machine.environment import describe_engine
+from bench.machine.environment import described_profiles
 from bench.publishing.catalogue import Publication
 from bench.studies.plan import plan_trials
 from reports.records.folder import ResultsFolder, published_rows
@@ -55,7 +55,7 @@ def _counted(count: int, noun: str) -> str:
 def _has_changed(engines: Mapping[str, Any], engine: str, profile: str) -> bool:
     """Return whether the settings of a profile differ from those recorded in the environment of the run."""
     then = engines.get(engine, {}).get("profiles", {}).get(profile)
-    now = describe_engine(engine)["profiles"].get(profile)
+    now = described_profiles(engine).get(profile)
     return then is not None and (now is None or _settings(then) != _settings(now))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from adapters import ENGINES
+from adapters import ENGINES, EngineNotInstalledError, check_installed
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Study, check_study
 from scenarios.lookup import look_up
@@ -64,6 +64,37 @@ def selected(study: Study, selection: Selection) -> Study:
     if selection.hours is not None:
         content |= _watched_for(study, _HOUR_S * selection.hours)
     return check_study(content | {field: value for field, value in named.items() if value}, f"study '{study.name}'")
+
+
+def installed_part(study: Study) -> tuple[Study, list[str]]:
+    """Return a study of the suite without the optional engines that are not installed, and a reason for each of them.
+
+    An engine is optional if it is in a dependency group that ``uv sync`` does not install by default.
+
+    Raises:
+        EngineNotInstalledError: if an engine is missing that is not optional, or all engines are missing.
+    """
+    missing: dict[str, EngineNotInstalledError] = {}
+    for engine in study.engines:
+        try:
+            check_installed(engine)
+        except EngineNotInstalledError as error:
+            if not ENGINES[engine].is_optional:
+                raise
+            missing[engine] = error
+    if not missing:
+        return study, []
+    engines = [engine for engine in study.engines if engine not in missing]
+    if not engines:
+        raise next(iter(missing.values()))
+    content = study.model_dump() | {"engines": engines}
+    return check_study(content, f"study '{study.name}'"), [str(error) for error in missing.values()]
+
+
+def default_part(study: Study) -> Study:
+    """Return a study of the suite without the optional engines; raise ``StudyError`` if no other engine is left."""
+    content = study.model_dump() | {"engines": [name for name in study.engines if not ENGINES[name].is_optional]}
+    return check_study(content, f"study '{study.name}' without optional engines")
 
 
 def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
