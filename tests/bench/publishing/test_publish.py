@@ -129,9 +129,9 @@ def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
 
 def test_another_study_and_an_unknown_name_are_refused(run, tmp_path) -> None:
     with pytest.raises(
-        PublishError, match="contains another study than 'ratio': run uv run -m bench run ratio --engine physx"
+        PublishError, match="contains another study than 'paper': run uv run -m bench run paper --engine physx"
     ):
-        publish("ratio", run, tmp_path / "docs")
+        publish("claims", run, tmp_path / "docs")
     with pytest.raises(UnknownNameError, match="did you mean 'paper'"):
         publish("papper", run, tmp_path / "docs")
 
