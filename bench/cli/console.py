@@ -23,6 +23,7 @@ from bench.studies.schema import StudyError
 from reports.records.folder import ResultsFolder
 from reports.records.recording import RecordingError
 from reports.records.trial import RecordError, RecordWarning, TrialRecord
+from reports.replays.errors import ExportError
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
@@ -57,6 +58,7 @@ def input_errors() -> Iterator[None]:
         BaselineError,
         CheckoutError,
         NothingInCommonError,
+        ExportError,
         OSError,
     ) as error:
         ERR.print(f"error: {error}", markup=False, highlight=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""``bench replay``: show a trial in the browser, or export it as glTF."""
+"""``bench replay``: show a trial in the browser, draw it as a picture or video, or export it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,22 @@ from typing import Annotated
 
 import typer
 
-from bench.cli.console import input_errors, note, read_folder, relative
+from bench.cli.console import ERR, input_errors, note, read_folder, relative
 from reports.records.atomic import write_atomic
 from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord
+from reports.replays.camera import parse_camera
 from reports.replays.gltf import to_glb
+from reports.replays.pictures import Film, parse_size, write_still, write_video
 from reports.replays.replay import Replayed
+from reports.replays.rerun_export import write_rerun
 from reports.replays.stacks import read_stack, stack_of, write_stack_replay
 from scenarios.lookup import look_up
+
+_CAMERA_HELP = (
+    "For pictures and videos: corner, front, side or top, and azimuth, elevation [deg] and distance [m], as in "
+    "'front,elevation=20,distance=0.5'."
+)
 
 
 def replay(
@@ -26,14 +34,59 @@ def replay(
     gltf: Annotated[
         Path | None, typer.Option(metavar="FILE.glb", help="Write the trial as animated glTF instead of a replay.")
     ] = None,
+    rrd: Annotated[
+        Path | None, typer.Option(metavar="FILE.rrd", help="Write a file for Rerun's viewer instead of a replay.")
+    ] = None,
+    video: Annotated[
+        Path | None, typer.Option(metavar="FILE.mp4|FILE.gif", help="Write a video instead of a replay.")
+    ] = None,
+    still: Annotated[
+        str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Write a picture of this size instead of a replay.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE.png", help="File of the picture [TRIAL.png].")
+    ] = None,
+    at: Annotated[float | None, typer.Option(help="Time [s] of the picture [the end].")] = None,
+    camera: Annotated[str, typer.Option(help=_CAMERA_HELP)] = "corner",
+    beside: Annotated[
+        list[str] | None,
+        typer.Option(help="Policy whose trial of the same stack is drawn beside; may be repeated [none, if recorded]."),
+    ] = None,
+    alone: Annotated[bool, typer.Option("--alone", help="Only this trial in pictures, videos and .rrd.")] = False,
+    size: Annotated[
+        str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Size of the video [1280x720; GIF 640x360].")
+    ] = None,
+    fps: Annotated[int, typer.Option(help="Frames per second of the video.")] = 25,
+    speed: Annotated[float, typer.Option(help="Simulated seconds per second of the video.")] = 1.0,
 ) -> None:
-    """Show a trial in the browser, side by side with the other policies on the same stack."""
+    """Show a trial in the browser, side by side with the other policies on the same stack, or write it to a file."""
     with input_errors():
+        records = read_folder(folder)
         if gltf is not None:
-            export_gltf(folder, read_folder(folder), trial, gltf)
+            export_gltf(folder, records, trial, gltf)
             note(f"the animation is {relative(gltf)}")
+        if (rrd, video, still) == (None, None, None):
+            if gltf is None:
+                _show(replay_trial(folder, records, trial), show)
             return
-        page = replay_trial(folder, read_folder(folder), trial)
+        seen_from = parse_camera(camera)
+        shown = side_by_side(folder, records, trial, () if alone else beside)
+        if rrd is not None:
+            write_rerun(rrd, shown)
+            note(f"the file for Rerun is {relative(rrd)}; to open it: uv run --group rerun rerun {relative(rrd)}")
+        if still is not None:
+            picture = output or Path(f"{trial}.png")
+            write_still(picture, shown, parse_size(still), at=at, camera=seen_from)
+            note(f"the picture is {relative(picture)}")
+        if video is not None:
+            pixels = parse_size(size or ("640x360" if video.suffix.lower() == ".gif" else "1280x720"))
+            with ERR.status("drawing") as status:
+                film = Film(pixels, fps, speed, seen_from)
+                write_video(video, shown, film, lambda done, count: status.update(f"drawing frame {done} of {count}"))
+            note(f"the video is {relative(video)}")
+
+
+def _show(page: Path, show: bool) -> None:
     note(f"the replay is {relative(page)}")
     if show and not webbrowser.open(page.resolve().as_uri()):
         note("no browser could be opened: open that file in a browser yourself")
@@ -46,10 +99,41 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Pa
         UnknownNameError: if there is no such trial.
         RecordingError: if the trial was not recorded, or its recording is incomplete.
     """
-    wanted = look_up("trial", trial, {record.trial: record for record in records})
+    wanted, others = _stack(records, trial)
     shown = Replayed(wanted, ResultsFolder(folder).recording(wanted.trial))
-    others = [record for record in records if stack_of(record) == stack_of(wanted) and record.trial != wanted.trial]
     return write_stack_replay(folder, [shown, *read_stack(folder, others)])
+
+
+def side_by_side(
+    folder: Path, records: Sequence[TrialRecord], trial: str, beside: Sequence[str] | None
+) -> list[Replayed]:
+    """Return a trial and the trials of the same stack to draw on its left, with their recordings.
+
+    Args:
+        folder: a results folder.
+        records: its records.
+        trial: id of the trial.
+        beside: policies of the trials to draw beside it; None for the engine alone, if that trial was recorded.
+
+    Raises:
+        UnknownNameError: if there is no such trial, or no trial of the same stack under a policy of ``beside``.
+        RecordingError: if a trial was not recorded, or its recording is incomplete.
+    """
+    wanted, others = _stack(records, trial)
+    by_policy = {record.policy: record for record in others}
+    if beside is None:
+        left = read_stack(folder, [by_policy["none"]] if "none" in by_policy else [])
+    else:
+        found = [look_up("policy of a recorded trial of this stack", policy, by_policy) for policy in beside]
+        left = [Replayed(record, ResultsFolder(folder).recording(record.trial)) for record in found]
+    return [*left, Replayed(wanted, ResultsFolder(folder).recording(wanted.trial))]
+
+
+def _stack(records: Sequence[TrialRecord], trial: str) -> tuple[TrialRecord, list[TrialRecord]]:
+    """Return a trial, and the other trials of the same stack."""
+    wanted = look_up("trial", trial, {record.trial: record for record in records})
+    others = [record for record in records if stack_of(record) == stack_of(wanted) and record.trial != wanted.trial]
+    return wanted, others
 
 
 def export_gltf(folder: Path, records: Sequence[TrialRecord], trial: str, to: Path) -> None:

@@ -25,7 +25,10 @@ from bench.studies.schema import Study, load_study, study_names
 from bench.studies.selection import Selection, installed_part, selected
 from bench.trial.run_trial import Outcome
 from reports.records.folder import PARQUET, TRIALS
+from reports.replays.live_view import open_viewer, require_rerun
 
+_VIEWER_PORT = 9876
+"""Port of the viewer, Rerun's usual one: a viewer that is already open there is used."""
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
 """Type of a function that runs trials until all are done or an interruption is set, and yields their outcomes."""
 
@@ -62,6 +65,13 @@ def run(
     accept_changes: Annotated[
         bool, typer.Option("--accept-changes", help="Continue in a folder although study, commit or machine changed.")
     ] = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Show the running trials in Rerun's viewer, which disturbs the timings.")
+    ] = False,
+    watch_at: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Show them in the open viewer at rerun+http://HOST:PORT/proxy."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines instead of tables.")] = False,
 ) -> None:
     """Run a study, or continue an interrupted run, and print the outcomes."""
@@ -71,6 +81,8 @@ def run(
             raise ClusterError(
                 "--jobs applies to this machine only: with --dask leave it out, and start each worker with --nthreads"
             )
+        if dask is not None and (watch or watch_at):
+            raise ClusterError("--watch applies to trials on this machine only: leave it out, or leave out --dask")
         chosen = selected(load_study(study), wanted)
         if study in study_names() and not engine:
             chosen, missing = installed_part(chosen)
@@ -84,12 +96,13 @@ def run(
         if dry_run:
             _show_plan(chosen, folder, fresh, jobs)
             return
+        viewer = _viewer(watch, watch_at)
         environment = describe(chosen.engines)
         results = Results(folder, chosen, environment, fresh=fresh, accept_changes=accept_changes)
 
         def outcomes(waiting: Sequence[Trial], interruption: Interruption) -> Iterator[Outcome]:
             if dask is None:
-                return outcomes_here(chosen, waiting, environment, jobs, interruption, ERR)
+                return outcomes_here(chosen, waiting, environment, jobs, interruption, ERR, viewer=viewer)
             return outcomes_on_cluster(chosen, waiting, environment, dask, interruption, ERR, results.know)
 
         _run(chosen, results, outcomes, as_json)
@@ -97,6 +110,14 @@ def run(
     note(f"{len(results.finished)} trials are kept in {relative(folder)}")
     if not as_json:
         show(report)
+
+
+def _viewer(opens: bool, address: str | None) -> str | None:
+    """Return the address of the viewer of Rerun, opened if necessary; None without a viewer."""
+    if address is not None:
+        require_rerun()
+        return address
+    return open_viewer(_VIEWER_PORT) if opens else None
 
 
 def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:

@@ -25,8 +25,13 @@ def outcomes_here(
     jobs: int,
     interruption: Interruption,
     console: Console,
+    *,
+    viewer: str | None = None,
 ) -> Iterator[Outcome]:
-    """Yield the outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all running trials."""
+    """Yield the outcomes of ``trials`` as they finish, ``jobs`` at a time; an interruption ends all running trials.
+
+    A viewer of Rerun at the address ``viewer``, if any, shows the running trials.
+    """
     core_policies = _core_policies(study)
     try:
         start_server(study.engines, core_policies, reads_contacts=study.limits.forces)
@@ -35,7 +40,9 @@ def outcomes_here(
         with interruption.at_once():
             await_server()
         with show_progress(trials, console) as progress:
-            yield from run_trials(trials, study.limits, digest(environment), jobs, progress, interruption.is_set)
+            yield from run_trials(
+                trials, study.limits, digest(environment), jobs, progress, interruption.is_set, viewer=viewer
+            )
     except KeyboardInterrupt:  # raised only while the server starts; the check below handles it
         pass
     if interruption.is_set():

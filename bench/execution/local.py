@@ -46,6 +46,8 @@ def run_trials(
     jobs: int,
     observer: Observer,
     stopped: Callable[[], bool] = lambda: False,
+    *,
+    viewer: str | None = None,
 ) -> Iterator[Outcome]:
     """Yield outcomes in the order in which trials finish; end the running trials when the caller stops.
 
@@ -56,6 +58,7 @@ def run_trials(
         jobs: number of concurrent trials; more than 1 disturbs the timings.
         observer: object that receives the progress.
         stopped: function that returns True to end the run early, without outcomes of the running trials.
+        viewer: address of the viewer of Rerun that shows the trials; None without a viewer.
     """
     waiting = deque(trials)
     running: list[IsolatedTrial] = []
@@ -64,7 +67,7 @@ def run_trials(
         try:
             while waiting or running:
                 while waiting and len(running) < jobs:
-                    one = IsolatedTrial(waiting.popleft(), limits, environment, free.pop(), Path(folder))
+                    one = IsolatedTrial(waiting.popleft(), limits, environment, free.pop(), Path(folder), viewer)
                     running.append(one)
                     observer.started(one.trial)
                 done = wait([one.future for one in running], _POLL_S, FIRST_COMPLETED).done

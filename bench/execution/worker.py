@@ -32,6 +32,7 @@ from bench.trial.playback import Progress
 from bench.trial.run_trial import Outcome, bare_record, run_trial
 from reports.records.plain_text import plain_text
 from reports.records.trial import Status
+from reports.replays.live_view import live_view
 
 GRACE_S = 60.0
 """Time after the limit on wall time [s] at which the harness ends the process of a trial whose engine hangs."""
@@ -50,7 +51,15 @@ _HUNG = "the engine hung and was stopped; its progress is unknown"
 class IsolatedTrial:
     """A trial that runs in its own process."""
 
-    def __init__(self, trial: Trial, limits: Limits, environment: str, core: int | None, folder: Path) -> None:
+    def __init__(
+        self,
+        trial: Trial,
+        limits: Limits,
+        environment: str,
+        core: int | None,
+        folder: Path,
+        viewer: str | None = None,
+    ) -> None:
         """Start the process.
 
         Args:
@@ -59,6 +68,7 @@ class IsolatedTrial:
             environment: digest of the environment, for the record.
             core: the processor core to run on; None lets the system choose.
             folder: folder for the temporary log file of the process.
+            viewer: address of the viewer of Rerun that shows the trial; None without a viewer.
         """
         self.trial = trial
         self.core = core
@@ -71,7 +81,7 @@ class IsolatedTrial:
         self._excess_mib: float | None = None
         self._begun = monotonic()
         launch = in_process(_run_in_child, limits.trial_wall_s + GRACE_S)
-        self.future: ProcessFuture[Outcome] = launch(trial, limits, environment, core, writer, self._log)
+        self.future: ProcessFuture[Outcome] = launch(trial, limits, environment, core, writer, self._log, viewer)
         writer.close()
         threading.Thread(target=self._attend, daemon=True).start()
 
@@ -159,7 +169,13 @@ class IsolatedTrial:
 
 
 def _run_in_child(
-    trial: Trial, limits: Limits, environment: str, core: int | None, writer: Connection, log: Path
+    trial: Trial,
+    limits: Limits,
+    environment: str,
+    core: int | None,
+    writer: Connection,
+    log: Path,
+    viewer: str | None,
 ) -> Outcome:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     signal.alarm(math.ceil(limits.trial_wall_s + GRACE_S) + 1)  # a hung engine may block the thread above
@@ -176,7 +192,10 @@ def _run_in_child(
             last = now
             writer.send(progress)
 
-    return run_trial(trial, limits, environment, report)
+    if viewer is None:
+        return run_trial(trial, limits, environment, report)
+    with live_view(trial.id, trial.policy, trial.planned_scene().world.fixed, viewer) as view:
+        return run_trial(trial, limits, environment, report, on_frame=view.see)
 
 
 def _end_with_parent() -> None:

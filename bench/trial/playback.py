@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from time import perf_counter
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from adapters.base import Simulation
 from bench.machine.instructions import process_counter
@@ -30,6 +32,10 @@ SEATING_S = 1.0
 because every other brick also has a second before the next brick."""
 CREEP_SHARE = 0.5
 """Share of the watch that the measurement of creep leaves out, because the stack still settles."""
+OnFrame: TypeAlias = Callable[
+    [float, npt.NDArray[np.int64], FloatArray, FloatArray, Collection[int], Mapping[int, Brick]], None
+]
+"""Type of a function that receives the time [s], the bodies, their poses, the frozen bodies and the bricks by body."""
 _ROUNDING_S = 1e-9
 """Bound of the rounding error of frame times, which are sums [s]."""
 
@@ -72,6 +78,7 @@ class Playback:
         on_progress: Callable[[Progress], None],
         *,
         audits_forces: bool = False,
+        on_frame: OnFrame | None = None,
     ) -> None:
         """Prepare to play ``scene`` in an empty ``simulation``.
 
@@ -83,6 +90,7 @@ class Playback:
             on_progress: function that receives the progress after every frame.
             audits_forces: True to audit contact forces during the watch of the finished stack, if the engine is alone;
                 with the core there is no audit, because engines report no force on a frozen brick.
+            on_frame: function that receives the poses after every frame, outside the timed part.
         """
         self._scene = scene
         self._simulation = simulation
@@ -92,6 +100,7 @@ class Playback:
         )
         self._wall_limit_s = wall_limit_s
         self._on_progress = on_progress
+        self._on_frame = on_frame
         self._last_action_s = scene.done_s
         self._seated_s = self._last_action_s + SEATING_S * scene.pace
         self._hash = blake2b(digest_size=16)
@@ -176,6 +185,8 @@ class Playback:
         self._hash.update(np.ascontiguousarray(quaternion, np.float64).tobytes())
         position, quaternion = position.copy(), quaternion.copy()  # an engine may return views of its memory
         self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
+        if self._on_frame is not None:
+            self._on_frame(now, bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
         builder = self.builder
         self.monitor.see(now, builder.plan, position, quaternion, builder.placed)
         if self.onset is not None:

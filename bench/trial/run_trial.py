@@ -23,7 +23,7 @@ from bench.studies.schema import Limits
 from bench.trial.awake_baseline import HIGHEST_LEVEL, time_baseline
 from bench.trial.judging import verdict
 from bench.trial.pile_monitor import PileMonitor
-from bench.trial.playback import Playback, Progress
+from bench.trial.playback import OnFrame, Playback, Progress
 from reports.records.creep import creep_limit_m_s, is_creeping
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
 from reports.records.recording import Recording
@@ -57,7 +57,14 @@ class Outcome:
     """Recorded poses; None if the engine was never opened."""
 
 
-def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Callable[[Progress], None]) -> Outcome:
+def run_trial(
+    trial: Trial,
+    limits: Limits,
+    environment: str,
+    on_progress: Callable[[Progress], None],
+    *,
+    on_frame: OnFrame | None = None,
+) -> Outcome:
     """Run one trial in this process. A failure of the engine gives an outcome, never an exception.
 
     Args:
@@ -65,6 +72,7 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
         limits: limits of the trial.
         environment: digest of the environment, for the record.
         on_progress: function that receives the progress after every frame.
+        on_frame: function that receives the poses after every frame.
     """
     try:
         scene = trial.build_scene()
@@ -86,7 +94,13 @@ def run_trial(trial: Trial, limits: Limits, environment: str, on_progress: Calla
         )
         info = simulation.info
         playback = Playback(
-            scene, simulation, policy.core, limits.trial_wall_s, on_progress, audits_forces=limits.forces
+            scene,
+            simulation,
+            policy.core,
+            limits.trial_wall_s,
+            on_progress,
+            audits_forces=limits.forces,
+            on_frame=on_frame,
         )
         before = calibrate()
         with _undisturbed():

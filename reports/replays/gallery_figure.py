@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from reports.records.folder import still_of
-from reports.replays.stills import COLOURS
+from reports.replays.drawing import COLOURS
 from reports.statistics.groups import Group, GroupKey, ordered_policies
 from reports.tables.outcomes import outcome
 

@@ -1,14 +1,15 @@
-"""Draw bricks off screen with PyVista: ``python -m reports.replays.rendering JOBS`` draws the jobs in the file JOBS.
+"""Draw bricks off screen with PyVista: ``python -m reports.replays.rendering ORDER`` draws the views in a file.
 
-``reports.replays.stills`` starts this module as a separate process, because VTK ends its process if the machine has no
-renderer.
+``reports.replays.renderer`` starts this module as a separate process, because VTK ends its process if the machine has
+no renderer.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,13 @@ import pyvista as pv
 from PIL import Image, ImageDraw, ImageFilter
 
 FloatArray = npt.NDArray[np.float64]
+ByteArray = npt.NDArray[np.uint8]
 
 _CORNERS = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
 _FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
 """Corners of the unit cube, shape (8, 3), and its faces as indices of corners, counterclockwise seen from outside."""
-_TURN, _LIFT, _VIEW_ANGLE = -1.2, 0.3, 30.0
-"""Azimuth and elevation of the camera [rad], as in a replay, and its view angle [deg]."""
+_VIEW_ANGLE, _ROOM = 30.0, 1.1
+"""Vertical view angle of the camera [deg], and factor on the least distance that shows the visible space."""
 _OVERSAMPLING = 2
 """Factor by which a picture is drawn larger before it is reduced, so that edges are smooth with any renderer."""
 _TO_SUN = np.array([-0.5, -0.9, 1.6])
@@ -31,37 +33,101 @@ _TO_SUN = np.array([-0.5, -0.9, 1.6])
 _SUNS, _SUN_RADIUS = 8, 0.12
 """Number of points on the disc of the sun, and radius of the disc for a distance of 1. The average of the shadows of
 these points has soft edges; PyVista's own shadows are hard and grey."""
-_DARKEST, _SHADOW_PIXELS, _BLUR_PIXELS = 110, 320, 1.5
-"""Opacity of the full shadow (0 to 255), edge of its picture [pixels] and radius of its blur [pixels]."""
+_DARKEST, _BLUR = 110, 1 / 210
+"""Opacity of the full shadow (0 to 255), and radius of its blur as a share of the edge of its picture."""
+_SHADOW_SHARE, _LEAST_SHADOW, _MOST_SHADOW = 1.5, 320, 2048
+"""Edge of the picture of the shadow, as a factor on the longer edge of the whole picture, and its limits [pixels]."""
 _EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "line_width": 1.5}
 
 
-def render(jobs: Sequence[Mapping[str, Any]], pixels: int) -> None:
-    """Draw a picture for each job, with a transparent background.
+class _Stage:
+    """A view of bricks on the ground, drawn for one set of poses after another."""
+
+    def __init__(self, view: Mapping[str, Any]) -> None:
+        """Set up the camera and the lights of a view; see ``reports.replays.renderer.View``."""
+        self._size = [_OVERSAMPLING * edge for edge in view["pixels"]]
+        self._plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
+        self._plotter.set_background("black")  # visible through the half-transparent shadow
+        edge = round(_SHADOW_SHARE * max(view["pixels"]))
+        self._shadow_pixels = min(max(edge, _LEAST_SHADOW), _MOST_SHADOW)
+        self._low, self._high = np.array(view["low"]), np.array(view["high"])
+        self._look(*view["camera"])
+
+    def draw(self, corners: FloatArray, colours: ByteArray) -> Image.Image:
+        """Return the picture of bricks with a transparent background.
+
+        Args:
+            corners: corners of the bricks [m], shape (n, 8, 3), world frame.
+            colours: red, green and blue of each brick, from 0 to 255, shape (n, 3).
+        """
+        plotter = self._plotter
+        plotter.clear_actors()
+        if len(corners):
+            mesh = _mesh(corners, colours)
+            plotter.add_mesh(mesh, scalars="colour", rgb=True, ambient=0.35, render=False, reset_camera=False, **_EDGES)
+            plane, shadow = _ground(corners, self._low, self._high, self._shadow_pixels)
+            plotter.add_mesh(plane, texture=shadow, lighting=False, render=False, reset_camera=False)
+        plotter.renderer.reset_camera_clipping_range()
+        plotter.render_window.Render()
+        shown = Image.fromarray(plotter.screenshot(return_img=True, transparent_background=True))
+        return shown.reduce(_OVERSAMPLING)
+
+    def close(self) -> None:
+        """Let go of the window."""
+        self._plotter.close()
+
+    def _look(self, azimuth: float, elevation: float, distance: float | None) -> None:
+        """Point the camera at the centre of the visible space.
+
+        Args:
+            azimuth: direction from the centre to the camera [deg].
+            elevation: angle of that direction above the horizontal [deg].
+            distance: distance from the centre [m]; None to show the whole visible space.
+        """
+        turn, lift = np.radians([azimuth, elevation])
+        target, half = (self._low + self._high) / 2, (self._high - self._low) / 2
+        towards = np.array([np.cos(turn) * np.cos(lift), np.sin(turn) * np.cos(lift), np.sin(lift)])
+        up = np.array([-np.cos(turn) * np.sin(lift), -np.sin(turn) * np.sin(lift), np.cos(lift)])
+        if distance is None:
+            near, rise = 2 * _CORNERS * half @ towards, np.abs(2 * _CORNERS * half @ up)
+            aside = np.abs(2 * _CORNERS * half @ np.cross(up, towards)) * self._size[1] / self._size[0]
+            distance = _ROOM * float((near + np.maximum(rise, aside) / np.tan(np.radians(_VIEW_ANGLE / 2))).max())
+        eye, radius = target + distance * towards, float(np.linalg.norm(half))
+        self._plotter.camera_position = [tuple(eye), tuple(target), tuple(up)]
+        self._plotter.camera.view_angle = _VIEW_ANGLE
+        for place, intensity in ((target + 9 * radius * _TO_SUN, 0.75), (eye, 0.3)):
+            self._plotter.add_light(pv.Light(position=tuple(place), focal_point=tuple(target), intensity=intensity))
+
+
+def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
+    """Yield the pictures of a view, one for each frame; equal frames are drawn once.
 
     Args:
-        jobs: jobs with the path of the picture ``path``, the ``bricks`` (size [m], position [m], quaternion (w, x, y,
-            z), colour) and the corners ``low`` and ``high`` of the visible space [m].
-        pixels: edge length of the square pictures.
+        view: fields of ``reports.replays.renderer.View``, with the path ``poses`` of the file of its arrays.
     """
-    for job in jobs:
-        plotter = pv.Plotter(off_screen=True, window_size=[_OVERSAMPLING * pixels] * 2, lighting="none")
-        plotter.set_background("black")  # visible through the half-transparent shadow
-        low, high = np.array(job["low"]), np.array(job["high"])
-        corners = np.array([_corners(brick) for brick in job["bricks"]]).reshape(-1, 8, 3)
-        if len(corners):
-            plotter.add_mesh(_mesh(corners, job["bricks"]), scalars="colour", rgb=True, ambient=0.35, **_EDGES)
-            plane, shadow = _ground(corners, low, high)
-            plotter.add_mesh(plane, texture=shadow, lighting=False)
-        _look(plotter, low, high)
-        shown = Image.fromarray(plotter.screenshot(return_img=True, transparent_background=True))
-        plotter.close()
-        shown.reduce(_OVERSAMPLING).save(job["path"], optimize=True)
+    with np.load(view["poses"]) as poses:
+        sizes, positions, quaternions, colours, shown = (
+            poses[name] for name in ("sizes", "position", "quaternion", "colour", "shown")
+        )
+    stage, picture, before = _Stage(view), None, b""
+    for position, quaternion, colour, is_shown in zip(positions, quaternions, colours, shown, strict=True):
+        corners = _corners(sizes[is_shown], position[is_shown], quaternion[is_shown])
+        now = corners.tobytes() + colour[is_shown].tobytes()
+        if picture is None or now != before:
+            picture, before = stage.draw(corners, colour[is_shown]), now
+        yield picture
+    stage.close()
 
 
-def _corners(brick: Mapping[str, Any]) -> FloatArray:
-    """Return the corners of a brick [m], shape (8, 3), world frame."""
-    w, x, y, z = np.array(brick["quaternion"]) / np.linalg.norm(brick["quaternion"])
+def _corners(sizes: FloatArray, positions: FloatArray, quaternions: FloatArray) -> FloatArray:
+    """Return the corners of bricks [m], shape (n, 8, 3), world frame.
+
+    Args:
+        sizes: edge lengths [m], shape (n, 3).
+        positions: centres [m], shape (n, 3), world frame.
+        quaternions: orientations (w, x, y, z), shape (n, 4), world frame, of any length.
+    """
+    w, x, y, z = quaternions.T / np.linalg.norm(quaternions, axis=1)
     turn = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -69,73 +135,76 @@ def _corners(brick: Mapping[str, Any]) -> FloatArray:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
-    corners: FloatArray = (_CORNERS * brick["size"]) @ turn.T + brick["position"]
+    corners: FloatArray = np.einsum("ijn,nkj->nki", turn, _CORNERS * sizes[:, None]) + positions[:, None]
     return corners
 
 
-def _mesh(corners: FloatArray, bricks: Sequence[Mapping[str, Any]]) -> pv.PolyData:
+def _mesh(corners: FloatArray, colours: ByteArray) -> pv.PolyData:
     """Return all bricks as one mesh, because one draw call per brick would take seconds.
 
     Args:
         corners: corners of the bricks [m], shape (n, 8, 3).
-        bricks: the bricks with their colours.
+        colours: red, green and blue of each brick, shape (n, 3).
     """
     first = 8 * np.arange(len(corners))[:, None, None]
     faces = np.concatenate([np.full((len(corners), 6, 1), 4), first + _FACES], axis=2)
     mesh = pv.PolyData(corners.reshape(-1, 3), faces.ravel())
-    mesh.cell_data["colour"] = np.repeat([brick["colour"] for brick in bricks], 6, axis=0).astype(np.uint8)
+    mesh.cell_data["colour"] = np.repeat(colours, 6, axis=0)
     return mesh
 
 
-def _ground(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[pv.PolyData, pv.Texture]:
+def _ground(corners: FloatArray, low: FloatArray, high: FloatArray, edge: int) -> tuple[pv.PolyData, pv.Texture]:
     """Return the ground plane and its texture, which is transparent except for the shadow of the bricks.
 
     Args:
         corners: corners of the bricks [m], shape (n, 8, 3), world frame.
         low: lower corner of the visible space [m], shape (3,).
         high: upper corner of the visible space [m], shape (3,).
+        edge: edge of the picture of the shadow [pixels].
     """
     centre, half = (low + high)[:2] / 2, 2.0 * float(np.linalg.norm(high - low))
     plane = pv.Plane(center=(*centre, 0.0), i_size=2 * half, j_size=2 * half)
-    alpha = _shadow((corners - [*(centre - half), 0]) / (2 * half) * _SHADOW_PIXELS)
-    texture = np.zeros((_SHADOW_PIXELS, _SHADOW_PIXELS, 4), np.uint8)
-    texture[..., 3] = alpha
+    texture = np.zeros((edge, edge, 4), np.uint8)
+    texture[..., 3] = _shadow((corners - [*(centre - half), 0]) / (2 * half) * edge, edge)
     return plane, pv.Texture(texture)
 
 
-def _shadow(corners: FloatArray) -> npt.NDArray[np.uint8]:
-    """Return the opacity of the shadow on the ground, seen from above, shape (``_SHADOW_PIXELS``, ``_SHADOW_PIXELS``).
+def _shadow(corners: FloatArray, edge: int) -> npt.NDArray[np.uint8]:
+    """Return the opacity of the shadow on the ground, seen from above, shape (edge, edge).
 
     Args:
         corners: corners of the bricks [pixels], shape (n, 8, 3).
+        edge: edge of the picture [pixels].
     """
     sun, rng = _TO_SUN / np.linalg.norm(_TO_SUN), np.random.default_rng(0)
     right = np.cross(sun, [0.0, 0.0, 1.0])
-    total = np.zeros((_SHADOW_PIXELS, _SHADOW_PIXELS))
+    total = np.zeros((edge, edge), np.uint16)
     for angle, radius in zip(np.arange(_SUNS) * 2 * np.pi / _SUNS, np.sqrt(rng.uniform(size=_SUNS)), strict=True):
         ray = sun + _SUN_RADIUS * radius * (np.cos(angle) * right + np.sin(angle) * np.cross(sun, right))
         flat = corners[..., :2] - corners[..., 2:] * ray[:2] / ray[2]
-        flat[..., 1] = _SHADOW_PIXELS - flat[..., 1]  # the rows of a picture run downward
+        flat[..., 1] = edge - flat[..., 1]  # the rows of a picture run downward
         image = Image.new("L", total.shape)
         draw = ImageDraw.Draw(image)
         for face in flat[:, _FACES].reshape(-1, 8).tolist():
             draw.polygon(face, fill=_DARKEST)
         total += np.asarray(image)
-    shade = Image.fromarray((total / _SUNS).astype(np.uint8)).filter(ImageFilter.GaussianBlur(_BLUR_PIXELS))
+    shade = Image.fromarray((total // _SUNS).astype(np.uint8)).filter(ImageFilter.GaussianBlur(_BLUR * edge))
     return np.asarray(shade)
 
 
-def _look(plotter: pv.Plotter, low: FloatArray, high: FloatArray) -> None:
-    target, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
-    towards = np.array([np.cos(_TURN) * np.cos(_LIFT), np.sin(_TURN) * np.cos(_LIFT), np.sin(_LIFT)])
-    eye = target + 1.05 * radius / np.sin(np.radians(_VIEW_ANGLE / 2)) * towards
-    plotter.camera_position = [tuple(eye), tuple(target), (0.0, 0.0, 1.0)]
-    plotter.camera.view_angle = _VIEW_ANGLE
-    plotter.reset_camera_clipping_range()
-    for place, intensity in ((target + 9 * radius * _TO_SUN, 0.75), (eye, 0.3)):
-        plotter.add_light(pv.Light(position=tuple(place), focal_point=tuple(target), intensity=intensity))
+def _main(order: Path) -> None:
+    """Draw the views of an order: to the paths of their pictures, or frame by frame as raw RGBA on standard output."""
+    raw = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # so that no message of VTK mixes with the pictures
+    views = json.loads(order.read_text(encoding="utf-8"))
+    for view in views:
+        if view["paths"]:
+            for picture, path in zip(render(view), view["paths"], strict=True):
+                picture.save(path, optimize=True)
+    for pictures in zip(*(render(view) for view in views if not view["paths"]), strict=True):
+        raw.write(b"".join(picture.tobytes() for picture in pictures))
+        raw.flush()
 
 
 if __name__ == "__main__":
-    wanted = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    render(wanted["jobs"], wanted["pixels"])
+    _main(Path(sys.argv[1]))

@@ -50,6 +50,7 @@ def call(*arguments: str, status: int) -> str:
         (["run", "--seeds", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs applies to this machine only"),
+        (["run", "--watch", "--dask", "tcp://10.0.0.1:8786"], "--watch applies to trials on this machine only"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["report", "missing"], "trials.jsonl: cannot be read"),
         (["check", "bulet"], "unknown engine 'bulet'; did you mean 'bullet'?"),
@@ -81,6 +82,10 @@ def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_
     printed = call("replay", str(tmp_path), trial.id.replace("bullet", "bulet"), status=2)
     assert f"unknown trial '{trial.id.replace('bullet', 'bulet')}'; did you mean '{trial.id}'?" in printed
     assert "no such recording; run the trial again" in call("replay", str(tmp_path), trial.id, "--no-open", status=2)
+    picture = ["replay", str(tmp_path), trial.id, "--still", "300x200"]
+    assert "unknown camera 'frnt'; did you mean 'front'?" in call(*picture, "--camera", "frnt", status=2)
+    assert "unknown policy of a recorded trial of this stack 'paper'" in call(*picture, "--beside", "paper", status=2)
+    assert "no such recording; run the trial again" in call(*picture, status=2)
 
 
 @pytest.mark.parametrize(

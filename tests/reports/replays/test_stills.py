@@ -15,10 +15,11 @@ from reports.page.gallery import shelves
 from reports.records.folder import still_of
 from reports.records.recording import Recorder, Recording, write_recording
 from reports.records.trial import TrialRecord
+from reports.replays.drawing import COLOURS
 from reports.replays.gallery_figure import gallery_figure
 from reports.replays.replay import Replayed
 from reports.replays.stacks import MOST_STILLS, draw_stills
-from reports.replays.stills import COLOURS, StillsError, write_stills
+from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import groups_of
 from scenarios.model import Brick
 from tests.reports.studies import fallen, record, write_study
@@ -80,7 +81,7 @@ def test_policies_are_seen_from_the_same_place(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("last_words", "output"),
     [
-        ("kill -SEGV $$", "no stills, because this machine has no renderer: apt-get install libegl1, or libosmesa6"),
+        ("kill -SEGV $$", "no stills: this machine has no renderer: apt-get install libegl1, or libosmesa6"),
         ("echo \"No module named 'pyvista'\" >&2; exit 1", "no stills: No module named 'pyvista': uv sync"),
         ("echo 'OSError: no space' >&2; exit 1", "no stills: OSError: no space"),
     ],

@@ -1,0 +1,74 @@
+"""The direction from which a picture or video shows a stack: a name, or azimuth, elevation and distance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from reports.replays.errors import ExportError
+from scenarios.lookup import look_up, unknown_name
+
+_FIELDS = ("azimuth", "elevation", "distance")
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A camera that looks at the centre of the visible space, with a vertical view angle of 30 degrees."""
+
+    azimuth: float
+    """Direction from the centre to the camera [deg], from x towards y, seen from above."""
+    elevation: float
+    """Angle of that direction above the horizontal [deg], from -90 to 90; at 90 the top of the picture is +y turned by
+    ``azimuth`` + 90."""
+    distance: float | None = None
+    """Distance from the centre [m]; None for the least distance that shows the whole visible space."""
+
+
+CAMERAS: Mapping[str, Camera] = {
+    "corner": Camera(-68.75, 17.19),
+    "front": Camera(-90.0, 5.0),
+    "side": Camera(0.0, 5.0),
+    "top": Camera(-90.0, 90.0),
+}
+"""Cameras by name. ``corner`` is the camera of stills and replays. ``front`` looks along +y, so that x points right;
+``side`` looks along -x, so that y points right."""
+
+
+def parse_camera(text: str) -> Camera:
+    """Return the camera that ``text`` describes, such as ``front`` or ``side,elevation=20,distance=0.5``.
+
+    Args:
+        text: parts with commas between them: a name of ``CAMERAS`` (by default ``corner``), then any of ``azimuth``
+            [deg], ``elevation`` [deg] and ``distance`` [m] with its value.
+
+    Raises:
+        UnknownNameError: if a name is unknown.
+        ExportError: if a value is not a number in its range.
+    """
+    camera = CAMERAS["corner"]
+    for number, part in enumerate(text.split(",")):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if equals:
+            camera = replace(camera, **{name: _value(name, value)})
+        elif number == 0:
+            camera = look_up("camera", name, CAMERAS)
+        else:
+            raise ExportError(f"'{part}' in the camera '{text}': write {', '.join(f'{key}=NUMBER' for key in _FIELDS)}")
+    return camera
+
+
+def _value(name: str, text: str) -> float:
+    if name not in _FIELDS:
+        raise unknown_name("part of a camera", name, _FIELDS)
+    try:
+        value = float(text)
+    except ValueError:
+        raise ExportError(f"'{text}' is not a number: write {name}=NUMBER in --camera") from None
+    if not math.isfinite(value):
+        raise ExportError(f"{name}={text} is not finite: give a finite number")
+    if name == "elevation" and not -90 <= value <= 90:
+        raise ExportError(f"elevation={text} is out of range: give an angle from -90 to 90 degrees")
+    if name == "distance" and value <= 0:
+        raise ExportError(f"distance={text} is not positive: give a distance [m], or leave it out to show everything")
+    return value

@@ -1,0 +1,93 @@
+"""The bricks and colours of pictures: a view of recorded trials at given times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from reports.records.recording import FloatArray, Recording
+from reports.replays.camera import CAMERAS, Camera
+from reports.replays.renderer import ByteArray, View
+from reports.replays.timeline import Poses, Timeline
+from scenarios.geometry import Boxes
+
+COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
+"""Colours by state, as in a replay: red, green and blue from 0 to 255. They also differ in lightness, so that
+colour-blind readers can distinguish them."""
+FIXED_COLOUR = (150, 154, 158)
+"""Colour of boxes that never move."""
+_TINT = 0.08
+"""Greatest relative change of a brick's lightness, so that neighbours can be distinguished."""
+
+
+def visible_space(recordings: Sequence[Recording], room: float = 0.0) -> tuple[FloatArray, FloatArray] | None:
+    """Return the corners [m], each of shape (3,), of the space that pictures of recordings show; None if it is empty.
+
+    Args:
+        recordings: the recordings. The space contains their fixed boxes and all bricks at their first positions.
+        room: share of its size by which the space may grow on each side for bricks that fell. A brick that rolled
+            farther leaves the picture, because the stack would become too small.
+    """
+    corners, ends = [], []
+    for recording in recordings:
+        timeline = Timeline(recording)
+        poses = timeline.at(timeline.end_s)
+        reach = Boxes.at(timeline.sizes, poses.position, poses.quaternion).reach
+        laid = Boxes.at(timeline.sizes, timeline.first, timeline.first_turn)
+        ends += [*(poses.position - reach)[poses.present], *(poses.position + reach)[poses.present]]
+        corners += [*(laid.center - laid.reach), *(laid.center + laid.reach)]
+        for box in recording.fixed:
+            reach = Boxes.of([box]).reach[0]
+            corners += [np.array(box.position) - reach, np.array(box.position) + reach]
+    if not corners:
+        return None
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    if room and ends:
+        growth = room * (high - low)[:2].max() * np.array([1.0, 1.0, 0.0])  # nothing falls below the ground, or rises
+        return np.clip(np.min(ends, axis=0), low - growth, low), np.clip(np.max(ends, axis=0), high, high + growth)
+    return low, high
+
+
+def view_of(
+    timeline: Timeline,
+    times: Sequence[float],
+    space: tuple[FloatArray, FloatArray],
+    pixels: tuple[int, int],
+    camera: Camera = CAMERAS["corner"],
+) -> View:
+    """Return the view of a recording at several times, with bricks in the colours of their states.
+
+    Args:
+        timeline: the recording.
+        times: simulated times [s], one for each frame.
+        space: corners of the visible space [m].
+        pixels: width and height of the pictures.
+        camera: the camera.
+    """
+    poses, fixed = [timeline.at(time) for time in times], timeline.recording.fixed
+    tints = 1 + _TINT * np.random.default_rng(0).uniform(-1, 1, len(timeline.bodies))
+    boxes = {name: np.array([getattr(box, name) for box in fixed]) for name in ("size", "position", "quaternion")}
+
+    def with_fixed(moving: Sequence[np.ndarray], still: np.ndarray, width: int) -> np.ndarray:
+        """Append the rows of the fixed boxes to the rows of the bricks in each frame."""
+        rows = still.reshape(-1, width)
+        return np.array([np.concatenate([values.reshape(-1, width), rows]) for values in moving])
+
+    grey = np.tile(np.array(FIXED_COLOUR, np.uint8), (len(fixed), 1))
+    return View(
+        pixels,
+        *space,
+        sizes=with_fixed([timeline.sizes], boxes["size"], 3)[0],
+        position=with_fixed([pose.position for pose in poses], boxes["position"], 3),
+        quaternion=with_fixed([pose.quaternion for pose in poses], boxes["quaternion"], 4),
+        colour=with_fixed([_by_state(pose, tints) for pose in poses], grey, 3),
+        shown=with_fixed([pose.present for pose in poses], np.ones(len(fixed), bool), 1)[..., 0],
+        camera=camera,
+    )
+
+
+def _by_state(poses: Poses, tints: FloatArray) -> ByteArray:
+    colours = np.array([COLOURS[state] for state in poses.states]).reshape(-1, 3)
+    tinted: ByteArray = np.rint(tints[:, None] * colours).clip(0, 255).astype(np.uint8)
+    return tinted

@@ -1,0 +1,152 @@
+"""Big stills and videos of recorded trials, side by side, at any time and from any side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from reports.records.atomic import write_atomic
+from reports.replays.camera import CAMERAS, Camera
+from reports.replays.drawing import COLOURS, FIXED_COLOUR, view_of, visible_space
+from reports.replays.encoding import encoded
+from reports.replays.errors import ExportError
+from reports.replays.renderer import drawn_frames
+from reports.replays.replay import Replayed
+from reports.replays.sheet import Key, Sheet
+from reports.replays.timeline import Timeline
+
+_MOST_PIXELS = 8192
+"""Greatest edge of a picture [pixels], because renderers are limited to twice that size."""
+_ROOM = 0.5
+"""Share of its size by which the visible space may grow for fallen bricks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """Size, speed and camera of a video."""
+
+    pixels: tuple[int, int]
+    """Width and height."""
+    fps: int = 25
+    """Frames per second. GIF counts hundredths of a second, so 25 is exact in both formats."""
+    speed: float = 1.0
+    """Simulated seconds per second of the video."""
+    camera: Camera = CAMERAS["corner"]
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Return width and height [pixels] from a text such as ``1920x1080``.
+
+    Raises:
+        ExportError: if the text is not a size in the range.
+    """
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal() and int(width) > 0 and int(height) > 0):
+        raise ExportError(f"'{text}' is not a size: write WIDTHxHEIGHT in pixels, such as 1920x1080")
+    if max(int(width), int(height)) > _MOST_PIXELS:
+        raise ExportError(f"'{text}' is too large: give at most {_MOST_PIXELS} pixels")
+    return int(width), int(height)
+
+
+def write_still(
+    path: Path,
+    trials: Sequence[Replayed],
+    pixels: tuple[int, int],
+    *,
+    at: float | None = None,
+    camera: Camera = CAMERAS["corner"],
+) -> None:
+    """Write a picture of trials side by side, with titles and legend.
+
+    Args:
+        path: file of the picture; its suffix is the format.
+        trials: trials to show, at least one.
+        pixels: width and height of the picture.
+        at: simulated time [s]; None for the end.
+        camera: the camera.
+
+    Raises:
+        ExportError: if a trial does not last that long, the picture is too small, or the renderer fails.
+    """
+    ends = [Timeline(trial.recording).end_s for trial in trials]
+    time = max(ends) if at is None else at
+    if not 0 <= time <= max(ends):
+        raise ExportError(f"{time:g} s is outside the recording: give --at a time from 0 to {max(ends):g} s")
+    content = BytesIO()
+    [picture] = _frames(trials, [time], pixels, camera)
+    try:
+        picture.save(content, Image.registered_extensions()[path.suffix.lower()], optimize=True)
+    except (KeyError, OSError):
+        raise ExportError(f"{path}: no picture format has this suffix: name the file .png") from None
+    write_atomic(path, content.getvalue())
+
+
+def write_video(
+    path: Path, trials: Sequence[Replayed], film: Film, on_frame: Callable[[int, int], None] = lambda *_: None
+) -> None:
+    """Write a video of trials side by side, at the same simulated time, from the start to the end of the longest.
+
+    Args:
+        path: file of the video, ``.mp4`` or ``.gif``.
+        trials: trials to show, at least one.
+        film: size, speed and camera.
+        on_frame: function that receives the number of frames done and the number of all frames.
+
+    Raises:
+        ExportError: if the suffix, the size, the speed or the frame rate cannot be used, or the renderer fails.
+    """
+    if not (math.isfinite(film.speed) and film.speed > 0):
+        raise ExportError(f"a speed of {film.speed:g} is not positive: give --speed a factor such as 1 or 4")
+    end = max(Timeline(trial.recording).end_s for trial in trials)
+    count = max(2, math.ceil(end * film.fps / film.speed))
+    times = np.minimum(np.arange(1, count + 1) * film.speed / film.fps, end).tolist()
+
+    def counted() -> Iterator[Image.Image]:
+        for number, picture in enumerate(_frames(trials, times, film.pixels, film.camera), 1):
+            yield picture
+            on_frame(number, count)
+
+    colours = [colour for colour, _ in _key(trials).entries]
+    write_atomic(path, encoded(path, counted(), film.pixels, film.fps, colours))
+
+
+def _frames(
+    trials: Sequence[Replayed], times: Sequence[float], pixels: tuple[int, int], camera: Camera
+) -> Iterator[Image.Image]:
+    """Yield the whole picture at each time [s]."""
+    space = visible_space([trial.recording for trial in trials], _ROOM)
+    if space is None:
+        raise ExportError(f"the recording of {trials[0].record.trial} has no brick: choose another trial")
+    sheet = _sheet(trials, pixels)
+    views = [view_of(Timeline(trial.recording), times, space, sheet.panel, camera) for trial in trials]
+    with drawn_frames(views) as drawn:
+        for time, panels in zip(times, drawn, strict=True):
+            yield sheet.frame(panels, time)
+
+
+def _sheet(trials: Sequence[Replayed], pixels: tuple[int, int]) -> Sheet:
+    first = trials[0].record
+    return Sheet(
+        pixels,
+        [(_title(trial), trial.end) for trial in trials],
+        f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
+        _key(trials),
+    )
+
+
+def _key(trials: Sequence[Replayed]) -> Key:
+    states = tuple((colour, state) for state, colour in COLOURS.items())
+    has_fixed = any(trial.recording.fixed for trial in trials)
+    return Key((*states, (FIXED_COLOUR, "fixed")) if has_fixed else states)
+
+
+def _title(trial: Replayed) -> str:
+    """Return the policy, and whether the trial ran with the extension: only then does the record count wakes."""
+    record = trial.record
+    return f"{'with' if record.wakes is not None else 'without'} the extension: {record.policy}"
