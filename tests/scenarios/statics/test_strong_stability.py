@@ -116,10 +116,12 @@ def test_what_falls_when_loaded_is_never_strong():
     """A theorem: the acceleration that is left is a solution. Tight courses of two to four bricks on their pedestal."""
     asked = 0
     for seed in range(400):
+        if asked == 15:
+            break
         bricks = tight_courses(np.random.default_rng([11, seed]))
-        pile = of_bricks(bricks, 0.45)
-        if len(bricks) > 5 or asked == 15:
+        if len(bricks) > 5:
             continue
+        pile = of_bricks(bricks, 0.45)
         balance = solve_balance(*pile)
         if balance.balanced and not balance.frictionless:
             loading = load_from_zero(*pile)

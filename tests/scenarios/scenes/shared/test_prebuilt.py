@@ -11,7 +11,7 @@ from scenarios.placement_noise import with_placement_noise
 from scenarios.registry import SCENARIOS, build
 from scenarios.scenes.card_house import RIDGE_GAP
 from scenarios.scenes.shared.pedestals import PEDESTAL
-from scenarios.scenes.shared.prebuilt import STANDS_S, WITHIN, is_static
+from scenarios.scenes.shared.prebuilt import RIDGES, STANDS_S, WITHIN, is_static
 from scenarios.statics.contact_patch import contact_patches
 from scenarios.statics.falling import fall_time
 from scenarios.statics.truth import equilibrium, first_fall
@@ -26,10 +26,13 @@ QUICK = sorted(name for name, scene in SCENES.items() if len(scene.bricks) < 8)
 
 
 def agrees(scene) -> bool:
-    """Whether exact statics finds the level under both conventions for the normal at a ridge."""
+    """Whether exact statics finds the level under both conventions for the normal at a ridge, if there is one."""
     if scene.scenario in UNLOADED:
         return first_fall_by_load(scene) == scene.expectation.level
-    return {first_fall(scene, ridge=ridge) for ridge in ("bisector", "face")} == {scene.expectation.level}
+    bisector, face = (contact_patches(scene.bricks, scene.world.fixed, ridge=ridge) for ridge in RIDGES)
+    differ = any((one.normal != other.normal).any() for one, other in zip(bisector, face, strict=True))
+    ridges = RIDGES if differ else RIDGES[:1]
+    return {first_fall(scene, ridge=ridge) for ridge in ridges} == {scene.expectation.level}
 
 
 @pytest.mark.parametrize("name", QUICK)
