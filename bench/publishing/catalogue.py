@@ -135,7 +135,7 @@ PUBLICATIONS: dict[str, Publication] = {
         Selection(engines=("physx", "rapier"), scenarios=_THREE_STACKS, policies=("none", "paper")),
     ),
     "cost": Publication(
-        "levels that stood against milliseconds per frame: substeps and iterations of six engines, with the figure",
+        "levels that stood against milliseconds per frame: substeps and iterations of ten engines, with the figure",
         "cost",
     ),
     "thresholds": Publication(
