@@ -89,6 +89,8 @@ class Report:
     """Table of the ranking of the set-ups; without rows if no trial is judged."""
     verdict: str
     """Verdict of the study in one sentence."""
+    is_all_right: bool
+    """True if a set-up is right in all scenes with a known answer."""
     page: Path
     """Path of the page."""
     notices: tuple[str, ...]
@@ -127,7 +129,9 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
     notice = draw_stills(folder.path, stacks, however_many=all_stills)
     page = write_page(folder.path, folder.records, missing)
     printed = chain.from_iterable(shown for section, shown in tables.items() if section.is_printed)
-    return Report(tuple(printed), ranking, verdict, page, (notice,) if notice else ())
+    return Report(
+        tuple(printed), ranking, verdict, bool(judged.units and judged.all_right), page, (notice,) if notice else ()
+    )
 
 
 def write_tables(folder: ResultsFolder, tables: Sequence[Table], verdict: str) -> None:

@@ -15,6 +15,7 @@ from adapters import register_external
 from bench.cli.baseline import baseline
 from bench.cli.check import check
 from bench.cli.compare import compare
+from bench.cli.completion import install_completion, show_completion
 from bench.cli.console import input_errors
 from bench.cli.list import list_
 from bench.cli.replay import replay
@@ -39,6 +40,21 @@ def _print_version(wanted: bool) -> None:
 def add_external_engines(
     _: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+    _install: Annotated[
+        bool,
+        typer.Option(
+            "--install-completion",
+            callback=install_completion,
+            is_eager=True,
+            help="Install the command 'bench' with completion for your shell (bash, zsh or fish) and exit.",
+        ),
+    ] = False,
+    _show: Annotated[
+        bool,
+        typer.Option(
+            "--show-completion", callback=show_completion, is_eager=True, help="Print what would be installed and exit."
+        ),
     ] = False,
 ) -> None:
     """Register the engines outside this repository before any command runs."""

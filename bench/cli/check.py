@@ -12,13 +12,16 @@ from rich.console import Console
 
 from adapters import open_engine, profile_named, register_command
 from adapters.conformance import CHECKS
+from bench.cli.completion import ENGINE, PROFILE
 from bench.cli.console import OUT, input_errors
 from scenarios.model import Brick
 
 
 def check(
-    engine: Annotated[str, typer.Argument(help="Name of an engine; omit it with --bridge.")] = "",
-    profile: Annotated[str, typer.Option(help="Profile of the engine.")] = "game",
+    engine: Annotated[
+        str, typer.Argument(help="Name of an engine; omit it with --bridge.", autocompletion=ENGINE)
+    ] = "",
+    profile: Annotated[str, typer.Option(help="Profile of the engine.", autocompletion=PROFILE)] = "game",
     bridge: Annotated[str, typer.Option(help="Command that starts an engine behind the bridge.")] = "",
     profiles: Annotated[
         Path | None, typer.Option(help="With --bridge: TOML file with the profiles of that engine.")

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from bench.cli.completion import STUDY
 from bench.cli.console import ERR, OUT, RESULTS, input_errors
 from bench.compare import render
 from bench.compare.baseline import read_baseline
@@ -40,7 +41,7 @@ def compare(
     run_both: Annotated[
         bool, typer.Option("--run", help="BASE and HEAD are commits, branches, tags or checkouts: run both here.")
     ] = False,
-    study: Annotated[str, typer.Option(help="With --run: the study that both run.")] = "smoke",
+    study: Annotated[str, typer.Option(help="With --run: the study that both run.", autocompletion=STUDY)] = "smoke",
     rounds: Annotated[int, typer.Option(min=1, max=100, help="With --run: runs of each version, alternating.")] = 2,
     base_with: Annotated[
         list[str] | None, typer.Option(help="With --run: a package or wheel to install for BASE.")

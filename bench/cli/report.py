@@ -59,4 +59,5 @@ def show(report: Report) -> None:
         render(with_short_notes(table, _NOTE), OUT)
     if report.ranking.rows:
         render(first_rows(report.ranking, _PLACES), OUT)
-    OUT.print(report.verdict, style="bold", markup=False, highlight=False, soft_wrap=True)
+    style = "bold green" if report.is_all_right else "bold yellow"
+    OUT.print(report.verdict, style=style, markup=False, highlight=False, soft_wrap=True)

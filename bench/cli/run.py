@@ -10,6 +10,7 @@ from typing import Annotated, TypeAlias
 import typer
 
 from adapters import check_installed
+from bench.cli.completion import ENGINE, POLICY, PROFILE, SCENARIO, STUDY
 from bench.cli.console import ERR, RESULTS, input_errors, note, read_folder, relative
 from bench.cli.report import make_report, show
 from bench.execution.errors import ClusterError
@@ -34,15 +35,26 @@ Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome
 
 
 def run(
-    study: Annotated[str, typer.Argument(help="A study's name (see 'list') or a TOML file.")] = "paper",
-    engine: Annotated[list[str] | None, typer.Option(help="Only this engine; may be repeated.")] = None,
+    study: Annotated[
+        str, typer.Argument(help="A study's name (see 'list') or a TOML file.", autocompletion=STUDY)
+    ] = "paper",
+    engine: Annotated[
+        list[str] | None, typer.Option(help="Only this engine; may be repeated.", autocompletion=ENGINE)
+    ] = None,
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help="Only this scenario, or FILE.toml with your own bricks; may be repeated."),
+        typer.Option(
+            help="Only this scenario, or FILE.toml with your own bricks; may be repeated.", autocompletion=SCENARIO
+        ),
     ] = None,
-    policy: Annotated[list[str] | None, typer.Option(help="Only this policy; may be repeated.")] = None,
+    policy: Annotated[
+        list[str] | None, typer.Option(help="Only this policy; may be repeated.", autocompletion=POLICY)
+    ] = None,
     profile: Annotated[
-        list[str] | None, typer.Option(help="Only this profile, or a variation of it: game@scale=10; may be repeated.")
+        list[str] | None,
+        typer.Option(
+            help="Only this profile, or a variation of it: game@scale=10; may be repeated.", autocompletion=PROFILE
+        ),
     ] = None,
     seeds: Annotated[
         int | None, typer.Option(min=1, help="Run seeds 0 to N - 1; seed 0 has no placement noise.")

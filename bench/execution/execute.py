@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from typing import Any
 
 from rich.console import Console
 
+from bench.execution.compile_bar import CompileBar
 from bench.execution.forkserver import await_server, start_server, stop_everything
 from bench.execution.local import run_trials
 from bench.execution.progress import show_progress
@@ -34,10 +36,9 @@ def outcomes_here(
     """
     core_policies = _core_policies(study)
     try:
-        start_server(study.engines, core_policies, reads_contacts=study.limits.forces)
-        if core_policies:
-            console.print("compiling the core once", soft_wrap=True)
-        with interruption.at_once():
+        core_log = "ERROR" if console.is_terminal else "WARNING"  # on a terminal, a bar shows what the core would log
+        start_server(study.engines, core_policies, reads_contacts=study.limits.forces, core_log=core_log)
+        with interruption.at_once(), CompileBar(console) if core_policies else nullcontext():
             await_server()
         with show_progress(trials, console) as progress:
             yield from run_trials(

@@ -22,6 +22,8 @@ from adapters import ENGINES
 
 WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
 """Environment variable with the policies to compile, because the server takes no arguments."""
+CORE_LOG = "STILLSTACK_CORE_LOG"
+"""Environment variable with the level from which the core logs in the server."""
 
 
 class _Popen(popen_forkserver.Popen):
@@ -49,18 +51,21 @@ CONTEXT = _Context()
 """Replacement for ``multiprocessing.get_context("forkserver")``."""
 
 
-def start_server(engines: Sequence[str], core_policies: Sequence[str], *, reads_contacts: bool = False) -> None:
+def start_server(
+    engines: Sequence[str], core_policies: Sequence[str], *, reads_contacts: bool = False, core_log: str = "WARNING"
+) -> None:
     """Start the fork server; Ctrl-C in the terminal interrupts neither the server nor the trials.
 
     Args:
         engines: engines whose modules the server loads.
         core_policies: policies for which the server compiles the core; empty if no trial uses the core.
         reads_contacts: True if trials without the core also read contacts.
+        core_log: level from which the core logs that it compiles.
     """
     modules = [ENGINES[engine].module for engine in engines]
     core = ["bench.execution.preload_core"] if core_policies else []
     contacts = ["bench.execution.preload_contacts"] if core_policies or reads_contacts else []
-    os.environ[WANTED_POLICIES] = ",".join(core_policies)
+    os.environ |= {WANTED_POLICIES: ",".join(core_policies), CORE_LOG: core_log}
     last = "bench.execution.preload"
     forkserver.set_forkserver_preload(["bench.execution.worker", *modules, *core, *contacts, last])
     resource_tracker.ensure_running()  # its start inside ensure_running would unblock SIGINT

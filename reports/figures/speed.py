@@ -1,4 +1,4 @@
-"""The figure of success rate against frame time: a panel per profile."""
+"""The figure of success rate against frame time: a panel per profile, or per engine if there are fewer engines."""
 
 from __future__ import annotations
 
@@ -13,9 +13,19 @@ from reports.figures.style import INK, STYLE
 from reports.statistics.groups import ordered_policies
 from reports.statistics.scores import FRAME_BUDGETS_MS, EngineScores, PolicyScore
 
+_COLUMNS = 3
+"""Greatest number of panels in a row, so that no panel is narrower than its labels."""
+_PANEL_INCHES = (3.4, 2.4)
+"""Width and height of a panel [inch]."""
+_MOST_INCHES = 10.5
+"""Greatest width of the figure [inch]."""
+
 
 def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
-    """Draw success rate against frame time, a panel per profile; return None if no score has both."""
+    """Draw success rate against frame time; return None if no score has both.
+
+    Each profile has a panel; if there are more profiles than engines, as in a study of settings, each engine has one.
+    """
     points = [
         (scores, score)
         for scores in engines
@@ -24,22 +34,32 @@ def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
     ]
     if not points:
         return None
-    profiles = list(dict.fromkeys(scores.profile for scores, _ in points))
+    by = "profile" if len({one.profile for one, _ in points}) <= len({one.engine for one, _ in points}) else "engine"
+    titles = list(dict.fromkeys(getattr(scores, by) for scores, _ in points))
     marker = markers(list(dict.fromkeys(scores.engine for scores in engines)))
     ink = inks(ordered_policies(score.policy for _, score in points))
+    rows, columns = -(-len(titles) // _COLUMNS), min(_COLUMNS, len(titles))
+    width, height = _PANEL_INCHES
     with mpl.rc_context(STYLE):
-        figure = Figure((min(3.4 * len(profiles) + 1.2, 10.5), 3.2), layout="constrained")
-        panels = figure.subplots(1, len(profiles), sharex=True, sharey=True, squeeze=False)[0]
-        for panel, profile in zip(panels, profiles, strict=True):
+        size = min(width * columns + 1.2, _MOST_INCHES), height * rows + 0.8
+        figure = Figure(size, layout="constrained")
+        panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+        for panel, title in zip(panels, titles, strict=False):
             _draw_budgets(panel)
             for scores, score in points:
-                if scores.profile == profile:
+                if getattr(scores, by) == title:
                     _draw_score(panel, score, ink[score.policy].light, marker[scores.engine])
             panel.set_xscale("log")
             panel.xaxis.set_major_formatter("{x:g}")
-            panel.set(title=profile, ylim=(-0.03, 1.05), xlabel="p99 of frame time [ms]")
+            panel.set(title=title, ylim=(-0.03, 1.05))
+        for spare in panels[len(titles) :]:
+            spare.set_visible(False)
+        for panel in panels[max(0, len(titles) - columns) : len(titles)]:  # the lowest panel of each column
+            panel.set_xlabel("p99 of frame time [ms]")
+            panel.tick_params(labelbottom=True)
         in_pairs = any(score.pairs is not None for _, score in points)
-        panels[0].set_ylabel(f"share of {'pairs' if in_pairs else 'stacks'} correct")
+        for panel in panels[::columns]:
+            panel.set_ylabel(f"share of {'pairs' if in_pairs else 'stacks'} correct")
         _speed_legend(figure, ink, marker)
     return figure
 

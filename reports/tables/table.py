@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table as RichTable
+from rich.text import Text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,6 +19,8 @@ NOTHING = "-"
 """Text of an entry without a value."""
 _REST = " ... (the rest: report/tables.md)"
 """End of a shortened note."""
+_COLOURS = {"✓": "green", "✗": "red", "~": "yellow"}
+"""Colour on the terminal of an entry with this mark."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,11 +75,11 @@ def render(table: Table, console: Console) -> None:
             name,
             justify="right" if column >= first_figure else "left",
             overflow="fold",
-            no_wrap=column == 0 if table.folds else column < first_figure and name != "theory",
+            no_wrap=column == 0 if table.folds else column >= first_figure,  # a broken number is misread
         )
     previous: tuple[str, ...] = ()
     for row in table.rows:
-        text.add_row(*(_unless_said(row, previous)))
+        text.add_row(*map(_coloured, _unless_said(row, previous)))
         previous = row
     console.print(text)
     for note in table.notes:
@@ -106,6 +109,11 @@ def _line(cells: Sequence[str]) -> str:
 
 def _is_figures(column: Sequence[str]) -> bool:
     return all(cell == NOTHING or cell[:1].isdigit() for cell in column)
+
+
+def _coloured(cell: str) -> Text:
+    """Return an entry in the colour of its mark, if any; without colours, the mark alone says the same."""
+    return Text(cell, next((colour for mark, colour in _COLOURS.items() if mark in cell), ""))
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:

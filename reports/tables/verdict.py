@@ -107,19 +107,28 @@ def counted(number: int, state: State) -> str:
 
 def _everything(ranking: Ranking) -> str:
     """Return the units of the study in words, such as ``all 53 pairs and 9 other scenes (1240 builds)``."""
-    names = ranking.pairs + ranking.scenes
-    builds = f" ({len(ranking.units)} builds)" if len(ranking.units) > names else ""
-    if names == 1:
-        return f"the only {'pair' if ranking.pairs else 'scene'}{builds}"
     other = "other " if ranking.pairs else ""
-    kinds = ((ranking.pairs, "pair"), (ranking.scenes, f"{other}scene"))
-    counts = [f"{count} {kind}{'s' if count > 1 else ''}" for count, kind in kinds if count]
-    return f"all {' and '.join(counts)}{builds}"
+    kinds = ((ranking.pairs, "", "pair"), (ranking.scenes, other, "scene"))
+    parts = [_all_of(count, kind, noun) for count, kind, noun in kinds if count]
+    if len(parts) > 1 and all(part.startswith("all ") for part in parts):
+        parts[1] = parts[1].removeprefix("all ")
+    builds = f" ({len(ranking.units)} builds)" if len(ranking.units) > ranking.pairs + ranking.scenes else ""
+    return f"{' and '.join(parts)}{builds}"
+
+
+def _all_of(count: int, kind: str, noun: str) -> str:
+    """Return all of a number of things in words: ``the only pair``, ``both other scenes`` or ``all 9 scenes``."""
+    if count == 1:
+        return f"the only {kind}{noun}"
+    return f"{'both' if count == 2 else f'all {count}'} {kind}{noun}s"
 
 
 def _caveat(ranking: Ranking) -> str:
     """Return a warning if all scenes demand the same outcome, because a set-up may always give that outcome."""
-    return f", though every scene must {next(iter(ranking.outcomes))}" if len(ranking.outcomes) == 1 else ""
+    if len(ranking.outcomes) != 1:
+        return ""
+    outcome = next(iter(ranking.outcomes))
+    return f", which must {outcome}" if ranking.pairs + ranking.scenes == 1 else f", though every scene must {outcome}"
 
 
 def _cost(place: Place) -> str:

@@ -67,7 +67,7 @@ def test_pairs_are_the_headline_where_there_are_any(tmp_path, open_page) -> None
     opened = open_page(page_of(tmp_path, frozen))
     assert opened.locator(".card .headline").inner_text() == "At best 0 % of the pairs right, alone."
     assert (
-        opened.locator("#verdict .answer").inner_text().startswith("No set-up is right in all 2 pairs; the nearest is")
+        opened.locator("#verdict .answer").inner_text().startswith("No set-up is right in both pairs; the nearest is")
     )
     assert opened.locator(".card tbody tr").inner_text().split() == ["none", *["0", "%", "100", "%"], *["0", "%"] * 3]
     assert opened.locator("#pairs table").count() == 2
@@ -134,7 +134,7 @@ def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
     output = page.read_text(encoding="utf-8")
     sections = re.findall(r'<section id="(\w+)"', output)
     assert sections[:5] == ["verdict", "ranking", "map", "policies", "verdicts"]
-    assert output.index("No set-up is right in all 2 scenes (7 builds)") < output.index("Read this first")
+    assert output.index("No set-up is right in both scenes (7 builds)") < output.index("Read this first")
 
 
 def test_the_places_that_the_documents_name_are_on_the_page() -> None:

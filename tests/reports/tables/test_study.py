@@ -13,7 +13,7 @@ from reports.statistics.groups import groups_of
 from reports.tables.comparison import comparison_rows, comparison_table
 from reports.tables.outcomes import ADOPTED_NOTE, outcome
 from reports.tables.study import study_tables
-from reports.tables.table import render, to_markdown
+from reports.tables.table import Table, render, to_markdown
 from scenarios.model import Expectation
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "tables.md"
@@ -102,6 +102,19 @@ def test_they_can_be_read_at_a_hundred_columns() -> None:
     assert max(map(len, lines)) <= 100
     assert any("falls at 7 ✗" in line and "30/30 ✓" in line for line in lines)
     assert any(line.rstrip().endswith("0.090 [0.070, 0.110] at 25") for line in lines)
+
+
+def test_a_terminal_shows_marks_in_colour_and_never_breaks_a_number() -> None:
+    page = io.StringIO()
+    long_names = tuple(
+        (f"heavy_top-ratio{row}-aside0.{row}", "bullet game@offset=100", "10416.630") for row in range(3)
+    )
+    rows = (("right", "bullet", "30/30 ✓ 3/3"), ("wrong", "bullet", "falls at 7 ✗"), ("some", "bullet", "30/30 ~ 1/2"))
+    for shown in (Table("Creep", ("scene", "engine", "creep"), long_names), Table("Outcomes", ("a", "b", "c"), rows)):
+        render(shown, Console(width=45, file=page, force_terminal=True, color_system="standard"))
+    text = page.getvalue()
+    assert text.count("10416.630") == 3
+    assert all(part in text for part in ("\x1b[32m30/30 ✓ 3/3", "\x1b[31mfalls at 7 ✗", "\x1b[33m30/30 ~ 1/2"))
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ def test_the_cheapest_set_up_that_is_right_in_all_is_named_with_its_cost_and_cre
         tower(engine="rapier", policy="paper", frame_ms_p50=0.4),
     ]
     assert said(*trials) == (
-        "Cheapest set-up that is right in all 2 scenes: rapier game with paper, 0.40 ms a frame, creeps 0.6 µm/s."
+        "Cheapest set-up that is right in both scenes: rapier game with paper, 0.40 ms a frame, creeps 0.6 µm/s."
     )
     assert said(*trials, unfinished=3).endswith("0.6 µm/s (3 planned trials have no record yet).")
 
@@ -39,19 +39,23 @@ def test_pairs_and_other_scenes_are_counted_apart_and_builds_of_several_seeds_na
     sides += [tower(scene="t-3", pair="t", seed=seed) for seed in range(2)]
     assert "right in the only pair (2 builds): bullet game alone" in said(*sides)
     walls = [record(scene=f"wall-{number}", seed=seed) for number in range(2) for seed in range(2)]
-    assert "right in all 1 pair and 2 other scenes (6 builds):" in said(*sides, *walls)
+    assert "right in both scenes (4 builds), though every scene must stand: bullet" in said(*walls)
+    assert "right in the only pair and both other scenes (6 builds):" in said(*sides, *walls)
+    more = [side(scene=f"{name}-{side.__name__}", pair=name) for name in "abc" for side in (record, tower)]
+    singles = [record(scene=f"wall-{number}") for number in range(3)]
+    assert "right in all 3 pairs and 3 other scenes: bullet" in said(*more, *singles)
 
 
 def test_it_says_when_no_set_up_is_right_in_all_and_which_is_nearest() -> None:
     trials = [record(verdict="creeps"), tower(), fallen(3, engine="dart"), tower(engine="dart", verdict="failed")]
     assert said(*trials) == (
-        "No set-up is right in all 2 scenes; the nearest is bullet game alone: 1 right, 1 creeping, 1.0 ms a frame, "
+        "No set-up is right in both scenes; the nearest is bullet game alone: 1 right, 1 creeping, 1.0 ms a frame, "
         "creep not measured."
     )
 
 
 def test_a_study_of_one_outcome_is_called_so_and_one_without_an_answer_too() -> None:
-    assert "right in the only scene, though every scene must stand: bullet game alone" in said(record())
+    assert "right in the only scene, which must stand: bullet game alone" in said(record())
     unknown = record(expectation=Expectation("study", "nobody knows"), verdict="none")
     assert said(unknown) == "No scene of this study is judged right or wrong; its tables hold the results."
     assert not ranking_table(rank(groups_of([unknown])), [unknown]).rows

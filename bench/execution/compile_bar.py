@@ -1,0 +1,89 @@
+"""Show on a terminal how many kernels of the core the fork server has compiled; show nothing if all are cached."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import AbstractContextManager
+from pathlib import Path
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from stability_core.compiled import KEPT, NOT_KEPT
+
+_POLL_S = 0.5
+"""Interval of the counts of compiled kernels [s]."""
+
+
+class CompileBar(AbstractContextManager["CompileBar"]):
+    """A bar that appears with the first compiled kernel, and is replaced by one line at the end.
+
+    Another process compiles, so a thread counts the kernels in Numba's cache. On a log nothing appears, because there
+    the core logs the time that it takes.
+    """
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._bar = Progress(
+            TextColumn("compiling the core, once per version"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.completed:.0f} of up to {task.total:.0f} kernels"),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+        )
+        self._task: TaskID | None = None
+        self._cached = 0
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    def __enter__(self) -> CompileBar:
+        if not self._console.is_terminal:
+            return self
+        if NOT_KEPT:
+            self._console.print(
+                "compiling the core, a minute or two: to keep the kernels for later runs, set NUMBA_CACHE_DIR to a "
+                "folder that can be written",
+                soft_wrap=True,
+            )
+        else:
+            self._cached = kernels_cached()
+            self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._is_over.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+        if self._task is None:
+            return
+        seconds = self._bar.tasks[0].elapsed or 0.0
+        self._bar.stop()
+        if error is None:
+            count = kernels_cached() - self._cached
+            self._console.print(f"compiled the core: {count} kernels in {seconds:.0f} s", highlight=False)
+
+    def _watch(self) -> None:
+        while not self._is_over.wait(_POLL_S):
+            count = kernels_cached()
+            if count > self._cached and self._task is None:
+                self._bar.start()
+                self._task = self._bar.add_task("", total=len(KEPT))
+            if self._task is not None:
+                self._bar.update(self._task, completed=count)
+
+
+def kernels_cached() -> int:
+    """Return how many kernels of the core are in Numba's cache."""
+    folders = {Path(kernel.stats.cache_path) for kernel in KEPT}
+    cached = {index.name.partition("-")[0] for folder in folders for index in folder.glob("*.nbi")}
+    return sum(_index_name(kernel) in cached for kernel in KEPT)
+
+
+def _index_name(kernel: object) -> str:
+    """Return the beginning of the name of a kernel's file in the cache: module and function."""
+    function = kernel.py_func  # type: ignore[attr-defined]
+    return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
