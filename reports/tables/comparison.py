@@ -12,6 +12,7 @@ from reports.statistics.survival import PairedTest, holm
 from reports.tables.outcomes import ADOPTED_NOTE, adopted_mark, outcome
 from reports.tables.table import NOTHING, Table
 from reports.tables.wording import median_level, number, ratio_text, troubles
+from scenarios.threads import Thread, thread_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +71,8 @@ class ComparisonRow:
     """Reason for which trials did not end, in words; empty if all ended."""
     note: str
     """Further note for the reader; may be empty."""
+    thread: Thread | None = None
+    """Public thread from which the scene comes."""
 
 
 def comparison_rows(groups: Sequence[Group]) -> list[ComparisonRow]:
@@ -87,13 +90,14 @@ def comparison_table(rows: Sequence[ComparisonRow], caption: str) -> Table:
         *(f"{column.title}: {column.explanation}." for column in COLUMNS),
         *dict.fromkeys(row.note for row in rows if row.note),
     )
-    return Table(
-        "Comparison",
-        (*GroupKey._fields, *titles, "ended otherwise"),
-        tuple((*row.group.key, *(entry.text for entry in row.entries), row.trouble or NOTHING) for row in rows),
-        notes,
-        id="comparison",
-    )
+    has_threads = any(row.thread for row in rows)
+    header = (*GroupKey._fields, *titles, "ended otherwise", *(["thread"] if has_threads else []))
+    return Table("Comparison", header, tuple(_cells(row, has_threads) for row in rows), notes, id="comparison")
+
+
+def _cells(row: ComparisonRow, has_threads: bool) -> tuple[str, ...]:
+    thread = [row.thread.name if row.thread else NOTHING] if has_threads else []
+    return (*row.group.key, *(entry.text for entry in row.entries), row.trouble or NOTHING, *thread)
 
 
 def _tests(compared: Sequence[tuple[Group, Group]]) -> dict[GroupKey, tuple[PairedTest, float]]:
@@ -125,7 +129,7 @@ def _row(group: Group, test: tuple[PairedTest, float] | None) -> ComparisonRow:
     )
     judgement = "open" if not judged else "right" if right == judged else "mixed" if right else "wrong"
     note = ADOPTED_NOTE if adopted_mark(group.draws) else ""
-    return ComparisonRow(group, judgement, entries, troubles(group), note)
+    return ComparisonRow(group, judgement, entries, troubles(group), note, thread_of(group.trials[0].parameters))
 
 
 def _levels(group: Group) -> Entry:

@@ -183,9 +183,7 @@ def test_a_tiny_study_leaves_records_frames_and_tables(tmp_path) -> None:
     assert "2 trials are kept in" in errors
     assert "2/2 ✓" in printed
     last = printed.rstrip().splitlines()[-1]
-    assert last.startswith(
-        "Cheapest set-up that is right in the only scene, though every scene must stand: bullet game"
-    )
+    assert last.startswith("Cheapest set-up that is right in the only scene, which must stand: bullet game")
 
     plain, steered = read_records(out / "trials.jsonl")
     assert [one.verdict for one in (plain, steered)] == ["right", "right"]

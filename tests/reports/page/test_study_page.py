@@ -1,18 +1,18 @@
 """The page of a study, made from records and opened in a real browser."""
 
+import csv
 import re
 from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
-from reports.page import study_page
 from reports.page.study_page import write_page
 from reports.records.trial import TrialRecord
+from scenarios.threads import threads
 from tests.reports.studies import FALLS, STANDS, failed, fallen, record, write_study
 
 DOCS = Path(__file__).parents[3] / "docs"
-TEMPLATES = Path(study_page.__file__).parent / "templates"
 TIMES = "\N{MULTIPLICATION SIGN}"
 SEEDS = range(6)
 RECORDS = [
@@ -137,17 +137,51 @@ def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
     assert output.index("No set-up is right in both scenes (7 builds)") < output.index("Read this first")
 
 
-def test_the_places_that_the_documents_name_are_on_the_page() -> None:
-    document = (DOCS / "reading_a_page.md").read_text(encoding="utf-8")
-    questions = [
-        line for line in document.splitlines() if line.startswith("| ") and line.split("|")[1].strip().endswith("?")
+def questions() -> list[list[str]]:
+    """The questions of ``docs/reading_a_page.md`` and the places of their answers."""
+    lines = (DOCS / "reading_a_page.md").read_text(encoding="utf-8").splitlines()
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
+    return [row for row in rows if row[0].endswith("?")]
+
+
+def test_every_question_of_the_documents_is_answered_by_a_place_on_the_page(tmp_path, open_page) -> None:
+    """Each place is a section with its heading, and what the document names in it is there: columns, signs, buttons."""
+    tables = [
+        record(
+            scene=f"table-{n}-{side}",
+            pair=f"table-{n}",
+            engine=engine,
+            expectation=theory,
+            verdict=verdict,
+            collapse_level=None,
+        )
+        for n in range(25)
+        for side, theory, verdict in (("stand", STANDS, "creeps"), ("fall", FALLS, "false_stand"))
+        for engine in ("bullet", "mujoco")
     ]
-    templates = "".join(path.read_text(encoding="utf-8") for path in TEMPLATES.glob("*.j2"))
-    assert len(questions) == 20
-    for question in questions:
-        places = re.findall(r"`#(\w+)`", question)
-        assert places, question
-        assert all(f'<section id="{place}">' in templates for place in places), question
+    towers = [record(policy=policy, seed=seed, frame_ms_p50=1.0) for policy in ("none", "paper") for seed in range(6)]
+    towers += [fallen(4, scene="leaning_tower", seed=seed) for seed in range(6)]
+    opened = open_page(page_of(tmp_path, [*tables, *towers]))
+    names = {link.get_attribute("href"): link.inner_text() for link in opened.locator("nav a").all()}
+    names["#ends"] = "Pictures"  # only a renderer draws stills, and the section needs them
+    assert len(questions()) == 20
+    for question, answer in questions():
+        for part in answer.split("; "):
+            matched = re.fullmatch(r"([A-Z][\w ]+) `(#\w+)`(?:[:,] (.+))?|“.+”|a \[.+\]\(.+\)", part)
+            assert matched is not None, question
+            heading, place, named = matched.groups()
+            if place is None or place == "#ends":  # a part of the section named before, or a document
+                continue
+            assert names[place] == heading, question
+            text = opened.locator(f"section{place}").text_content()
+            words = re.findall("“(.+?)”", named or "")
+            words += re.sub("^columns? ", "", named).split(" and ") if (named or "").startswith("column") else []
+            assert [word for word in words if word not in text] == [], question
+    signs = opened.evaluate(
+        "[...document.querySelectorAll('#map .legend i')].map(sign => getComputedStyle(sign, '::before').content[1])"
+    )
+    assert {"▲", "▼", "→"} <= set(signs)
+    assert opened.locator("#map summary").inner_text() == "Scene by scene"
 
 
 def test_the_heat_map_is_walked_by_keys_and_leads_to_the_numbers(page, open_page) -> None:
@@ -181,6 +215,30 @@ def test_own_scenes_have_the_names_of_their_files(tmp_path) -> None:
     output = page_of(tmp_path, [record(scene="own_scene-lintel-0eb37ace", **file)]).read_text(encoding="utf-8")
     assert "<title>lintel, size 3: Stillstack</title>" in output
     assert '<th scope="row">lintel, size 3</th>' in output
+
+
+def test_a_row_of_a_public_thread_names_it(tmp_path, open_page) -> None:
+    """The flag is a link beside the scene's name, which filters, commands and copies use without it."""
+    thread = threads()["issue_bullet3_3049"]
+    file = {"scenario": "own_scene", "parameters": {"file": "issue_bullet3_3049.toml"}}
+    records = [record(scene="own_scene-issue_bullet3_3049-f0507a7e", **file), record()]
+    opened = open_page(page_of(tmp_path, records))
+    flags = opened.locator("#table .flag")
+    assert flags.all_inner_texts() == [thread.name]
+    assert flags.get_attribute("href") == thread.url
+    opened.select_option("#filters [name=scene]", "issue_bullet3_3049")
+    assert [row.split("\t")[0] for row in shown(opened)] == [f"issue_bullet3_3049 {thread.name}"]
+    opened.locator("#table tr:visible summary").click()
+    details = opened.locator("#table details[open]").inner_text()
+    assert f"Reported in {thread.name}, of its own engine and settings: {thread.reported}." in details
+    assert "--scenario own_scene" in details
+    opened.evaluate("navigator.clipboard.writeText = async text => { window.copied = text; }")
+    opened.locator("#copy").get_by_role("button", name="CSV").click()
+    opened.wait_for_function("window.copied")
+    assert opened.evaluate("window.copied").splitlines()[1].startswith("issue_bullet3_3049,stands,bullet,")
+    table = (tmp_path / "study" / "report" / "comparison.csv").read_text(encoding="utf-8")
+    header, *rows = csv.reader(table.splitlines())
+    assert [row[header.index("thread")] for row in rows] == [thread.name, "-"]
 
 
 def test_words_of_an_engine_are_no_part_of_the_page(page) -> None:
