@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
@@ -19,6 +20,10 @@ NOTHING = "-"
 """Text of an entry without a value."""
 _REST = " ... (the rest: report/tables.md)"
 """End of a shortened note."""
+_KEYS = frozenset({"thread", "scene", "family", "engine", "profile", "policy", "method", "machine"})
+"""Names of the columns that identify a row, which each part of a wide table repeats."""
+_GAP = 2
+"""Distance of columns on the terminal [characters]."""
 _COLOURS = {"✓": "green", "✗": "red", "~": "yellow"}
 """Colour on the terminal of an entry with this mark."""
 
@@ -66,7 +71,40 @@ def with_short_notes(table: Table, most: int) -> Table:
 
 
 def render(table: Table, console: Console) -> None:
-    """Print a table, followed by its notes."""
+    """Print a table, followed by its notes; a table that is too wide is printed in parts."""
+    for part in _parts(table, console.width):
+        _render_part(part, console)
+    for note in table.notes:
+        console.print(note, style="dim", markup=False, highlight=False)
+    console.print()
+
+
+def _parts(table: Table, width: int) -> list[Table]:
+    """Return the table in parts that fit into ``width`` [characters] if possible; all have the columns of ``_KEYS``.
+
+    A table whose entries may take several lines stays whole.
+    """
+    widths = [max(map(cell_len, column)) + _GAP for column in zip(table.header, *table.rows, strict=True)]
+    if table.folds or sum(widths) - _GAP <= width:
+        return [table]
+    keys = [column for column, name in enumerate(table.header) if name in _KEYS]
+    parts: list[list[int]] = [list(keys)]
+    for column in (column for column in range(len(widths)) if column not in keys):
+        is_full = sum(widths[other] for other in (*parts[-1], column)) - _GAP > width
+        if is_full and len(parts[-1]) > len(keys):
+            parts.append(list(keys))
+        parts[-1].append(column)
+    return [_part(table, columns, number) for number, columns in enumerate(parts)]
+
+
+def _part(table: Table, columns: Sequence[int], number: int) -> Table:
+    """Return some columns of a table as part ``number``, counted from zero."""
+    title = f"{table.title}, continued" if number else table.title
+    header, *rows = (tuple(line[column] for column in columns) for line in (table.header, *table.rows))
+    return replace(table, title=title, header=header, rows=tuple(rows))
+
+
+def _render_part(table: Table, console: Console) -> None:
     text = RichTable(title=table.title, title_justify="left", pad_edge=False, box=None, header_style="bold")
     figures = sum(map(_is_figures, zip(*table.rows, strict=True))) if table.rows and not table.folds else 0
     first_figure = len(table.header) - figures
@@ -82,9 +120,6 @@ def render(table: Table, console: Console) -> None:
         text.add_row(*map(_coloured, _unless_said(row, previous)))
         previous = row
     console.print(text)
-    for note in table.notes:
-        console.print(note, style="dim", markup=False, highlight=False)
-    console.print()
 
 
 def to_markdown(tables: Iterable[Table]) -> str:

@@ -104,6 +104,23 @@ def test_they_can_be_read_at_a_hundred_columns() -> None:
     assert any(line.rstrip().endswith("0.090 [0.070, 0.110] at 25") for line in lines)
 
 
+def test_a_table_that_is_too_wide_is_shown_in_parts_with_its_keys() -> None:
+    header = ("scene", "theory", "engine", *(f"figure{number}" for number in range(8)))
+    table = Table("Wide", header, (("card_house", "stands", "bullet", *["1234.5"] * 8),), ("a note",))
+    page = io.StringIO()
+    render(table, Console(width=60, file=page))
+    lines = [line.rstrip() for line in page.getvalue().splitlines()]
+    assert max(map(len, lines)) <= 60
+    assert [line for line in lines if line.startswith("Wide")] == ["Wide", *["Wide, continued"] * 2]
+    assert [line.split() for line in lines if "figure" in line] == [
+        ["scene", "engine", "theory", "figure0", "figure1", "figure2"],
+        ["scene", "engine", "figure3", "figure4", "figure5", "figure6"],
+        ["scene", "engine", "figure7"],
+    ]
+    assert lines.count("a note") == 1
+    assert sum(line.startswith("card_house  bullet") for line in lines) == 3
+
+
 def test_a_terminal_shows_marks_in_colour_and_never_breaks_a_number() -> None:
     page = io.StringIO()
     long_names = tuple(
@@ -114,6 +131,7 @@ def test_a_terminal_shows_marks_in_colour_and_never_breaks_a_number() -> None:
         render(shown, Console(width=45, file=page, force_terminal=True, color_system="standard"))
     text = page.getvalue()
     assert text.count("10416.630") == 3
+    assert "Creep, continued" not in text, "one column beside its keys cannot be parted"
     assert all(part in text for part in ("\x1b[32m30/30 ✓ 3/3", "\x1b[31mfalls at 7 ✗", "\x1b[33m30/30 ~ 1/2"))
 
 
