@@ -14,12 +14,14 @@ def verdict(
     collapse_s: float | None = None,
     *,
     creeps: bool = False,
+    is_neutral: bool = False,
 ) -> Verdict:
     """Return the verdict on an outcome.
 
     The cases, in order:
 
-    - ``none``: theory demands no outcome, or the engine does not support the scene;
+    - ``none``: theory demands no outcome, the engine does not support the scene, or a stack that must stand is in
+      neutral balance;
     - ``undecided``: the time limit stopped the trial;
     - ``failed``: the trial neither completed nor collapsed;
     - to stand: ``false_collapse`` if the stack fell, ``creeps`` if a brick creeps, else ``right``;
@@ -33,8 +35,9 @@ def verdict(
         kind: kind of the collapse; None without a collapse.
         collapse_s: simulated time at which the collapse was first seen [s]; None without a collapse.
         creeps: True if the interval of a brick's creep exceeds the creep limit.
+        is_neutral: True if the stack is in neutral balance: a rounding error moves it, and nothing stops it.
     """
-    if expectation.outcome == "study" or status == "unsupported":
+    if expectation.outcome == "study" or status == "unsupported" or (expectation.outcome == "stand" and is_neutral):
         return "none"
     if status == "timeout":
         return "undecided"

@@ -150,6 +150,7 @@ def bare_record(
     collapse = [fields.get(field) for field in ("collapse_level", "collapse_kind", "collapse_s")]
     creep = fields.get("creep_m_s")
     creeps = creep is not None and is_creeping(creep, fields["creep_error_m_s"], fields["creep_limit_m_s"])
+    is_neutral = scene.world.friction == 0.0 and not fields.get("adopted")  # the extension froze it before any error
     return TrialRecord(
         **{
             "trial": trial.id,
@@ -166,7 +167,7 @@ def bare_record(
             "status": status,
             "message": message,
             "expectation": scene.expectation,
-            "verdict": verdict(scene.expectation, status, *collapse, creeps=creeps),
+            "verdict": verdict(scene.expectation, status, *collapse, creeps=creeps, is_neutral=is_neutral),
             "environment": environment,
             "levels_planned": scene.levels,
             "watch_s": scene.watch_s,

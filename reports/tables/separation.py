@@ -10,7 +10,6 @@ from reports.statistics.groups import ALONE, judged_trials
 from reports.statistics.soak import soak_summaries
 from reports.statistics.thresholds import thresholds_of
 from reports.tables.table import NOTHING, Table
-from reports.tables.threads import is_neutral
 from reports.tables.thresholds import percent_of_exact
 from reports.tables.tilt import Onset, onsets_of
 from reports.tables.wording import MICRO
@@ -83,8 +82,8 @@ def _micrometres(speed_m_s: float) -> str:
 
 
 def _right(records: Sequence[TrialRecord]) -> str:
-    """Return the number of trials with the right verdict, over all judged trials except stacks in neutral balance."""
-    judged = [trial for trial in judged_trials(records) if not is_neutral(trial)]
+    """Return the number of trials with the right verdict, over all judged trials."""
+    judged = judged_trials(records)
     return f"{sum(trial.verdict == 'right' for trial in judged)}/{len(judged)}" if judged else NOTHING
 
 

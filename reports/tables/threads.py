@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 from reports.records.trial import TrialRecord
 from reports.statistics.groups import grouped, ordered_policies
 from reports.tables.table import NOTHING, Table
 from reports.tables.wording import MICRO
-from scenarios.parameters import Value
-from scenarios.registry import build
 from scenarios.threads import Thread, thread_of
 
 _NOT_PLAYED = {"unsupported": "n/a", "timeout": "timed out"}
@@ -51,24 +48,11 @@ def _row(thread: Thread, first: TrialRecord, policy: str, trials: Sequence[Trial
     return (thread.name, file, policy, thread.reported, str(first.expectation), *map(measured, trials))
 
 
-@lru_cache(maxsize=64)
-def _has_friction(scenario: str, parameters: tuple[tuple[str, Value], ...]) -> bool:
-    return build(scenario, **dict(parameters)).world.friction > 0.0
-
-
-def is_neutral(trial: TrialRecord) -> bool:
-    """Return True for a stack that must stand without friction, which no engine can be blamed for losing.
-
-    Nothing resists sliding, so that any disturbance, such as a rounding error, moves the bodies on and on.
-    """
-    return trial.expectation.outcome == "stand" and not _has_friction(trial.scenario, tuple(trial.parameters.items()))
-
-
 def measured(trial: TrialRecord | None) -> str:
     """Return the outcome of a trial as text, such as ``creeps 7.2 µm/s ✗``; a dash without a trial."""
     if trial is None:
         return NOTHING
-    mark = "" if not trial.is_judged or is_neutral(trial) else " ✓" if trial.verdict == "right" else " ✗"
+    mark = "" if not trial.is_judged else " ✓" if trial.verdict == "right" else " ✗"
     return f"{_end(trial)}{mark}"
 
 

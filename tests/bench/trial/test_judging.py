@@ -45,6 +45,13 @@ def test_creep_decides_only_whether_what_must_stand_does() -> None:
     assert verdict(replace(STANDS, outcome="study"), "completed", None, None, creeps=True) == "none"
 
 
+@pytest.mark.parametrize("status", ["completed", "collapsed", "timeout"])
+def test_a_stack_in_neutral_balance_tells_nothing_of_an_engine(status) -> None:
+    """A rounding error is enough to move such a stack, and nothing stops it; a fall is a fall without friction too."""
+    assert verdict(STANDS, status, 3, "slide", is_neutral=True) == "none"
+    assert verdict(FALLS_AT_9, "collapsed", 9, "slide", is_neutral=True) == "right"
+
+
 def test_what_falls_before_it_is_due_is_no_right_fall() -> None:
     """A stack that is undermined at 11 s must stand until then."""
     undermined = replace(FALLS_AT_9, not_before_s=11.0)

@@ -106,3 +106,13 @@ def test_a_seed_whose_noise_finds_no_room_is_unsupported(monkeypatch) -> None:
     record = run("bullet", "leaning_tower", levels=2)
     assert (record.status, record.verdict, record.message) == ("unsupported", "none", "no room; use seed 0")
     assert record.levels_planned == 2
+
+
+@pytest.mark.parametrize(
+    ("friction", "adopted", "expected"), [(0.45, None, "right"), (0.0, None, "none"), (0.0, 3, "right")]
+)
+def test_a_stack_without_friction_counts_only_if_the_extension_adopted_it(friction, adopted, expected) -> None:
+    scene = build("plank_tower", levels=3)
+    scene = replace(scene, world=replace(scene.world, friction=friction))
+    one = Trial("bullet", "game", "plank_tower", scene.variant, {"levels": 3}, "equilibrium", 0, 0)
+    assert trials.bare_record(one, scene, "abc", "completed", "", adopted=adopted).verdict == expected
