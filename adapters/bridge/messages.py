@@ -10,13 +10,13 @@ import json
 import math
 import struct
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from adapters.bridge.errors import ProtocolError
+from adapters.bridge.received import Finding, receive
 from stability_core.port import FloatArray, IntArray
 
 PROTOCOL = 1
@@ -37,7 +37,10 @@ FORCE_WIDTH = 6
 """Count of numbers in a force of an earlier substep: index of the substep, bodies a and b, force on b [N]."""
 POSITION, QUATERNION, LINEAR, ANGULAR = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Columns of a state, for each of its four parts."""
-_REPLY_HEAD = 5
+_STEP_HEAD = struct.Struct("<4d")
+_REPLY_HEAD = struct.Struct("<5d")
+_WORD = 8
+"""Length of a number [bytes]."""
 
 Command = tuple[float, ...]
 """Numbers of a command, without the zeros that fill its row."""
@@ -67,9 +70,8 @@ class Code(IntEnum):
     UNFREEZE = 10
 
 
-@dataclass(frozen=True, slots=True)
-class StepReply:
-    """An engine's answer to a step of n substeps."""
+class StepReply(NamedTuple):
+    """An engine's answer to a step of n substeps. The arrays are views of the answer's bytes."""
 
     engine_s: float
     """Duration [s] of the engine's own steps, measured by the engine."""
@@ -88,14 +90,14 @@ def json_body(content: object) -> bytes:
     return json.dumps(content).encode()
 
 
-def json_content(body: bytes | bytearray) -> dict[str, Any]:
+def json_content(body: bytes | memoryview) -> dict[str, Any]:
     """Return the content of a JSON body.
 
     Raises:
         ProtocolError: if the body is not a JSON object.
     """
     try:
-        content = json.loads(body)
+        content = json.loads(bytes(body))
     except ValueError as error:
         raise ProtocolError(
             f"the engine's answer is not JSON ({error}); answer with a JSON object, got {bytes(body[:60])!r}"
@@ -114,61 +116,63 @@ def step_body(seconds: float, substeps: int, is_read: bool, commands: Iterable[C
         is_read: whether the answer must contain contacts, forces and the states before each substep.
         commands: commands that the engine executes before the first substep.
     """
-    rows = [command + (0.0,) * (COMMAND_WIDTH - len(command)) for command in commands]
-    words = [seconds, float(substeps), float(is_read), float(len(rows))]
-    for row in rows:
-        words += row
-    return struct.pack(f"<{len(words)}d", *words)
+    rows = [_row(command) for command in commands]
+    return b"".join((_STEP_HEAD.pack(seconds, substeps, is_read, len(rows)), *rows))
 
 
-def step_reply(body: bytes | bytearray, bodies: IntArray, states: int) -> StepReply:
-    """Return the content of the answer to a step.
+def _row(command: Command) -> bytes:
+    return struct.pack(f"<{len(command)}d", *command).ljust(_WORD * COMMAND_WIDTH, b"\0")
+
+
+def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: FloatArray) -> StepReply:
+    """Return the content of the answer to a step, and store the latest state of each body in ``table``.
 
     Args:
         body: body of the answer.
         bodies: ids of the bodies whose states the answer must contain, in rising order, shape (m,).
         states: required number of states of each body.
+        table: latest states by id, shape (n, 13). If a state is not finite, the rows of all ``bodies`` become NaN.
 
     Raises:
         ProtocolError: if the answer has another length, other bodies, or numbers that are not valid.
     """
-    if len(body) % 8:
+    length, rest = divmod(len(body), _WORD)
+    if rest:
         raise ProtocolError(f"the answer to a step must consist of 64-bit floats, 8 bytes each, got {len(body)} bytes")
-    words = np.frombuffer(body, "<f8")
-    if len(words) < _REPLY_HEAD:
-        raise ProtocolError(f"the answer to a step must begin with {_REPLY_HEAD} numbers, got {len(words)}")
-    engine_s, *counts = words[:_REPLY_HEAD].tolist()
-    if not (math.isfinite(engine_s) and engine_s >= 0.0):
+    if len(body) < _REPLY_HEAD.size:
+        raise ProtocolError(f"the answer to a step must begin with {_REPLY_HEAD.size // _WORD} numbers, got {length}")
+    engine_s, *counts = _REPLY_HEAD.unpack_from(body)
+    if not 0.0 <= engine_s < math.inf:
         raise ProtocolError(f"the time of the engine's steps must be finite and at least 0 s, got {engine_s} s")
     if not all(count >= 0.0 and count.is_integer() for count in counts):
         raise ProtocolError(f"the counts in the answer to a step must be whole numbers from 0, got {counts}")
     listed, blocks, points, forces = map(int, counts)
-    sizes = (listed, blocks * listed * STATE_WIDTH, points * CONTACT_WIDTH, forces * FORCE_WIDTH)
-    if len(words) != _REPLY_HEAD + sum(sizes):
+    of_points = listed + blocks * listed * STATE_WIDTH
+    of_forces = of_points + points * CONTACT_WIDTH
+    needed = of_forces + forces * FORCE_WIDTH
+    if length != _REPLY_HEAD.size // _WORD + needed:
         raise ProtocolError(
             f"an answer with {blocks} states of {listed} bodies, {points} contact points and {forces} forces must have "
-            f"{_REPLY_HEAD + sum(sizes)} numbers, got {len(words)}"
+            f"{_REPLY_HEAD.size // _WORD + needed} numbers, got {length}"
         )
-    of_moved, of_points = (
-        _REPLY_HEAD + listed,
-        _REPLY_HEAD + listed + sizes[1],
-    )  # slices, because np.split takes longer than the rest
-    of_forces = of_points + sizes[2]
-    ids = words[_REPLY_HEAD:of_moved]
-    if blocks != states or len(ids) != len(bodies) or (ids != bodies).any():
+    words = np.frombuffer(body, np.float64, offset=_REPLY_HEAD.size)
+    finding: int = Finding.OTHER_BODIES
+    if blocks == states and listed == len(bodies):
+        finding = receive(words, bodies, blocks, table)
+    if finding == Finding.OTHER_BODIES:
         raise ProtocolError(
             f"the answer must have {states} states of the live and moved bodies, by rising id, "
-            f"{_listed(bodies)}; got {blocks} states of {_listed(ids)}"
+            f"{_listed(bodies)}; got {blocks} states of {_listed(words[:listed])}"
         )
-    rows = words[of_moved:of_points].reshape(blocks, listed, STATE_WIDTH)
-    contacts = words[of_points:of_forces].reshape(points, CONTACT_WIDTH)
-    felt = words[of_forces:].reshape(forces, FORCE_WIDTH)
-    with np.errstate(all="ignore"):
-        is_whole = math.isfinite(words.sum())  # a sum is not finite if a term is not
-    is_finite = is_whole or bool(np.isfinite(rows).all())
-    if is_finite and not is_whole:
+    if finding == Finding.POINTS_NOT_FINITE:
         raise ProtocolError("contact points and forces in the answer hold NaN or inf; send finite numbers only")
-    return StepReply(engine_s, rows, contacts, felt, is_finite)
+    return StepReply(
+        engine_s,
+        words[listed:of_points].reshape(blocks, listed, STATE_WIDTH),
+        words[of_points:of_forces].reshape(points, CONTACT_WIDTH),
+        words[of_forces:].reshape(forces, FORCE_WIDTH),
+        finding == Finding.VALID,
+    )
 
 
 def _listed(ids: FloatArray | IntArray) -> str:

@@ -25,8 +25,8 @@ so that the suite kills no working engine."""
 _END_S = 1.0
 """Time limit [s] for an engine to end after ``Peer`` has closed its stdin."""
 _PIPE_BYTES = 2**20
-"""Capacity of the pipes [bytes], so that a frame's states pass in one piece. The system's default of 64 KiB would hold
-only the states of 100 bodies over four substeps, without contacts."""
+"""Capacity of the pipes and of the first buffer [bytes], so that one read receives a frame. The system's default of
+64 KiB would hold only the states of 100 bodies over four substeps, without contacts."""
 _LAST_LINES = 2**12
 """Number of bytes at the end of the engine's stderr in which ``Peer`` searches the last line."""
 _LAUNCH = (
@@ -75,11 +75,11 @@ class Peer:
         self._readable, self._writable = select.poll(), select.poll()
         self._readable.register(self._out, select.POLLIN)
         self._writable.register(self._in, select.POLLOUT)
-        self._buffer = bytearray(2**16)
+        self._buffer = memoryview(bytearray(_PIPE_BYTES))
         self._end = weakref.finalize(self, _end, process, self._printed)
 
-    def ask(self, kind: Kind, body: bytes) -> bytearray:
-        """Send a message and return the body of the answer.
+    def ask(self, kind: Kind, body: bytes) -> memoryview:
+        """Send a message and return the body of the answer, a view that is valid until the next call.
 
         Raises:
             PeerError: if the engine answers with an error.
@@ -112,25 +112,33 @@ class Peer:
             except BrokenPipeError:
                 raise self._exited() from None
 
-    def _receive(self, deadline: float) -> tuple[int, bytearray]:
-        """Return the kind and the body of the next message."""
+    def _receive(self, deadline: float) -> tuple[int, memoryview]:
+        """Return the kind and the body of the next message, which one read receives if it fits the pipe."""
         have, need = 0, HEADER.size
         while have < need:
             self._await(self._readable, deadline)
-            with suppress(BlockingIOError):
-                count = os.readv(self._out, [memoryview(self._buffer)[have:]])
-                if not count:
-                    raise self._exited()
-                have += count
+            try:
+                count = os.readv(self._out, [self._buffer[have:]])
+            except BlockingIOError:
+                continue
+            if not count:
+                raise self._exited()
+            have += count
             if have >= HEADER.size:
                 length, _ = HEADER.unpack_from(self._buffer)
                 need = HEADER.size + length
                 self._check_announced(length)
                 if need >= len(self._buffer):  # one byte more, to detect output after the message
-                    self._buffer.extend(bytes(need + 1 - len(self._buffer)))
+                    self._enlarge(need + 1, have)
         if have > need:
             raise ProtocolError(f"the engine wrote {have - need} bytes after its answer; write only answers to stdout")
         return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
+
+    def _enlarge(self, size: int, have: int) -> None:
+        """Replace the buffer by one of ``size`` bytes that begins with the ``have`` bytes received so far."""
+        larger = memoryview(bytearray(size))
+        larger[:have] = self._buffer[:have]
+        self._buffer = larger
 
     def _check_announced(self, length: int) -> None:
         if length > MAX_BODY:

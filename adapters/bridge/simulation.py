@@ -66,9 +66,8 @@ class BridgeSimulation(Simulation):
     def _open(self) -> None:
         self._commands: list[Command] = []
         self._states = np.full((64, STATE_WIDTH), np.nan)  # by the body's id
-        self._reply: StepReply | None = None  # answer of the latest frame, if its contacts were read
+        self._reply: StepReply | None = None  # answer of the latest frame, a view of it, if its contacts were read
         self._replied: IntArray = np.empty(0, np.int64)
-        self._before: Motions | None = None
         self._finder: Peer | None = None  # process of find_contacts; None until the first call
         self._peer = self._started()
         self._peer.ask(Kind.OPEN, json_body(self._opening()))
@@ -117,13 +116,10 @@ class BridgeSimulation(Simulation):
         is_read = self.is_observed and bool(self.bodies.live)
         bodies = self.bodies.moving()
         reply = self._exchange(seconds / substeps, substeps, is_read, bodies)
-        self._reply, self._replied, self._before = reply if is_read else None, bodies, None
-        self._states[bodies] = reply.states[-1] if reply.is_finite else np.nan
-        if is_read:
-            earlier = reply.states[:-1]
-            for state in earlier:
+        self._reply, self._replied = reply if is_read else None, bodies
+        if is_read and self.bodies.moved:
+            for state in reply.states[:-1]:
                 self.as_driven(bodies, state[:, LINEAR], state[:, ANGULAR])
-            self._before = Motions(bodies, earlier[:, :, POSITION], earlier[:, :, LINEAR], earlier[:, :, ANGULAR])
         elapsed = perf_counter() - begin
         if reply.engine_s > elapsed + _CLOCK_S:
             raise ProtocolError(
@@ -158,7 +154,9 @@ class BridgeSimulation(Simulation):
         before = reply.states[-2 if self.contacts_at == "start" else -1]
         contacts = self._as_contacts(reply.contacts, self._replied, before, reply.states[-1])
         pairs, normal = (contacts.body_a, contacts.body_b), contacts.normal
-        velocity = fastest_approach(self._before, *pairs, contacts.point, normal, self.solver_noise)
+        earlier = reply.states[:-1]
+        motions = Motions(self._replied, earlier[:, :, POSITION], earlier[:, :, LINEAR], earlier[:, :, ANGULAR])
+        velocity = fastest_approach(motions, *pairs, contacts.point, normal, self.solver_noise)
         force = None
         if self.reads_forces and contacts.force is not None:
             force = mean_force(SubstepForces(*pairs, contacts.force), normal, self._earlier_forces(reply))
@@ -174,7 +172,7 @@ class BridgeSimulation(Simulation):
         self._finder.ask(Kind.OPEN, json_body(weightless))
         bodies = self.bodies.moving()
         question = step_body(_INSTANT_S, 1, True, self._copies())
-        reply = step_reply(self._finder.ask(Kind.STEP, question), bodies, 2)
+        reply = step_reply(self._finder.ask(Kind.STEP, question), bodies, 2, self._states.copy())
         return self._as_contacts(reply.contacts, bodies, reply.states[0], reply.states[0])
 
     # -- the end -----------------------------------------------------------------------------------
@@ -238,7 +236,8 @@ class BridgeSimulation(Simulation):
         """Send the collected commands with a step, and return the answer."""
         question = step_body(substep_s, substeps, is_read, self._commands)
         self._commands.clear()
-        return step_reply(self._peer.ask(Kind.STEP, question), bodies, substeps + 1 if is_read else 1)
+        answer = self._peer.ask(Kind.STEP, question)
+        return step_reply(answer, bodies, substeps + 1 if is_read else 1, self._states)
 
     def _as_contacts(self, rows: FloatArray, bodies: IntArray, before: FloatArray, after: FloatArray) -> Contacts:
         """Return the contacts of the engine's points that touch or nearly touch at the end of a substep.

@@ -8,6 +8,7 @@ export const packageFile = "node_modules/@babylonjs/havok/package.json";
 
 const WASM = new URL("node_modules/@babylonjs/havok/lib/esm/HavokPhysics.wasm", import.meta.url);
 const SPEED_LIMITS = [500, 1000]; // [m/s], [rad/s]; 200 units/s as shipped, which slows a slide in a world of scale 100
+const STATE_WIDTH = 13;
 const STILL = [0, 0, 0];
 const KNOBS = ["shape", "idealStepTime", "angularDamping"];
 
@@ -15,9 +16,11 @@ const KNOBS = ["shape", "idealStepTime", "angularDamping"];
 const EVENT = { bodyA: 2, pointA: 10, normal: 13, bodyB: 18, pointB: 26 };
 
 let hk;
+let scratch; // address of a state in memory; functions whose names begin with "_" write to an address, and return 0
 
 export async function load() {
   hk = await initHavok({ wasmBinary: readFileSync(WASM) });
+  scratch = hk._malloc(4 * STATE_WIDTH);
   checkLayout();
   return (opening) => new World(opening);
 }
@@ -31,7 +34,7 @@ function done(answer) {
 
 class World {
   contacts = new Rows();
-  #bodies = new Map(); // by id: { handle, shape, mass }
+  #bodies = new Map(); // by id: { id, handle, shape, mass, number, kind }
   #idAt = new Map(); // id of a body, by the number of its handle
   #movers = null;
   #forces = new Map();
@@ -115,7 +118,9 @@ class World {
   }
 
   movers() {
-    this.#movers ??= [...this.#bodies].filter(([id, { kind }]) => id >= 0 && kind !== "STATIC").map(([id]) => id).sort((a, b) => a - b);
+    this.#movers ??= [...this.#bodies.values()]
+      .filter(({ id, kind }) => id >= 0 && kind !== "STATIC")
+      .sort((a, b) => a.id - b.id);
     return this.#movers;
   }
 
@@ -130,20 +135,45 @@ class World {
     return own;
   }
 
-  writeState(id, numbers, place) {
+  writeStates(bodies, numbers, place) {
+    for (const { handle } of bodies) {
+      const [pointer] = handle, linear = scratch + 4 * 7, angular = linear + 4 * 3;
+      if (
+        hk._HP_Body_GetQTransform(pointer, scratch) || hk._HP_Body_GetLinearVelocity(pointer, linear) ||
+        hk._HP_Body_GetAngularVelocity(pointer, angular)
+      ) throw new Error("Havok does not return the state of a body; install its locked version");
+      const floats = hk.HEAPF32, from = scratch / 4;
+      for (let k = 0; k < STATE_WIDTH; k++) numbers[place + k] = floats[from + k];
+      numbers[place + 3] = floats[from + 6]; // w comes last in Havok, and first in the protocol
+      for (let k = 4; k < 7; k++) numbers[place + k] = floats[from + k - 1];
+      place += STATE_WIDTH;
+    }
+  }
+
+  /** Return the numbers of writeStates for a body from the functions of the API, which take 100 times as long. */
+  saidState(id) {
     const { handle } = this.#bodies.get(id);
     const [position, [x, y, z, w]] = done(hk.HP_Body_GetQTransform(handle));
-    const linear = done(hk.HP_Body_GetLinearVelocity(handle)), angular = done(hk.HP_Body_GetAngularVelocity(handle));
-    numbers.set([...position, w, x, y, z, ...linear, ...angular], place);
+    return [...position, w, x, y, z, ...done(hk.HP_Body_GetLinearVelocity(handle)), ...done(hk.HP_Body_GetAngularVelocity(handle))];
   }
 
   /** Record the events of the latest step. All events share one place in memory, and each can be read once. */
   #readEvents() {
+    const world = Number(this.world[0]), words = hk.HEAPU32, floats = hk.HEAPF32;
+    let numberA, numberB, a, b; // the points of a pair follow one another, so that few ids are looked up
     let [, event] = hk.HP_World_GetCollisionEvents(this.world); // the result is a failure if there are no events
     while (event) {
-      this.#list(event / 4);
+      const at = event / 4, on1 = at + EVENT.pointA, on2 = at + EVENT.pointB, n = at + EVENT.normal;
+      if (words[at + EVENT.bodyA] !== numberA) a = this.#idAt.get((numberA = words[at + EVENT.bodyA]));
+      if (words[at + EVENT.bodyB] !== numberB) b = this.#idAt.get((numberB = words[at + EVENT.bodyB]));
+      this.contacts.add(
+        a, b,
+        floats[on1], floats[on1 + 1], floats[on1 + 2],
+        floats[on2], floats[on2 + 1], floats[on2 + 2],
+        floats[n], floats[n + 1], floats[n + 2],
+      );
       this.onEvent?.(event);
-      event = hk.HP_World_GetNextCollisionEvent(Number(this.world[0]), event);
+      event = hk.HP_World_GetNextCollisionEvent(world, event);
     }
   }
 
@@ -151,19 +181,6 @@ class World {
   said(event) {
     const [, a, b] = done(hk.HP_Event_AsCollision(event));
     return [this.#idAt.get(Number(a[0][0])), this.#idAt.get(Number(b[0][0])), ...a[3], ...b[3], ...a[4]];
-  }
-
-  /** Record a contact point, given the address of its event in 32-bit words. */
-  #list(event) {
-    const words = hk.HEAPU32, floats = hk.HEAPF32;
-    const a = this.#idAt.get(words[event + EVENT.bodyA]), b = this.#idAt.get(words[event + EVENT.bodyB]);
-    const on1 = event + EVENT.pointA, on2 = event + EVENT.pointB, n = event + EVENT.normal;
-    this.contacts.add(
-      a, b,
-      floats[on1], floats[on1 + 1], floats[on1 + 2],
-      floats[on2], floats[on2 + 1], floats[on2 + 2],
-      floats[n], floats[n + 1], floats[n + 2],
-    );
   }
 
   /** Make all bodies report their contacts from now on. */
@@ -185,7 +202,7 @@ class World {
     done(hk.HP_Body_SetShape(handle, shape));
     const squares = brick.size.map((edge) => (edge * edge) / 12), sum = squares[0] + squares[1] + squares[2];
     const mass = [STILL, brick.mass, squares.map((square) => sum - square), [0, 0, 0, 1]]; // inertia for a mass of 1
-    const body = { handle, shape, mass, number: Number(handle[0]), kind };
+    const body = { id, handle, shape, mass, number: Number(handle[0]), kind };
     this.#bodies.set(id, body);
     this.#idAt.set(body.number, id);
     this.#setKind(body, kind);
@@ -245,7 +262,7 @@ function transform(position, [w, x, y, z]) {
   return [position, [x, y, z, w]];
 }
 
-/** Compare the events in memory with the API's functions, for two boxes that touch. */
+/** Compare the events and the state in memory with the API's functions, for two boxes that touch. */
 function checkLayout() {
   const opening = { gravity: [0, 0, -1], friction: 1, scale: 1, ground_half_edges: [1, 1, 1], fixed: [], knobs: {}, sleeping: "off" };
   const world = new World(opening);
@@ -254,9 +271,13 @@ function checkLayout() {
   world.onEvent = (event) => said.push(...world.said(event));
   world.substep(0.01, true);
   const seen = Array.from(world.contacts.numbers()).filter((_, k) => k % 14 < 11);
-  const agree = said.length === seen.length && said.every((x, k) => Math.abs(x - seen[k]) < 1e-6);
-  if (!said.length || !agree) {
-    throw new Error("Havok's events have another layout in memory than adapters/wasm/havok.mjs expects; install its locked version");
+  const state = new Float64Array(STATE_WIDTH);
+  world.writeStates(world.movers(), state, 0);
+  const agree = (a, b) => a.length === b.length && a.every((x, k) => Math.abs(x - b[k]) < 1e-6);
+  if (!said.length || !agree(said, seen) || !agree(world.saidState(0), Array.from(state))) {
+    throw new Error(
+      "Havok's events or states have another layout in memory than adapters/wasm/havok.mjs expects; install its locked version",
+    );
   }
   world.close();
 }

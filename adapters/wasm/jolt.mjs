@@ -5,6 +5,7 @@ import { Rows } from "./rows.mjs";
 
 export const packageFile = "node_modules/jolt-physics/package.json";
 
+const STATE_WIDTH = 13;
 const STATIC_LAYER = 0, MOVING_LAYER = 1;
 const MAX_ANGULAR_VELOCITY = 1000; // [rad/s]; 47 as shipped, which slows down bricks that topple fast
 const MAX_LINEAR_VELOCITY = 500; // [m/s], as shipped, in a world of scale 1
@@ -24,7 +25,7 @@ export async function load() {
 
 class World {
   contacts = new Rows();
-  #bodies = new Map(); // by id: { body, id, address, mass }
+  #bodies = new Map(); // by id: { id, body, handle, address, motion }
   #idAt = new Map(); // id of a body, by its address
   #movers = null;
   #forces = new Map();
@@ -109,7 +110,7 @@ class World {
   }
 
   movers() {
-    this.#movers ??= [...this.#bodies.keys()].filter((id) => !this.#bodies.get(id).body.IsStatic()).sort((a, b) => a - b);
+    this.#movers ??= [...this.#bodies.values()].filter(({ body }) => !body.IsStatic()).sort((a, b) => a.id - b.id);
     return this.#movers;
   }
 
@@ -124,20 +125,23 @@ class World {
     return (performance.now() - begin) / 1e3;
   }
 
-  writeState(id, numbers, place) {
-    const { address, motion } = this.#bodies.get(id);
-    const floats = Jolt.HEAPF32, at = address / 4 + BODY.position, turn = address / 4 + BODY.rotation;
-    const linear = motion / 4 + MOTION.linear, angular = motion / 4 + MOTION.angular;
-    for (let k = 0; k < 3; k++) {
-      numbers[place + k] = floats[at + k];
-      numbers[place + 4 + k] = floats[turn + k];
-      numbers[place + 7 + k] = floats[linear + k];
-      numbers[place + 10 + k] = floats[angular + k];
+  writeStates(bodies, numbers, place) {
+    const floats = Jolt.HEAPF32;
+    for (const { address, motion } of bodies) {
+      const at = address / 4 + BODY.position, turn = address / 4 + BODY.rotation;
+      const linear = motion / 4 + MOTION.linear, angular = motion / 4 + MOTION.angular;
+      for (let k = 0; k < 3; k++) {
+        numbers[place + k] = floats[at + k];
+        numbers[place + 4 + k] = floats[turn + k];
+        numbers[place + 7 + k] = floats[linear + k];
+        numbers[place + 10 + k] = floats[angular + k];
+      }
+      numbers[place + 3] = floats[turn + 3];
+      place += STATE_WIDTH;
     }
-    numbers[place + 3] = floats[turn + 3];
   }
 
-  /** Return the numbers of writeState from Jolt's functions, which take ten times as long as memory. */
+  /** Return the numbers of writeStates for a body from Jolt's functions, which take ten times as long as memory. */
   saidState(id) {
     const { body } = this.#bodies.get(id);
     const p = vectorOf(body.GetPosition()), q = body.GetRotation();
@@ -184,7 +188,7 @@ class World {
     const handle = body.GetID(), address = Jolt.getPointer(body);
     this.interface.AddBody(handle, Jolt.EActivation_Activate);
     this.#idAt.set(address, id);
-    return { body, handle, address, motion: Jolt.HEAPU32[address / 4 + BODY.motion] };
+    return { id, body, handle, address, motion: Jolt.HEAPU32[address / 4 + BODY.motion] };
   }
 
   #listener() {
@@ -200,15 +204,15 @@ class World {
   /** Record the points of a manifold, given its address in 32-bit words. */
   #list(a, b, manifold) {
     const floats = Jolt.HEAPF32, count = Jolt.HEAPU32[manifold + MANIFOLD.count1];
-    const [x, y, z] = floats.subarray(manifold + MANIFOLD.base, manifold + MANIFOLD.base + 3);
-    const [nx, ny, nz] = floats.subarray(manifold + MANIFOLD.normal, manifold + MANIFOLD.normal + 3);
+    const base = manifold + MANIFOLD.base, normal = manifold + MANIFOLD.normal;
+    const x = floats[base], y = floats[base + 1], z = floats[base + 2];
     for (let k = 0; k < count; k++) {
       const on1 = manifold + MANIFOLD.points1 + 4 * k, on2 = manifold + MANIFOLD.points2 + 4 * k;
       this.contacts.add(
         a, b,
         x + floats[on1], y + floats[on1 + 1], z + floats[on1 + 2],
         x + floats[on2], y + floats[on2 + 1], z + floats[on2 + 2],
-        nx, ny, nz,
+        floats[normal], floats[normal + 1], floats[normal + 2],
       );
     }
   }
@@ -276,8 +280,8 @@ function checkLayout() {
   };
   world.substep(0.01, true);
   const seen = Array.from(world.contacts.numbers()).filter((_, k) => k % 14 > 1 && k % 14 < 11);
-  const state = new Float64Array(13);
-  world.writeState(0, state, 0);
+  const state = new Float64Array(STATE_WIDTH);
+  world.writeStates(world.movers(), state, 0);
   const said = world.saidState(0);
   const close = (a, b) => a.length === b.length && a.every((x, k) => Math.abs(x - b[k]) < 1e-5);
   if (!reported.length || !close(reported, seen) || !close(said, Array.from(state))) {

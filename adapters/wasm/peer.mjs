@@ -3,16 +3,18 @@
 // An engine's module exports `load()`, which returns a function that opens a world. A world has
 //   - the commands spawn(id, brick, isMoved), remove, move, push, press, drive, turnGravity, freeze and unfreeze;
 //   - substep(seconds, isRead), which returns the duration [s] of the engine's own step;
-//   - movers(), which returns the ids of live and moved bodies, in rising order;
-//   - writeState(id, numbers, place), which writes the 13 numbers of a body's state into `numbers` from index `place`;
+//   - movers(), which returns the live and moved bodies by rising id, each an object with its `id`;
+//   - writeStates(bodies, numbers, place), which writes the 13 numbers of each body's state into `numbers` from `place`;
 //   - contacts, a Rows of 14 columns;
 //   - close().
 
-import { readFileSync, readSync, writeSync } from "node:fs";
+import { readFileSync } from "node:fs";
+import { Answer, Question } from "./message.mjs";
 
 const HELLO = 1, OPEN = 2, STEP = 3, ERROR = 4;
 const COMMAND_WIDTH = 13, STATE_WIDTH = 13, CONTACT_WIDTH = 14;
-const HEAD = 5;
+const HEAD = 5; // count of numbers before the ids in the answer to a step
+const NONE = new Float64Array(0);
 const COMMANDS = [
   null,
   (world, id, words) => world.spawn(id, brickOf(words), false),
@@ -31,66 +33,35 @@ function brickOf(words) {
   return { size: words.slice(0, 3), mass: words[3], position: words.slice(4, 7), quaternion: words.slice(7, 11) };
 }
 
-/** Read exactly `length` bytes; return null at the end of stdin. */
-function read(bytes, length) {
-  for (let have = 0; have < length; ) {
-    const count = readSync(0, bytes, have, length - have, null);
-    if (!count) return null;
-    have += count;
+const question = new Question(), answer = new Answer();
+
+/** Play the step in `question`, write its answer from the second number of `answer`, and return the count of numbers. */
+function step(world) {
+  const given = question.words;
+  const seconds = given[1], substeps = given[2], isRead = given[3] === 1, commands = given[4];
+  for (let k = 0, place = 5; k < commands; k++, place += COMMAND_WIDTH) {
+    COMMANDS[given[place]](world, given[place + 1], Array.from(given.subarray(place + 2, place + COMMAND_WIDTH)));
   }
-  return bytes;
-}
-
-function write(bytes) {
-  for (let sent = 0; sent < bytes.length; ) sent += writeSync(1, bytes, sent, bytes.length - sent);
-}
-
-function answer(kind, body) {
-  const message = Buffer.allocUnsafe(8 + body.byteLength);
-  message.writeUInt32LE(body.byteLength, 0);
-  message.writeUInt32LE(kind, 4);
-  message.set(new Uint8Array(body.buffer, body.byteOffset, body.byteLength), 8);
-  write(message);
-}
-
-/** Buffer of the answer to a step, reused for every step. */
-let reply = new Float64Array(1 << 12);
-
-function withRoom(length) {
-  if (length > reply.length) {
-    const larger = new Float64Array(2 * length);
-    larger.set(reply);
-    reply = larger;
-  }
-  return reply;
-}
-
-function step(world, words) {
-  const [seconds, substeps, isRead, commands] = words;
-  for (let k = 0; k < commands; k++) {
-    const command = words.subarray(4 + COMMAND_WIDTH * k, 4 + COMMAND_WIDTH * (k + 1));
-    COMMANDS[command[0]](world, command[1], Array.from(command.subarray(2)));
-  }
-  const ids = world.movers();
-  const blocks = isRead ? substeps + 1 : 1;
-  const end = HEAD + ids.length + blocks * ids.length * STATE_WIDTH;
-  let place = withRoom(end).length && HEAD + ids.length;
-  const record = () => {
-    for (const id of ids) {
-      world.writeState(id, reply, place);
-      place += STATE_WIDTH;
-    }
-  };
+  const bodies = world.movers(), blocks = isRead ? substeps + 1 : 1, block = bodies.length * STATE_WIDTH;
+  const first = 1 + HEAD + bodies.length, end = first + blocks * block;
+  answer.enlarge(end);
   let own = 0;
   for (let k = 0; k < substeps; k++) {
-    if (isRead) record();
+    if (isRead) world.writeStates(bodies, answer.words, first + k * block);
     own += world.substep(seconds, isRead && k === substeps - 1);
   }
-  record();
-  const points = isRead ? world.contacts.numbers() : [];
-  withRoom(end + points.length).set(points, end);
-  reply.set([own, ids.length, blocks, points.length / CONTACT_WIDTH, 0, ...ids]);
-  return reply.subarray(0, end + points.length);
+  world.writeStates(bodies, answer.words, end - block);
+  const points = isRead ? world.contacts.numbers() : NONE;
+  answer.enlarge(end + points.length);
+  const words = answer.words;
+  words.set(points, end);
+  words[1] = own;
+  words[2] = bodies.length;
+  words[3] = blocks;
+  words[4] = points.length / CONTACT_WIDTH;
+  words[5] = 0;
+  for (let k = 0; k < bodies.length; k++) words[1 + HEAD + k] = bodies[k].id;
+  return end + points.length;
 }
 
 console.log = console.info = console.debug = console.error; // because engines print to stdout, which carries the protocol
@@ -107,22 +78,19 @@ const open = await load();
 const hello = JSON.parse(readFileSync(new URL(`${name}.json`, folder), "utf8"));
 hello.version = JSON.parse(readFileSync(new URL(packageFile, folder), "utf8")).version;
 
-const header = Buffer.alloc(8);
 let world = null;
-while (read(header, 8)) {
-  const length = header.readUInt32LE(0), kind = header.readUInt32LE(4);
-  const body = read(new Uint8Array(length), length);
-  if (body === null) break;
+while (question.read()) {
+  const { kind } = question;
   try {
-    if (kind === HELLO) answer(kind, Buffer.from(JSON.stringify(hello)));
+    if (kind === STEP) answer.write(kind, step(world));
+    else if (kind === HELLO) answer.writeText(kind, JSON.stringify(hello));
     else if (kind === OPEN) {
       world?.close();
-      world = open(JSON.parse(Buffer.from(body).toString()));
-      answer(kind, Buffer.from("{}"));
-    } else if (kind === STEP) answer(kind, step(world, new Float64Array(body.buffer)));
-    else throw new Error(`unknown message of kind ${kind}; send kind ${HELLO}, ${OPEN} or ${STEP}`);
+      world = open(JSON.parse(question.text));
+      answer.writeText(kind, "{}");
+    } else throw new Error(`unknown message of kind ${kind}; send kind ${HELLO}, ${OPEN} or ${STEP}`);
   } catch (error) {
-    answer(ERROR, Buffer.from(JSON.stringify({ message: String(error?.message ?? error) })));
+    answer.writeText(ERROR, JSON.stringify({ message: String(error?.message ?? error) }));
   }
 }
 process.exit(0);

@@ -3,7 +3,7 @@
 const WIDTH = 14;
 
 export class Rows {
-  #numbers = new Float64Array(WIDTH << 8);
+  #numbers = new Float64Array(WIDTH << 10); // zeros, which the forces remain
   #length = 0;
 
   clear() {
@@ -17,7 +17,18 @@ export class Rows {
       larger.set(this.#numbers);
       this.#numbers = larger;
     }
-    this.#numbers.set([a, b, ax, ay, az, bx, by, bz, nx, ny, nz, 0, 0, 0], this.#length);
+    const numbers = this.#numbers, k = this.#length; // number by number, because an array for each row takes longer
+    numbers[k] = a;
+    numbers[k + 1] = b;
+    numbers[k + 2] = ax;
+    numbers[k + 3] = ay;
+    numbers[k + 4] = az;
+    numbers[k + 5] = bx;
+    numbers[k + 6] = by;
+    numbers[k + 7] = bz;
+    numbers[k + 8] = nx;
+    numbers[k + 9] = ny;
+    numbers[k + 10] = nz;
     this.#length += WIDTH;
   }
 
