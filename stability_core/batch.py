@@ -29,7 +29,8 @@ class Change(NamedTuple):
 
 UNCHANGED = Change((), (), {})
 DRAGGED_ALONG = 3
-"""Number of contacts, counted from a body that a blow throws away, within which frozen bodies unfreeze with it."""
+"""Number of contacts, counted from a body that a blow throws away, within which frozen bodies unfreeze with that body.
+"""
 
 
 def unfreeze(world: World, row: int) -> None:
@@ -64,7 +65,7 @@ class Batch:
     def wake_above(self, roots: IntArray, reason: str) -> None:
         """Unfreeze the ``roots``, shape (k,), and the bodies on them.
 
-        The batch does not send a body to the engine that it froze in the same frame.
+        If the batch froze a body in the same frame, the batch sends neither the sleep nor the wake to the engine.
         """
         graph = self._world.graph
         for row in with_all_above(graph, roots).tolist():
@@ -117,7 +118,7 @@ class Batch:
         return Change(frozen, woken, asleep | awake if woken else asleep, later)
 
     def _by_id(self, reasons: Mapping[int, str]) -> dict[int, str]:
-        """Return the ``reasons``, which are by row, by body id, in rising order of the ids."""
+        """Convert the keys of ``reasons`` from rows to body ids; return the result in rising order of the ids."""
         if not reasons:
             return {}
         ids = self._world.ids

@@ -27,8 +27,8 @@ AHEAD = 1.5
 """Time [frames] within which a gap must close to count as a blow: one frame, and half a frame because bodies
 accelerate."""
 SIDEWAYS = 0.3
-"""Vertical component of a unit normal up to which a blow counts as sideways. Above this value, the supports of the
-struck body take the blow."""
+"""Vertical component of a unit normal up to which a blow counts as sideways, because above this value the supports of
+the struck body take the blow."""
 
 
 class Blow(NamedTuple):

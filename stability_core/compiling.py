@@ -35,9 +35,11 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
     _COMPILED.add(policy)
     begin = time.perf_counter()
     if NOT_KEPT:
-        _LOG.warning("compiled kernels cannot be kept: set NUMBA_CACHE_DIR to a folder that can be written")
+        _LOG.warning(
+            "Numba cannot cache compiled kernels: set NUMBA_CACHE_DIR to a folder in which you can write files"
+        )
     elif not _is_kept(observe):
-        _LOG.warning("compiling for policy %r: a minute or two, once per version", policy)
+        _LOG.warning("compiling the kernels of policy %r, which takes one to two minutes, once per version", policy)
     try:
         _play(extension_of)
     except (ImportError, AttributeError):  # an earlier version's kernel names a module or a class that was removed
@@ -45,7 +47,7 @@ def compile_policy(policy: str, extension_of: Callable[[ScriptedPort], ScriptedE
         _play(extension_of)
     seconds = time.perf_counter() - begin
     if seconds > _SILENT_S:
-        _LOG.warning("compiled for policy %r in %.0f s, once per version", policy, seconds)
+        _LOG.warning("compiled the kernels of policy %r in %.0f s, once per version", policy, seconds)
     return seconds
 
 
@@ -55,7 +57,7 @@ def _play(extension_of: Callable[[ScriptedPort], ScriptedExtension]) -> None:
 
 
 def _is_kept(kernel: Any) -> bool:
-    """Return whether a kernel is in the cache on disk, in this version or an earlier one."""
+    """Return whether a kernel is in the cache on disk, in this version or an earlier version."""
     folder = Path(kernel.stats.cache_path or "")
     return any(folder.glob(f"*.{kernel.py_func.__qualname__}-*.nbi"))
 

@@ -1,7 +1,7 @@
 """Filter contacts: drop fast impacts and gaps, and decide by the normal which body stands on which.
 
-The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs. They decide nothing,
-because the tests examine only bodies that touch the stack, but they show which bodies lie on a live load.
+The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show
+which bodies lie on a live load. These pairs decide nothing, because the tests examine only bodies that touch the stack.
 """
 
 from __future__ import annotations

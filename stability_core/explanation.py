@@ -23,21 +23,21 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
     if row["state"] == FROZEN:
         return f"frozen: {reason}"
     if row["state"] == FIXED:
-        return "moved by the host: it keeps its place, and counts as ground"
+        return "moved by the host: the body keeps its place, and counts as ground"
     if row["state"] == MOVING:
-        return f"moved by the host: nothing freezes on it until it has kept its place for {settings.still_s:g} s"
+        return f"moved by the host: no body freezes on it until it has kept its place for {settings.still_s:g} s"
     if row["held"]:
-        return "held by the user: it may freeze once it is released"
+        return "held by the user: the body may freeze after its release"
     if not row["touches"]:
         return (
-            "touches live bodies only: none of them is frozen yet"
+            "touches live bodies only: none of these bodies is frozen yet"
             if row["neighbours"]
             else "touches nothing, and falls"
         )
     if row["unsettled"]:
         return (
-            f"woken ({reason}) and perhaps at the start of a collapse: asked again once it has moved, or been calm for "
-            f"{settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
+            f"unfrozen ({reason}) and perhaps at the start of a collapse: judged again after the body has moved, or "
+            f"has been calm for {settings.calm_s:g} s (so far {row['lean_s']:.2f} s)"
         )
     return _why_not_at_rest(row, settings, gravity, dt) or _why_refused(row, settings)
 
@@ -47,9 +47,9 @@ def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) ->
     if max(row["rest_s"] - settings.rest_s, row["still_s"] - settings.still_s) >= -ROUNDING_S:
         return ""
     if not np.isfinite(row["speed"]):
-        return "" if row["refusal"] else "seen for the first time: its speed is not known yet"
+        return "" if row["refusal"] else "listed for the first time: the speed of the body is not known yet"
     size, fall_speed = row["size"], np.sqrt(gravity * row["size"])
-    in_place = f"; in its place for {row['still_s']:.2f} s of {settings.still_s:g} s"
+    in_place = f"; has kept its place for {row['still_s']:.2f} s of {settings.still_s:g} s"
     if row["speed"] > settings.rest_speed * fall_speed:
         limit = _millimetres(settings.rest_speed * fall_speed)
         return f"moves at {_millimetres(row['speed'])}/s, above {limit}/s{in_place}"
@@ -69,13 +69,13 @@ def _why_not_at_rest(row: Any, settings: Settings, gravity: float, dt: float) ->
 def _why_refused(row: Any, settings: Settings) -> str:
     """Return why the policy did not freeze a body at rest."""
     if row["refusal"] == TOPPLES:
-        return "topples: its centre of mass lies outside what it stands on"
+        return "topples: the centre of mass lies outside the contact area"
     if row["refusal"] == FALLS:
-        return "falls: no contact forces hold it in the stack"
+        return "falls: no contact forces hold the body in the stack"
     if row["refusal"] == DOUBTED:
         return (
-            f"in doubt: forces could hold it, but would not arise by themselves; frozen once it has kept its place for "
-            f"{settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
+            "in doubt: contact forces could hold the body, but would not arise by themselves; freezes after it has "
+            f"kept its place for {settings.doubt_s:g} s (so far {row['steady_s']:.2f} s)"
         )
     return "at rest, but the policy did not find it stable"
 

@@ -27,7 +27,7 @@ from stability_core.upright import checked_gravity
 from stability_core.validation import check_shapes, checked_removals
 from stability_core.world import World
 
-CLOSED = "this extension is closed: make a new StabilityExtension for the port"
+CLOSED = "this extension is closed: create a new StabilityExtension for the port"
 MOMENT_S = 1e-9
 """Time [s] of an update without a step, so short that any motion since the last update counts as fast."""
 
@@ -64,7 +64,7 @@ class StabilityExtension:
         Args:
             port: the core's view of the engine.
             policy: a name of ``POLICIES``, or a policy of your own.
-            gravity: [m/s2], in any direction; it may change at any time, see ``StabilityExtension.gravity``.
+            gravity: gravity [m/s2], in any direction. Assign ``StabilityExtension.gravity`` when gravity changes.
             settings: the tolerances.
 
         Raises:
@@ -86,7 +86,7 @@ class StabilityExtension:
         self._news: dict[int, str] = {}
         """Rows of bodies disturbed or unfrozen by the host since the last update, with the reason."""
         self._is_pending = False
-        """True if something changed since the last update that no contact shows."""
+        """True if a change since the last update shows in no contact."""
         self._leaving: list[int] = []
         """Bodies removed by the host since the last update."""
         self._left: frozenset[int] = frozenset()
@@ -126,7 +126,7 @@ class StabilityExtension:
         self._gravity = checked_gravity(gravity)
 
     def __enter__(self) -> Self:
-        """Return the extension, which is closed at the end of the ``with`` block."""
+        """Return the extension. ``__exit__`` closes the extension at the end of the ``with`` block."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -199,9 +199,9 @@ class StabilityExtension:
     def update(self, dt: float) -> Change:
         """Read the world after a step of ``dt`` seconds; freeze and unfreeze bodies.
 
-        The cost depends on the live bodies and the changes, not on the number of frozen bodies; it is negligible while
-        nothing is live. If the call raises, nothing changes, except that a port whose ``sleep`` or ``wake`` raised may
-        have carried out a part of the batch; the next update repeats that batch.
+        The cost depends on the live bodies and the changes, not on the number of frozen bodies. The cost is negligible
+        while no body is live. If the call raises, nothing changes, except that a port whose ``sleep`` or ``wake``
+        raised may have carried out a part of the batch; the next update repeats that batch.
 
         Raises:
             ValueError: if dt is not positive, or the port returns malformed contacts or masses.
@@ -209,7 +209,7 @@ class StabilityExtension:
         """
         self._check_open()
         if not 0.0 < dt < math.inf:
-            raise ValueError(f"dt must be a positive time in seconds, got {dt}")
+            raise ValueError(f"dt must be positive [s], got {dt}: pass the length of the step")
         self._dt = dt
         seen = self._look(dt)
         if seen is None:

@@ -54,7 +54,7 @@ def _twice_area(hull: FloatArray) -> float:
 
 @compiled
 def _thinned(hull: FloatArray) -> FloatArray:
-    """Return the hull (k, 3) with fewer vertices, without those that add the least area.
+    """Return the hull (k, 3) without the vertices that add the least area.
 
     At most MAX_VERTICES remain. While more than four vertices remain, the function also drops a vertex that adds less
     than ``NEGLIGIBLE`` of the area.

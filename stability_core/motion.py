@@ -183,7 +183,7 @@ def list_due(
 ) -> tuple[int, int]:
     """List the bodies whose stability must be decided now; return the lengths of both lists.
 
-    A body that was not frozen is tested again
+    The function lists a body that the policy did not freeze again
 
     - in the next frame, if it was deferred;
     - every ``rest_s``, if it was refused;

@@ -72,13 +72,14 @@ class Contacts:
 class Masses:
     """Mass and centre of mass of the live bodies, and the bodies that have left the world.
 
-    The port may leave out frozen bodies, because they do not move and the core remembers them. If a listed frozen body
-    has moved, it is live from then on. If its mass has changed, the core judges the stack with the new mass.
+    The port may leave out frozen bodies, because they do not move and the core remembers them. A listed frozen body
+    that has moved is live from then on. If the mass of a frozen body has changed, the core judges the stack with the
+    new mass.
 
     A body that the host moves has infinite mass. List it in every frame, also while nothing else is live, so that the
-    core sees its motion. While it keeps its place it counts as ground; when it begins to move, all bodies on it
-    unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at its contacts with
-    frozen bodies (``Contacts.relative_velocity``); if the engine lists no such contacts, pass the body to
+    core sees its motion. While the body keeps its place, it counts as ground; when the body begins to move, all bodies
+    on it unfreeze. A body that moves in its place, such as a belt or a turntable, must show this motion at its contacts
+    with frozen bodies (``Contacts.relative_velocity``); if the engine lists no such contacts, pass the body to
     ``StabilityExtension.wake``.
     """
 

@@ -69,10 +69,13 @@ def check_port(port: StabilityPort, step: Step, frames: int = 120) -> list[str]:
     lines = [
         f"arrays, ids, masses and contacts of {frames} frames are well formed",
         f"body {body} rests on the ground: normals point from a to b, separations are distances",
-        f"it is seen to touch the ground in {points} point{'s' * (points != 1)} a frame",
+        f"body {body} touches the ground in {points} contact point{'s' * (points != 1)} in the last frame",
     ]
     if points < 3:
-        lines.append("with fewer than 3 the core unites the points of 0.1 s: list all that the engine has")
+        lines.append(
+            "with fewer than 3 contact points per frame, the core unites the points of 0.1 s: list all contact "
+            "points of the engine"
+        )
     return lines + _check_sleep(port, step, body, size)
 
 
@@ -97,8 +100,9 @@ def _check_arrays(contacts: Contacts, masses: Masses, frame: int) -> None:
         unknown = named[~np.isin(named, [*values.tolist(), GROUND])]
         if len(unknown):
             raise ValueError(
-                f"contacts name body {unknown[0]}, which masses() does not list while nothing sleeps: give what never "
-                f"moves the id {GROUND}, and list all that moves"
+                f"contacts() names body {unknown[0]}, but masses() does not list this body, although no body is "
+                f"frozen: give bodies that never move the id {GROUND} in contacts(), and list all other bodies in "
+                "masses()"
             )
     except ValueError as error:
         raise PortError(f"frame {frame}: {error}") from error
@@ -129,13 +133,13 @@ def _resting_body(contacts: Contacts, before: Masses | None, masses: Masses) -> 
             best, found, best_size = moved, body, size
     if found < 0:
         raise PortError(
-            f"no contact with the ground at the end: give floors, walls and tables the id {GROUND} in contacts(), and "
-            "let a body lie on them"
+            "contacts() lists no contact with the ground in the last frame: give floors, walls and tables the id "
+            f"{GROUND} in contacts(), and let a body lie on the ground"
         )
     if best > STOPPED:
         raise PortError(
-            f"nothing is at rest on the ground: body {found} still moves by {1e3 * best * best_size:.2g} mm a frame; "
-            "wait for more frames, or look at the units of center_of_mass (metres)"
+            f"no body is at rest on the ground: body {found} still moves by {1e3 * best * best_size:.2g} mm per frame; "
+            "check more frames, or give center_of_mass in metres"
         )
     return found, best_size
 
@@ -152,20 +156,24 @@ def _check_resting_contacts(contacts: Contacts, masses: Masses, body: int, size:
     known = separation[np.isfinite(separation)]
     if len(known) and np.abs(known).min() > APART * size:
         raise PortError(
-            f"body {body} rests on the ground, but its contacts there have separations of {known.round(6).tolist()} m: "
-            "give the signed distance in metres, negative in overlap, or NaN if the engine does not report it"
+            f"body {body} rests on the ground, so that its separations there must be near 0 m, got "
+            f"{known.round(6).tolist()} m: give the signed distance in metres, negative for an overlap, or NaN if the "
+            "engine does not report the distance"
         )
     if not (contacts.friction[rows] > 0.0).any():
         raise PortError(
-            f"body {body} touches the ground without friction: give the Coulomb coefficient of the pair, which engines "
-            "combine from those of both bodies"
+            f"friction of body {body} with the ground must be above 0, got 0 at every contact point: give the Coulomb "
+            "coefficient of the pair, which the engine combines from the coefficients of both bodies"
         )
 
 
 def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> list[str]:
     before = _row_of(port.masses(), body)
     if before is None:
-        raise PortError(f"masses() does not list body {body}, which is live, if it is called twice")
+        raise PortError(
+            f"a second call of masses() in one frame must list the live body {body}, but does not: return the same "
+            "bodies in each call"
+        )
     lines = []
     port.sleep((body,))
     port.sleep((body,))  # frozen already: must do nothing
@@ -174,27 +182,35 @@ def _check_sleep(port: StabilityPort, step: Step, body: int, size: float) -> lis
         seen = _row_of(port.masses(), body)
         if seen is not None and np.abs(seen[1] - before[1]).max() > SAME * size:
             raise PortError(
-                f"body {body} moved by {1e3 * np.linalg.norm(seen[1] - before[1]):.2g} mm while it slept: sleep() must "
-                "fix it, for instance by infinite mass, or as a static body"
+                f"body {body} must not move after sleep(), but moved by "
+                f"{1e3 * np.linalg.norm(seen[1] - before[1]):.2g} mm: make the body static in sleep(), or give it "
+                "infinite mass"
             )
     if seen is None:
-        lines.append("masses() leaves sleeping bodies out: whether they keep their place was seen when it woke")
+        lines.append(
+            "masses() leaves out frozen bodies, so that the check compared the position of the body only after wake()"
+        )
     port.wake((body,))
     step()
     woken = _row_of(port.masses(), body)
     if woken is None:
-        raise PortError(f"masses() does not list body {body} after wake(): list all live bodies")
+        raise PortError(f"masses() must list body {body} after wake(), but does not: list all live bodies")
     if abs(woken[0] - before[0]) > SAME * before[0]:
         raise PortError(
-            f"body {body} had {before[0]:g} kg and has {woken[0]:g} kg after it slept: wake() must restore it"
+            f"body {body} must have its former mass of {before[0]:g} kg after wake(), got {woken[0]:g} kg: restore the "
+            "mass in wake()"
         )
     apart = float(np.linalg.norm(woken[1] - before[1]))
     if apart > APART * size:
         raise PortError(
-            f"body {body} is {1e3 * apart:.2g} mm from where it was put to sleep, a frame after wake(): sleep() must "
-            "fix it, and wake() hand it back at rest"
+            f"body {body} must keep its place and be at rest after wake(), but is {1e3 * apart:.2g} mm away one frame "
+            "later: keep the body fixed after sleep(), and set its velocity to zero in wake()"
         )
-    return [*lines, f"body {body} slept for {ASLEEP} frames without moving, and woke at rest with its mass"]
+    return [
+        *lines,
+        f"body {body} stayed frozen for {ASLEEP} frames without moving, and was at rest with its former mass "
+        "after wake()",
+    ]
 
 
 def _row_of(masses: Masses, body: int) -> tuple[float, FloatArray] | None:

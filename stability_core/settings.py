@@ -48,116 +48,149 @@ class Settings:
     """
 
     rest_speed: float = _speed(
-        3e-3, "3 mm/s: a dropped brick that still recovers from its impact moves faster than this for some frames"
+        3e-3, "3 mm/s, because a dropped brick that still recovers from its impact moves faster for some frames"
     )
     rest_slip: float = _speed(
-        10e-3, "10 mm/s: sliding at the contacts shows a brick that spins about its centre, whose speed is zero"
+        10e-3, "10 mm/s, because only the sliding at its contacts shows that a brick spins about its centre"
     )
     rest_penetration: float = _length(
-        0.2e-3, "0.2 mm: freezing a brick deeper in its support tilts the next level; 25 levels keep within 5 mm"
+        0.2e-3,
+        "0.2 mm, because a brick that freezes deeper in its support tilts the next level; 25 levels stay within 5 mm",
     )
     rest_sinking: float = _speed(
-        0.1e-3, "0.1 mm/s: a brick whose depth changes more slowly does not recover: its contacts are that soft"
+        0.1e-3,
+        "0.1 mm/s, because a brick whose depth changes more slowly does not recover, since its contacts are soft",
     )
     rest_s: float = _setting(
-        0.1, "s", "a manifold shows 1-2 points a frame; the points of six frames of 1/60 s span the true contact area"
+        0.1,
+        "s",
+        "six frames of 1/60 s, because a manifold shows 1-2 points per frame, and six frames span the true "
+        "contact area",
     )
     still_s: float = _setting(
-        0.5, "s", "a stack that trembles, or whose contacts are soft, is at rest if it has kept its place for so long"
+        0.5,
+        "s",
+        "0.5 s, because a stack that trembles, or has soft contacts, is at rest if it has kept its place for this time",
     )
-    lean_speed: float = _speed(50e-3, "50 mm/s: an inverted V slips away while a stricter rule waits")
-    lean_penetration: float = _length(4e-3, "4 mm: edge contacts of leaning planks recover slowly")
-    lean_s: float = _setting(1 / 30, "s", "one frame of 1/60 s alone may be the turning point of a bounce")
+    lean_speed: float = _speed(50e-3, "50 mm/s, because an inverted V slips away while a stricter rule waits")
+    lean_penetration: float = _length(4e-3, "4 mm, because edge contacts of leaning planks recover slowly")
+    lean_s: float = _setting(
+        1 / 30, "s", "two frames of 1/60 s, because a single frame may be the turning point of a bounce"
+    )
     load_speed: float = _speed(
-        50e-3, "50 mm/s: a live brick slower than this lies on its support; a faster one is still falling on it"
+        50e-3, "50 mm/s, because a slower live brick lies on its support, and a faster brick is still falling"
     )
     load_s: float = _setting(
-        1 / 15, "s", "a brick that lands on two supports touches one of them some frames before the other"
+        1 / 15, "s", "four frames of 1/60 s, because a brick that lands on two supports touches them some frames apart"
     )
     load_shift: float = _length(
-        0.2e-3, "0.2 mm: a live load that moved less than the wake margin cannot upset what balanced before"
+        0.2e-3,
+        "0.2 mm, because a live load that moved less than ``wake_margin`` cannot unbalance a stack that "
+        "balanced before",
     )
-    impact_speed: float = _speed(0.5, "0.5 m/s: a brick let go on its place approaches it more slowly")
+    impact_speed: float = _speed(
+        0.5, "0.5 m/s, because a brick released at its place approaches its support more slowly"
+    )
     impact_frames: float = _setting(
-        3.0, "frames of gravity", "what is let go on its place gains two frames of gravity before the solver stops it"
+        3.0,
+        "frames of gravity",
+        "3 frames, because a brick released at its place falls for two frames before the solver stops the brick",
     )
     slide: float = _length(
-        78e-6, "78 um: a hundredth of a plank's thickness: a blow that moves a brick by less leaves it where it is"
+        78e-6, "78 um, a hundredth of a plank's thickness, because a brick that a blow moves by less keeps its place"
     )
     contact_gap: float = _length(
-        0.5e-3, "0.5 mm: engines report contacts before touch and through thin bricks; those carry nothing"
+        0.5e-3,
+        "0.5 mm, because engines report contacts before touch and through thin bricks, and such contacts carry no load",
     )
     touch_gap: float = _length(
         20e-6,
-        "20 um: friction needs pressure: what is not load-bearing counts only if it overlaps, or gapes by no more than "
-        "the noise of an engine's poses; 0.1 mm let a neighbour's side hold a brick across its gap",
+        "20 um, because friction needs pressure: a contact that is not load-bearing counts only if it overlaps, or if "
+        "its gap is at most the noise of an engine's poses. With 0.1 mm, a neighbour's side held a brick across a gap",
     )
     face_angle: float = _setting(
         math.radians(10),
         "rad",
-        "contact points of a pair belong to one face if their normals differ by less: a box's faces lie 90 deg apart, "
-        "the noise of a normal stays below 1 deg",
+        "10 deg between the normals of two points of one face, because a box's faces differ by 90 deg, and the noise "
+        "of a normal stays below 1 deg",
     )
     point_radius: float = _length(
         5e-6,
-        "5 um: what touches in points and lines alone may lie off them by so much: a sphere's point in single "
-        "precision lies micrometres beside the vertical, where no force could balance it",
+        "5 um, by which the contact point of a body that touches only in points and lines may be off, because in "
+        "single precision a sphere's point lies micrometres beside the vertical, where no force could balance the "
+        "sphere",
     )
     level_tilt: float = _setting(
-        math.radians(2), "rad", "a contact this level is a support even where friction is nil: its noise is no slope"
+        math.radians(2),
+        "rad",
+        "2 deg, because the noise of a normal must not count as a slope, also where friction is zero",
     )
     flat_width: float = _length(
-        1e-3, "1 mm: a contact area narrower than this is an edge: the object stands on it but does not lie flat"
+        1e-3, "1 mm, because a narrower contact area is an edge: a body stands on an edge, but does not lie flat"
     )
     wake_margin: float = _length(
         0.25e-3,
-        "0.25 mm: hysteresis: freezing asks for a centre inside the area, waking for one this far outside",
+        "0.25 mm outside the contact area, as a hysteresis, because a body freezes only if its centre lies inside",
     )
     doubt_s: float = _setting(
         1.0,
         "s",
-        "what statics leaves in doubt is frozen only after the engine itself held it in place for so long; a fall "
-        "from rest that is this slow moves a brick by more than ``steady_shift``",
+        "1 s for which the engine must hold a body in place that statics leaves in doubt, because even a slow fall "
+        "from rest moves a brick by more than ``steady_shift`` in this time",
     )
-    steady_shift: float = _length(0.2e-3, "0.2 mm: a brick that keeps its place moves less than the wake margin")
+    steady_shift: float = _length(
+        0.2e-3, "0.2 mm, because a brick that keeps its place moves less than ``wake_margin``"
+    )
     moving_speed: float = _speed(
-        10e-3, "10 mm/s: a woken brick that was seen faster than this has really moved and may freeze as any other"
+        10e-3,
+        "10 mm/s, because an unfrozen brick that was faster has really moved, and may freeze like any other brick",
     )
     calm_s: float = _setting(
-        0.5, "s", "a woken brick that does not move may be at the start of a collapse, which takes half a second"
+        0.5,
+        "s",
+        "0.5 s, because an unfrozen brick that does not move may be at the start of a collapse, which takes this time",
     )
     gravity_tilt: float = _setting(
         math.radians(0.02),
         "rad",
-        "0.02 deg: less may be the noise of an accelerometer; frozen bodies are judged again once gravity has turned "
-        "by so much in all, which is five times a second at 0.1 deg/s",
+        "0.02 deg, because a smaller turn may be the noise of an accelerometer. The core judges frozen bodies again "
+        "after gravity has turned by this angle in total, five times a second at 0.1 deg/s",
     )
     gravity_change: float = _setting(
         0.01,
         "share of the strength",
-        "statics gives the same verdict at any strength of gravity; limits of speed grow with its square root only",
+        "1 %, because the verdict of statics does not depend on the strength of gravity, and limits of speed grow "
+        "only with its square root",
     )
 
     budget: float = _setting(
         24.0,
         "bodies a frame",
-        "candidates are deferred to the next frame once statics was solved for so many bodies, which takes some "
-        "milliseconds; ``adopt`` knows no budget",
+        "24 bodies, because statics of 24 bodies takes some milliseconds: the core defers further candidates to the "
+            "next frame. ``adopt`` has no budget",
     )
     longest_calm_s: float = _setting(
-        4.0, "s", "what is woken again and again waits twice as long each time, up to this: a pile that is built moves"
+        4.0,
+        "s",
+        "4 s, because a pile that still grows keeps moving: a body that unfreezes repeatedly waits twice as "
+        "long each time, up to this time",
     )
-    flight_speed: float = _speed(0.3, "0.3 m/s: a body this fast comes to rest elsewhere: its wakes are forgotten")
+    flight_speed: float = _speed(
+        0.3, "0.3 m/s, because a faster body comes to rest elsewhere: the core forgets how often the body was unfrozen"
+    )
 
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
             if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):
-                raise ValueError(f"setting {item.name} must be a number, got {value!r}")
+                raise ValueError(f"setting {item.name} must be a number, got {value!r}: pass a float")
             if not (math.isfinite(value) and value >= 0):
-                raise ValueError(f"setting {item.name} must be finite and not negative, got {value}")
+                raise ValueError(f"setting {item.name} must be finite and at least 0, got {value}")
         if self.rest_s == 0:
-            raise ValueError("setting rest_s must be above 0 s: it is also the pace at which bodies are asked again")
+            raise ValueError(
+                "setting rest_s must be above 0 s, got 0: rest_s is also the interval at which the core judges a "
+                "refused body again"
+            )
 
     @property
     def longest_dwell(self) -> float:

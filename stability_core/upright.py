@@ -46,7 +46,7 @@ def checked_gravity(gravity: Sequence[float]) -> tuple[float, float, float]:
 
 
 class Upright:
-    """One gravity, and the rotation from the world to the upright frame."""
+    """A gravity vector, and the rotation from the world to the upright frame."""
 
     def __init__(self, gravity: tuple[float, float, float]) -> None:
         """Derive the upright frame.

@@ -87,7 +87,9 @@ def check_ids(name: str, ids: object) -> None:
         return
     kind = getattr(dtype, "kind", None)
     if kind is None:
-        raise ValueError(f"{name} must be a NumPy array of integers, got {type(ids).__name__}")
+        raise ValueError(
+            f"{name} must be a NumPy array of integers, got {type(ids).__name__}: convert it with numpy.asarray"
+        )
     if kind not in "iu" and len(ids):  # type: ignore[arg-type]  # an empty list makes an array of floats
         raise ValueError(f"{name} must hold integers, got an array of {ids.dtype}: convert it with .astype(np.int64)")  # type: ignore[attr-defined]
 
@@ -103,9 +105,14 @@ def checked_removals(removed: Iterable[object]) -> list[int]:
         try:
             ids.append(operator.index(body))  # type: ignore[arg-type]
         except TypeError:
-            raise ValueError(f"masses.removed must hold integer ids, got {body!r}") from None
+            raise ValueError(
+                f"masses.removed must hold integer ids, got {body!r}: list the ids of removed bodies"
+            ) from None
         if ids[-1] < 0:
-            raise ValueError(f"masses.removed must hold ids from 0, got {body}: the ground cannot be removed")
+            raise ValueError(
+                f"masses.removed must hold ids of at least 0, got {body}: list only bodies, because the port cannot "
+                "remove the ground"
+            )
     return ids
 
 
@@ -121,44 +128,60 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
     arrays |= {f"masses.{name}": getattr(masses, name) for name in ("body", "mass", "center_of_mass")}
     for name, array in arrays.items():
         if not isinstance(array, np.ndarray):
-            raise ValueError(f"{name} must be a NumPy array, got {type(array).__name__}")
+            raise ValueError(f"{name} must be a NumPy array, got {type(array).__name__}: convert it with numpy.asarray")
         if array.dtype.kind not in "iuf":
-            raise ValueError(f"{name} must hold numbers, got an array of {array.dtype}")
+            raise ValueError(
+                f"{name} must hold numbers, got an array of {array.dtype}: convert it with .astype(np.float64)"
+            )
     n, m = len(contacts.body_a), len(masses.body)
     if not contacts.point.shape == contacts.normal.shape == contacts.relative_velocity.shape == (n, 3):
-        raise ValueError(f"contacts.point, normal and relative_velocity must have shape ({n}, 3), as body_a has {n}")
+        raise ValueError(
+            f"contacts.point, normal and relative_velocity must each have shape ({n}, 3), because contacts.body_a "
+            f"has {n} rows; got {contacts.point.shape}, {contacts.normal.shape} and "
+            f"{contacts.relative_velocity.shape}"
+        )
     if not contacts.body_b.shape == contacts.separation.shape == contacts.friction.shape == (n,):
-        raise ValueError(f"contacts.body_b, separation and friction must have shape ({n},), as body_a has {n}")
+        raise ValueError(
+            f"contacts.body_b, separation and friction must each have shape ({n},), because contacts.body_a has "
+            f"{n} rows; got {contacts.body_b.shape}, {contacts.separation.shape} and {contacts.friction.shape}"
+        )
     if contacts.force is not None and contacts.force.shape != (n, 3):
         raise ValueError(
-            f"contacts.force must have shape ({n}, 3), as body_a has {n}, or be None, got {contacts.force.shape}"
+            f"contacts.force must be None or have shape ({n}, 3), because contacts.body_a has {n} rows; got "
+            f"{contacts.force.shape}"
         )
     if masses.mass.shape != (m,) or masses.center_of_mass.shape != (m, 3):
-        raise ValueError(f"masses.mass must have shape ({m},) and center_of_mass ({m}, 3), as body has {m}")
+        raise ValueError(
+            f"masses.mass must have shape ({m},), and masses.center_of_mass ({m}, 3), because masses.body has {m} "
+            f"rows; got {masses.mass.shape} and {masses.center_of_mass.shape}"
+        )
 
 
 def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueError:
     """Return the error for a malformed row, which names its content and the fix."""
     if fault == BAD_MASS:
         return ValueError(
-            f"masses row {row}: body {masses.body[row]} needs an id from 0, a positive mass and a finite "
+            f"masses row {row}: body {masses.body[row]} needs an id of at least 0, a positive mass and a finite "
             f"centre, got {masses.mass[row]} kg at {masses.center_of_mass[row]}"
         )
     if fault == LISTED_TWICE:
-        return ValueError(f"masses row {row}: body {masses.body[row]} is listed twice")
+        return ValueError(
+            f"masses row {row}: body {masses.body[row]} must have one row, but is listed twice: list each body once"
+        )
     pair = f"contact {row} joins bodies {contacts.body_a[row]} and {contacts.body_b[row]}"
     if fault == UNKNOWN_BODY:
         return ValueError(
-            f"{pair}, one of which masses() has never listed, or which was removed: list every body before its "
-            "contacts; if an earlier extension on this port froze it, close() that extension first"
+            f"{pair}, but masses() never listed one of these bodies, or listed it as removed: list every body in "
+            "masses() when its contacts begin. If an earlier extension on this port froze the body, call close() of "
+            "that extension first"
         )
     if fault == FLIPPED:
         return ValueError(
-            f"{pair}, and like every contact with the ground it pushes its body down from below: "
-            f"normals must point from body_a to body_b, flip their sign (got {contacts.normal[row]})"
+            f"{pair}, and the normals of all contacts with the ground push the bodies down from below: normals must "
+            f"point from body_a to body_b, got {contacts.normal[row]}: change the sign of all normals"
         )
     return ValueError(
-        f"{pair}: it needs two different ids (-1 for the ground, or from 0), a finite point, a unit normal and "
-        f"a friction >= 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, "
-        f"friction {contacts.friction[row]}"
+        f"{pair}: a contact needs two different ids (-1 for the ground, or at least 0), a finite point, a unit normal "
+        f"and a friction of at least 0, got point {contacts.point[row]}, normal {contacts.normal[row]}, friction "
+        f"{contacts.friction[row]}"
     )

@@ -53,7 +53,7 @@ class World:
         rows = self._find(wanted)
         if (rows < 0).any():
             unknown = ", ".join(map(str, wanted[rows < 0].tolist()))
-            raise KeyError(f"unknown body {unknown}: no update has seen it")
+            raise KeyError(f"unknown body {unknown}: call update() first, because no update has listed this body")
         return rows
 
     def _find(self, ids: IntArray) -> IntArray:

@@ -18,7 +18,7 @@ ABSENT_OUTSIDE, AS_BEFORE, FIXED = 0, 1, 2
 
 - ABSENT_OUTSIDE: none, as if the rest were absent;
 - AS_BEFORE: the kept forces;
-- FIXED: rigid support, like the ground's, so that a body that falls then also falls in the whole stack.
+- FIXED: rigid support, as if the rest were ground, so that a body that falls then also falls in the whole stack.
 """
 
 
@@ -161,7 +161,7 @@ def part_of(graph: Graph, memory: Memory, ids: IntArray, terms: Terms) -> Part:
         graph: the stack.
         memory: the kept forces.
         ids: the bodies, shape (n,).
-        terms: conditions under which they must stand.
+        terms: conditions under which the bodies must stand.
     """
     gravity, margin, radius = terms.gravity, terms.margin, terms.radius
     n = len(ids)

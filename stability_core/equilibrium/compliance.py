@@ -22,18 +22,19 @@ from stability_core.equilibrium.problem import Problem, along_contacts, imbalanc
 from stability_core.port import FloatArray, IntArray
 
 NORMAL_NOISE = 1e-2
-"""Closure of a contact, per length of slip [rad], that causes no pressure. Engines and single precision err by 1e-3 rad
-in normals and by 1e-4 m in the points of bricks of some centimetres; the value is three standard deviations of both
-errors."""
+"""Closure of a contact, per length of slip [rad], that causes no pressure, because engines and single precision err by
+1e-3 rad in normals and by 1e-4 m in the points of bricks of some centimetres. The value is three standard deviations of
+both errors."""
 COULOMB = -1.0
 """Value of a bound that stands for Coulomb's law: friction follows the pressure."""
 CONVERGED = 1e-7
 """Imbalance of a body, over its weight, up to which displacements count as a solution."""
 NEWTON_STEPS = 40
-"""Greatest number of steps from zero displacement. Standing stacks take 3 to 20, an arch of 200 blocks takes 30."""
+"""Greatest number of steps from zero displacement, because standing stacks take 3 to 20 steps, and an arch of 200
+blocks takes 30 steps."""
 ROUNDS = 20
-"""Greatest number of rounds of friction bounds. Tight courses for which Newton's method fails take 1 to 4 rounds from
-the last kappa that was solved."""
+"""Greatest number of rounds of friction bounds, because tight courses for which Newton's method fails take 1 to 4
+rounds from the last kappa that was solved."""
 STALLS = 20
 """Number of consecutive steps with little gain after which the search ends, because an arch of 200 blocks recovers
 after ten."""
@@ -46,7 +47,8 @@ sag of bodies."""
 TINY = 1e-300
 """Value that replaces a displacement of zero in a division."""
 ROTATIONAL = 1.0 / 3.0
-"""Moment of inertia over mass times size squared, as of a rod about its middle. The verdict does not depend on it."""
+"""Moment of inertia over mass times size squared, as of a rod about its middle. The verdict does not depend on this
+value."""
 
 
 class Case(NamedTuple):
@@ -212,7 +214,7 @@ def _solve(
 
 @compiled
 def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
-    """Return the growth ``du`` of each body's displacement ``u`` with kappa, over ``u``, both (n, 6); shape (n,)."""
+    """Return the growth ``du`` (n, 6) of each body's displacement ``u`` (n, 6) with kappa, over ``u``; shape (n,)."""
     found = np.empty(len(u))
     for i in range(len(u)):
         found[i] = np.abs(du[i]).max() / max(np.abs(u[i]).max(), TINY)

@@ -147,7 +147,7 @@ def _slope(problem: Problem, z: FloatArray, dz: FloatArray, t: float, work: Floa
 def step_length(
     problem: Problem, space: Workspace, rho: float, y: FloatArray, center: FloatArray, force: FloatArray
 ) -> float:
-    """Return the step length from ``y`` along dy: 1 unless that overshoots, else a length with nearly zero slope.
+    """Return the step length from ``y`` along dy: 1 unless this step overshoots, else a length with nearly zero slope.
 
     The minimised function is |P_K(z)|^2 / 2 - w . y + rho |y - center|^2 / 2; its slope along the line rises with t.
     The function overwrites ``force``.

@@ -22,8 +22,8 @@ from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
-"""Imbalance of a live body, over its weight, up to which it counts as held. The estimate of its forces leaves about a
-thousandth."""
+"""Imbalance of a live body, over its weight, up to which the body counts as held, because the estimate of its forces
+leaves an imbalance of about a thousandth."""
 
 
 @compiled

@@ -45,25 +45,25 @@ from stability_core.port import BoolArray, FloatArray
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
 """Tangential over normal stiffness of a contact. The real ratio is unknown, so the bodies must stand for all three."""
 KAPPA = 1e7
-"""Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body. It is
-a hundred times the sag of a tower of 100 blocks. For a falling body, rounding at this displacement is 1e-9 of the
-weights."""
+"""Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body. This
+displacement is a hundred times the sag of a tower of 100 blocks. For a falling body, rounding at this displacement is
+1e-9 of the weights."""
 SENSITIVE = 0.1
-"""Sensitivity, over the displacement, above which a body counts as not held. Standing bodies have 1e-6 to 1e-2 (a tower
-of 100 blocks, an arch of 200 blocks), falling bodies 0.5 to 1."""
+"""Sensitivity, over the displacement, above which a body counts as not held, because standing bodies have 1e-6 to 1e-2
+(a tower of 100 blocks, an arch of 200 blocks), and falling bodies have 0.5 to 1."""
 WARM_STEPS = 8
 """Greatest number of steps from an earlier displacement."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
 """Short and long sequence of kappa. Newton's method rarely fails on the short sequence, or on its last value alone. On
 the long sequence, rounds of friction bounds continue where Newton's method fails."""
 WIDEST = 48
-"""Mean length of the matrix rows up to which loading tries the long sequence. An arch has 12. In a pile of twenty
-bricks the long sequence costs 0.1 s and rarely decides more bodies."""
+"""Mean length of the matrix rows up to which loading tries the long sequence, because in a pile of twenty bricks, whose
+rows are longer, the long sequence costs 0.1 s and rarely decides more bodies. The rows of an arch have length 12."""
 
 
 @compiled
 def _displace_step_by_step(case: Case, u: FloatArray) -> FloatArray:
-    """Load at ``KAPPA`` from ``u``; if not all bodies are held, from zero, through smaller values of kappa.
+    """Load at ``KAPPA`` from ``u``; if not all bodies are held, load from zero through smaller values of kappa.
 
     Only the last sequence decides a fall, because a long step may end in a distant jam that holds fewer bodies than the
     path from zero.

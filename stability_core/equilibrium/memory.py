@@ -18,7 +18,7 @@ from stability_core.stack import MAX_VERTICES, NONE, Graph, is_stack
 
 KEPT_BALANCED = 1e-8
 """Imbalance, relative to the largest force on a body, up to which kept forces balance it: ten times the tolerance of
-the solve, because sizes are measured again."""
+the solve, because the core measures the sizes of bodies again after the solve."""
 
 
 class Memory(NamedTuple):

@@ -8,12 +8,12 @@ f       = P_K(A^T y), the solution of least norm, where y minimises the convex f
 
 |P_K(A^T y)|^2 / 2 - w . y + rho |y - y'|^2 / 2.
 
-P_K is the projection onto the cones. The last term, about the latest y', makes it a proximal point method, which copes
-with degenerate problems. If such forces exist, the rest r = w - A f = rho (y - y') tends to zero; otherwise it tends to
-the shortest vector between w and A K. That vector proves the fall: r . w > 0, while A^T r lies in the polar of K, so
-that with velocities -r gravity does work and no contact resists (Farkas). Before the limit, A^T r lies only nearly in
-the polar. The same method, with w = 0 and y' = r, then finds the nearest motion for which A^T r lies exactly in the
-polar.
+P_K is the projection onto the cones. The last term, about the latest y', makes the search a proximal point method,
+which also solves degenerate problems. If such forces exist, the rest r = w - A f = rho (y - y') tends to zero;
+otherwise it tends to the shortest vector between w and A K. That vector proves the fall: r . w > 0, while A^T r lies in
+the polar of K, so that with velocities -r gravity does work and no contact resists (Farkas). Before the limit, A^T r
+lies only nearly in the polar. The same method, with w = 0 and y' = r, then finds the nearest motion for which A^T r
+lies exactly in the polar.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
 """Limits for an estimate of the forces: number of proximal points, number of steps at each, imbalance."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
-"""Greatest numbers of steps. A stack takes 5 to 20 in all; a stack that takes more lies at its limit."""
+"""Greatest numbers of steps, because a stack takes 5 to 20 steps in all, unless it is at its limit of stability."""
 
 
 class Search(NamedTuple):

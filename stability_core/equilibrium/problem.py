@@ -156,7 +156,7 @@ def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
 
 
 def held_by_the_rest(problem: Problem, moves: BoolArray) -> tuple[Problem, BoolArray]:
-    """Return the problem with all bodies fixed except the mask ``moves`` (n,), and the mask of its contacts, (m,).
+    """Return the problem in which only the bodies of the mask ``moves`` (n,) are free, and its mask of contacts, (m,).
 
     Bodies that fall in this problem fall in the whole problem as well, because fixed bodies withstand more than free
     bodies.

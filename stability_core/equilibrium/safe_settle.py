@@ -83,7 +83,7 @@ def _on_edge(graph: Graph, candidates: IntArray, flat_width: float) -> IntArray:
 def _with_resting(graph: Graph, candidates: IntArray) -> IntArray:
     """Return the ``candidates``, and the live bodies at rest below them, directly or indirectly, by rising id.
 
-    Bodies that hold each other can only freeze together, in whatever order they came to rest.
+    Bodies that hold each other can only freeze together, even if they came to rest at different times.
     """
     bodies, patches = graph.bodies, graph.patches
     reached = np.zeros(len(bodies), np.bool_)

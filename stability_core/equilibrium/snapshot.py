@@ -88,7 +88,7 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
     down = np.asarray(gravity, np.float64)
     strength = float(np.linalg.norm(down)) if down.shape == (3,) else np.nan
     if not (np.isfinite(strength) and strength > 0.0):
-        raise ValueError(f"gravity must be three finite numbers, not all zero, got {gravity}")
+        raise ValueError(f"gravity must be three finite numbers [m/s2], not all zero, got {gravity}")
     _refuse_flipped(contacts, masses, index_a, index_b, -down / strength)
     upright = rotation_to_upright(-down / strength)
     snapshot, size = _problem(contacts, masses, index_a, index_b, upright, strength)
@@ -121,8 +121,8 @@ def _checked(contacts: Contacts, masses: Masses) -> tuple[IntArray, IntArray]:
     kinematic = np.flatnonzero(np.isinf(masses.mass))
     if len(kinematic):
         raise ValueError(
-            f"masses row {kinematic[0]}: body {masses.body[kinematic[0]]} has infinite mass: leave it out, and give "
-            f"its contacts the id {GROUND} of the ground"
+            f"masses row {kinematic[0]}: body {masses.body[kinematic[0]]} must have a finite mass, got inf: remove "
+            f"this row, and replace the id of the body in the contacts by the id {GROUND} of the ground"
         )
     order = np.argsort(masses.body, kind="stable")
     listed = masses.body[order]

@@ -40,14 +40,15 @@ MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 SLACK_STEPS = 8
 """Greatest number of solves for rolling bodies; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
-"""Steps of the correction, before and after the test whether changed bodies fall with their neighbours. One more
-plank on a card house of 100 planks takes 1 to 5 steps, an off-centre load of 20 planks' weight 12."""
+"""Steps of the correction, before and after the test whether changed bodies fall with their neighbours, because one
+more plank on a card house of 100 planks takes 1 to 5 steps, and an off-centre load of 20 planks' weight takes 12 steps.
+"""
 LESS_FRICTION = 0.9
 """Share of the friction with which forces must arise as well, if they exist, because two kinds of the tight
 courses that stood when loaded with mu = 0.8 fell in two of three engines."""
 FEW = 0.25
-"""Greatest share of the bodies for which the test for a fall includes neighbours. A larger share would cost as much as
-the steps of the correction."""
+"""Greatest share of the bodies for which the test for a fall includes neighbours, because a larger share would cost as
+much as the steps of the correction."""
 MOVES = 1e-2
 """Share of the largest unbalanced force below which a body does not take part in a mechanism."""
 
@@ -151,7 +152,7 @@ def _falls_with_neighbours(problem: Problem, changed: BoolArray) -> Answer | Non
 
 
 def _falls_by_itself(problem: Problem, moves: BoolArray) -> Answer | None:
-    """Return the proof that bodies of the mask ``moves`` (n,) fall even if all others are fixed, or None."""
+    """Return the proof that bodies of the mask ``moves`` (n,) fall even if all other bodies are fixed, or None."""
     if moves.all() or not moves.any():
         return None
     part, theirs = held_by_the_rest(problem, moves)

@@ -1,4 +1,4 @@
-"""The naive policy, with which the others are compared: freeze every body at rest."""
+"""The naive policy, the reference for all other policies: freeze every body at rest."""
 
 from __future__ import annotations
 

@@ -52,8 +52,8 @@ class Policy(ABC):
     def set_gravity(self, gravity: float) -> None:
         """Set the strength of gravity [m/s2], after its strength or its direction has changed.
 
-        The graph has been turned so that z is up, and lists every frozen body as changed. Earlier proofs and forces no
-        longer hold, so a policy that keeps them must drop them here.
+        Before this call, the core turns the graph so that z is up, and lists every frozen body as changed. Earlier
+        proofs and forces no longer hold, so this method must drop the proofs and forces that the policy keeps.
         """
         self.gravity = gravity
         self.limits = self.settings.limits(gravity)

@@ -184,7 +184,7 @@ class Equilibrium(Policy):
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
         """Return the candidates of a ``part`` to judge together, (k,): within a budget the lowest few.
 
-        The batch takes any number of bodies with load-bearing contacts only, because they are cheap.
+        The batch takes any number of bodies with load-bearing contacts only, because a solve of these bodies is cheap.
         """
         if len(part) <= TOGETHER or math.isinf(self.budget) or is_upright(graph, part):
             return part
@@ -192,7 +192,7 @@ class Equilibrium(Policy):
         return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
-        """Yield the bodies to solve for the ``seeds``: the bodies that bear them; then the whole part, if it is small.
+        """Yield the bodies to solve for the ``seeds``: the bodies that bear the seeds; then a small whole part.
 
         The second value is True for the whole part.
         """

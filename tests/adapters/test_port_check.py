@@ -30,7 +30,7 @@ def test_every_adapter_passes(engine):
         lines = check_port(simulation.port, lambda: simulation.step(1 / 60))
     finally:
         simulation.close()
-    assert "slept for 10 frames without moving" in lines[-1]
+    assert "stayed frozen for 10 frames without moving" in lines[-1]
 
 
 class Mutant:
@@ -58,16 +58,18 @@ class Mutant:
 
 
 MUTANTS = {
-    "flip their sign": {"contacts": lambda c: replace(c, normal=-c.normal)},
+    "change the sign of all normals": {"contacts": lambda c: replace(c, normal=-c.normal)},
     "unit normal": {"contacts": lambda c: replace(c, normal=2.0 * c.normal)},
     "finite point": {"contacts": lambda c: replace(c, point=c.point * np.nan)},
-    "give what never moves the id -1": {"contacts": lambda c: replace(c, body_a=np.where(c.body_a < 0, 99, c.body_a))},
+    "give bodies that never move the id -1": {
+        "contacts": lambda c: replace(c, body_a=np.where(c.body_a < 0, 99, c.body_a))
+    },
     "the signed distance in metres": {"contacts": lambda c: replace(c, separation=c.separation + 1.0)},
-    "without friction": {"contacts": lambda c: replace(c, friction=0.0 * c.friction)},
+    "friction of body 0 with the ground must be above 0": {"contacts": lambda c: replace(c, friction=0.0 * c.friction)},
     "must hold integers": {"masses": lambda m: replace(m, body=m.body + 0.5)},
     "positive mass": {"masses": lambda m: replace(m, mass=-m.mass)},
     "must have shape": {"masses": lambda m: replace(m, mass=m.mass[:1])},
-    "does not list body 0 after wake": {"wake": None},
+    "must list body 0 after wake": {"wake": None},
 }
 
 
@@ -96,7 +98,7 @@ def test_a_sleeper_that_falls_is_named():
 
     frames = [0]
     try:
-        with pytest.raises(PortError, match=r"while it slept|from where it was put to sleep"):
+        with pytest.raises(PortError, match=r"must not move after sleep|must keep its place"):
             check_port(Mutant(port, sleep=None), step)
     finally:
         simulation.close()
@@ -106,7 +108,7 @@ def test_nothing_at_rest_is_named():
     simulation = open_engine("mujoco", "game", world=World())
     try:
         simulation.spawn(Brick(PLANK, 0.0119, (0.0, 0.0, 1.0)))
-        with pytest.raises(PortError, match="no contact with the ground at the end"):
+        with pytest.raises(PortError, match="no contact with the ground in the last frame"):
             check_port(simulation.port, lambda: simulation.step(1 / 60), frames=5)
     finally:
         simulation.close()

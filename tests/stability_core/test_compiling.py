@@ -110,7 +110,7 @@ def test_where_nothing_can_be_written_kernels_are_compiled_and_the_message_names
     assert compiled.compiled(abs)(-1) == 1
     with caplog.at_level(logging.WARNING, "stability_core"):
         warm_up("paper")
-    assert "set NUMBA_CACHE_DIR to a folder that can be written" in caplog.messages[0]
+    assert "set NUMBA_CACHE_DIR to a folder in which you can write files" in caplog.messages[0]
 
 
 class OfAnEarlierVersion:

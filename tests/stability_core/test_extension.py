@@ -445,7 +445,7 @@ def test_unknown_policy_names_the_nearest():
 
 @pytest.mark.parametrize("dt", [0.0, -1.0, np.nan, np.inf])
 def test_time_must_pass(port, dt):
-    with pytest.raises(ValueError, match="positive time"):
+    with pytest.raises(ValueError, match="dt must be positive"):
         StabilityExtension(port).update(dt)
 
 
@@ -477,7 +477,7 @@ def one_mass(**changed) -> Masses:
     [
         (one_contact(point=np.full((1, 3), np.nan)), one_mass(), "finite point"),
         (one_contact(normal=np.zeros((1, 3))), one_mass(), "unit normal"),
-        (one_contact(friction=np.array([-0.1])), one_mass(), "friction >= 0"),
+        (one_contact(friction=np.array([-0.1])), one_mass(), "friction of at least 0"),
         (one_contact(body_a=np.array([0])), one_mass(), "two different ids"),
         (one_contact(body_b=np.array([-2])), one_mass(), "two different ids"),
         (one_contact(body_b=np.array([3])), one_mass(), "never listed"),
@@ -488,7 +488,7 @@ def one_mass(**changed) -> Masses:
         (one_contact(friction=np.zeros((1, 1))), one_mass(), r"shape \(1,\)"),
         (one_contact(), one_mass(mass=np.array([0.0])), "positive mass"),
         (one_contact(), one_mass(center_of_mass=np.full((1, 3), np.inf)), "finite centre"),
-        (one_contact(), one_mass(body=np.array([-1])), "id from 0"),
+        (one_contact(), one_mass(body=np.array([-1])), "id of at least 0"),
         (one_contact(), one_mass(mass=np.ones(2)), r"shape \(1,\)"),
     ],
 )
@@ -549,7 +549,7 @@ def test_of_a_stack_that_cannot_stand_what_moves_stays_live(port, policy):
     change = extension.adopt()
     assert set(change.frozen) <= {0}
     if policy == "equilibrium":
-        assert extension.why(9) == "touches live bodies only: none of them is frozen yet"
+        assert extension.why(9) == "touches live bodies only: none of these bodies is frozen yet"
 
 
 def test_only_the_bodies_that_are_named_are_adopted(port):
@@ -607,22 +607,24 @@ def test_each_reason_for_which_a_body_stays_live_is_reported(port):
         extension.why(0)
     extension.update(DT)
     assert extension.why(7) == "touches nothing, and falls"
-    assert extension.why(1) == "touches live bodies only: none of them is frozen yet"
-    assert extension.why(0) == "seen for the first time: its speed is not known yet"
+    assert extension.why(1) == "touches live bodies only: none of these bodies is frozen yet"
+    assert extension.why(0) == "listed for the first time: the speed of the body is not known yet"
     extension.update(DT)
     assert extension.why(0) == "at rest for 0.02 s of 0.1 s"
     port.center[0] = (0.0, 0.0, 0.006)
     extension.update(DT)
-    assert extension.why(0) == "moves at 60 mm/s, above 2.8 mm/s; in its place for 0.00 s of 0.5 s"
+    assert extension.why(0) == "moves at 60 mm/s, above 2.8 mm/s; has kept its place for 0.00 s of 0.5 s"
     port.touches[0].velocity = (0.5, 0.0, 0.0)
     extension.update(DT)
-    assert extension.why(0) == "slides at a contact at 5e+02 mm/s, above 9.3 mm/s; in its place for 0.00 s of 0.5 s"
+    assert (
+        extension.why(0) == "slides at a contact at 5e+02 mm/s, above 9.3 mm/s; has kept its place for 0.00 s of 0.5 s"
+    )
     port.touches[0].velocity, port.touches[0].separation = (0.0, 0.0, 0.0), -0.5e-3
     extension.update(DT)
     assert extension.why(0).startswith("0.5 mm deep in its support, above 0.17 mm, and still moving there at 30 mm/s")
     extension.disturb([0])
     extension.update(DT)
-    assert extension.why(0) == "held by the user: it may freeze once it is released"
+    assert extension.why(0) == "held by the user: the body may freeze after its release"
     extension.release([0])
     settle(extension)
     assert extension.why(0) == "frozen: safe region"
@@ -630,7 +632,7 @@ def test_each_reason_for_which_a_body_stays_live_is_reported(port):
     extension.update(DT)
     extension.release([0])
     extension.update(DT)
-    assert extension.why(0).startswith("woken (disturbed) and perhaps at the start of a collapse")
+    assert extension.why(0).startswith("unfrozen (disturbed) and perhaps at the start of a collapse")
 
 
 def test_each_refusal_is_reported(port):
@@ -638,14 +640,16 @@ def test_each_refusal_is_reported(port):
     port.lay(0, GROUND, (0.0, 0.05), DEEP, 0.0)
     extension = StabilityExtension(port, policy="equilibrium")
     run(extension, 20)
-    assert extension.why(0) == "topples: its centre of mass lies outside what it stands on"
+    assert extension.why(0) == "topples: the centre of mass lies outside the contact area"
     port.lay(0, GROUND, (0.0, 0.05), DEEP, 0.0)
     port.touch(0, GROUND, [(0.11, y, 0.0) for y in DEEP], normal=(-1.0, 0.0, 0.0))
     run(extension, 40)
-    assert extension.why(0).startswith("in doubt: forces could hold it, but would not arise by themselves; frozen once")
+    assert extension.why(0).startswith(
+        "in doubt: contact forces could hold the body, but would not arise by themselves; freezes after"
+    )
     port.touches[-1].friction = 0.01
     run(extension, 40)
-    assert extension.why(0) == "falls: no contact forces hold it in the stack"
+    assert extension.why(0) == "falls: no contact forces hold the body in the stack"
     other = StabilityExtension(port, policy="paper")
     run(other, 20)
     assert other.why(0) == "at rest, but the policy did not find it stable"

@@ -55,7 +55,7 @@ def test_a_column_freezes_on_a_lift_that_keeps_its_place(port, policy):
     assert [change.frozen for change in changes if change.frozen] == [(0,), (1,)], "as on the ground"
     run(extension, 200)
     assert port.frozen == {0, 1}, "the lift never freezes"
-    assert extension.why(LIFT) == "moved by the host: it keeps its place, and counts as ground"
+    assert extension.why(LIFT) == "moved by the host: the body keeps its place, and counts as ground"
 
 
 def test_a_pile_may_lie_on_a_lift(port):
@@ -80,7 +80,7 @@ def test_what_rests_on_a_lift_wakes_when_it_moves_and_freezes_when_it_stands_sti
     change = extension.update(DT)
     assert change.woken == (0, 1)
     assert change.reasons == {0: "moved by the host", 1: "rested on what was moved by the host"}
-    assert extension.why(LIFT).startswith("moved by the host: nothing freezes on it until it has kept its place")
+    assert extension.why(LIFT).startswith("moved by the host: no body freezes on it until it has kept its place")
     for _ in range(100):  # slower than any limit of rest, for bodies and lift alike
         move(port, [LIFT, 0, 1], (0.0, 0.0, 0.5 * SETTINGS.rest_speed * FALL * DT))
         assert not extension.update(DT).frozen

@@ -64,10 +64,10 @@ def replaced(**fields):
 
 
 SPOILED_CONTACTS = {
-    "unknown": (replaced(body_b=lambda c: np.full_like(c.body_b, 77)), "77, one of which masses.. has never listed"),
+    "unknown": (replaced(body_b=lambda c: np.full_like(c.body_b, 77)), "77, but masses.. never listed"),
     "float": (replaced(body_a=lambda c: c.body_a + 0.5), "contacts.body_a must hold integers"),
     "list": (replaced(body_a=lambda c: c.body_a.tolist()), "contacts.body_a must be a NumPy array"),
-    "flipped": (replaced(normal=lambda c: -c.normal), "flip their sign"),
+    "flipped": (replaced(normal=lambda c: -c.normal), "change the sign of all normals"),
 }
 SPOILED_MASSES = {
     "float": (replaced(body=lambda m: m.body.astype(float)), "masses.body must hold integers"),
@@ -141,7 +141,7 @@ def test_an_engine_may_lag_a_frame_behind_a_removal(port):
         extension.update(DT)
     assert extension.dropped == 2 * (len(stale_contacts) // 2 + 1)
     spoiled.spoil_masses = lambda masses: masses
-    with pytest.raises(ValueError, match="was removed"):
+    with pytest.raises(ValueError, match="listed it as removed"):
         extension.update(DT)
 
 

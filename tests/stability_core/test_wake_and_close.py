@@ -42,7 +42,7 @@ def test_what_is_woken_and_not_moved_waits_until_it_was_calm(port):
     extension.wake([0])
     run(extension, REST_FRAMES + 1)
     assert not port.frozen
-    assert extension.why(0).startswith("woken (woken by the host) and perhaps at the start of a collapse")
+    assert extension.why(0).startswith("unfrozen (woken by the host) and perhaps at the start of a collapse")
     settle(extension)
     assert port.frozen == {0}
 
@@ -88,7 +88,7 @@ def test_a_closed_extension_hands_every_body_back_and_another_takes_over(port, p
     assert not port.frozen
     assert not len(first.frozen)
     for refused in (lambda: first.update(DT), first.adopt, lambda: first.wake([0])):
-        with pytest.raises(RuntimeError, match="closed: make a new StabilityExtension"):
+        with pytest.raises(RuntimeError, match="closed: create a new StabilityExtension"):
             refused()
     port.batches.clear()
     first.close()
