@@ -185,7 +185,7 @@ class MustMove:
     way_m: float
     """Distance [m] that the brick's centre must move, in a straight line."""
     takes_s: float | None
-    """Duration [s] of the motion by theory; None if theory gives none."""
+    """Duration [s] of the motion by theory; None if theory gives no duration."""
 
 
 Action: TypeAlias = Place | Remove | Push | Pull | Press | Tilt | Drive
@@ -238,9 +238,10 @@ class Scene:
     watch_s: float = 5.0
     """Time [s] for which the trial continues after the last action."""
     must_move: tuple[MustMove, ...] = ()
-    """Bricks that must not sleep. The harness measures the time for which they do sleep."""
+    """Bricks that must not sleep. The harness measures the time for which these bricks sleep."""
     size: float = 1.0
-    """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows by it too."""
+    """Factor by which ``scenarios.scenes.shared.transforms`` enlarged the scene. Placement noise grows by this factor
+    too."""
     bricks: tuple[Brick, ...] = field(init=False)
     """All bricks in the order of placement."""
     levels: int = field(init=False)

@@ -76,7 +76,7 @@ class Choice:
         self.words = words
 
     def check(self, name: str, value: object) -> str:
-        """Return ``value`` as one of the words.
+        """Return the word that equals ``value``.
 
         Raises:
             ValueError: if ``value`` is none of the words; the message names all words.

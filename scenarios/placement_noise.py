@@ -31,7 +31,8 @@ TURN = math.radians(0.3)
 CUT = 3.0
 """Cut of the distributions [standard deviations]."""
 _DRAWS = 500
-"""Number of draws after which placement fails. Between planks 2 mm apart the first draw nearly always succeeds."""
+"""Number of draws after which placement fails, because between planks 2 mm apart the first draw nearly always succeeds.
+"""
 _WIDENED = 25
 """Number of draws between two increases of the shift, each by ``SHIFT``."""
 

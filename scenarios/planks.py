@@ -70,8 +70,8 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
 def plank_of(scale: float) -> tuple[float, float, float, float]:
     """Return length, width and thickness [m] and mass [kg] of a plank ``scale`` times as large, of the same wood.
 
-    A tipping test needs size: the energy [J] of a landing brick grows with its mass only, because it is always released
-    ``CLEARANCE`` above its support; the energy that tips a stack grows with its size as well.
+    A tipping test needs size: the energy [J] of a landing brick grows with its mass only, because the harness always
+    releases the brick ``CLEARANCE`` above its support; the energy that tips a stack grows with its size as well.
     """
     return scale * LENGTH, scale * WIDTH, scale * THICKNESS, scale**3 * MASS
 

@@ -47,7 +47,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario(Generic[P]):
-    """A family of scenes, one for each choice of its parameters. Call it with parameters by name."""
+    """A family of scenes, one for each choice of its parameters. Call a scenario with parameters by name."""
 
     builder: Callable[P, Plan | Scene]
     """The builder. A builder that returns a ``Scene`` sets the ids itself."""

@@ -35,7 +35,7 @@ def branches(*, columns: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, 
     """Build a plate with columns on one trunk, and load one column.
 
     Args:
-        columns: 2, 3 or 4; two stand on a plank, more on a square plate.
+        columns: number of columns, 2, 3 or 4; two columns stand on a plank, more columns on a square plate.
         margin: share by which the load is lighter than the limit; negative if the load is heavier.
         scale: factor on all lengths, relative to the standard plank.
     """

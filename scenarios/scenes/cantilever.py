@@ -47,8 +47,8 @@ def cantilever(
     """
     if taken != "nothing" and margin <= 0:
         raise ValueError(
-            f"margin must be positive with taken = '{taken}', got {margin:g}, because the beam would fall before the "
-            "removal; use a positive margin, or taken = 'nothing'"
+            f"margin must be positive with taken = '{taken}', got {margin:g}, because with a negative margin the beam "
+            "falls before the removal: use a positive margin, or taken = 'nothing'"
         )
     length, width, thickness, mass = plank_of(scale)
     top, piece = PIER * thickness, (PIECE * length, width, thickness)

@@ -5,9 +5,9 @@ storeys a roof plank bridges each pair of neighbouring ridges. Levels count Vs a
 2 n - 1 levels; the top has no roof. All planks lie in the x-z plane.
 
 Layout. The ridges of a storey are so far apart that a roof plank covers both and overhangs by ``OVERHANG``. Over three
-ridges two roof planks must meet above the middle one, each on its own side of it, so the layout moves these planks
-outward until they leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four and more
-ridges whole planks do not fit, so the planks between the outermost two are shortened to leave the usual gap.
+ridges two roof planks must meet above the middle ridge, each on its own side of that ridge, so the layout moves these
+planks outward until they leave the usual gap between them. Upper Vs stand centred between the ridges below. Over four
+and more ridges whole planks do not fit, so the planks between the outermost two are shortened to leave the usual gap.
 
 Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
 ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.

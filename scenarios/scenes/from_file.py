@@ -67,7 +67,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 MOST_FIXED = 200
 """Greatest number of fixed boxes in a file."""
 MOST = 200
-"""Greatest number of bricks in a file. Each build of the scene solves statics, which takes about a minute for
+"""Greatest number of bricks in a file, because each build of the scene solves statics, which takes about a minute for
 the largest scenes."""
 WATCH_S = 5.0
 """Least and default duration [s] of the trial after the last action, for a scene of size 1."""
@@ -94,13 +94,15 @@ def own_scene(
         yaw: turn of the whole scene about the z axis [deg].
     """
     if not isinstance(file, str) or not file.endswith(".toml"):
-        raise ValueError(f"file must be the name of a file that ends in .toml, got {file!r}")
+        raise ValueError(f"file must be the name of a file that ends in '.toml', got {file!r}")
     path = Path(file) if Path(file).exists() else EXAMPLES / file
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         examples = ", ".join(sorted(example.name for example in EXAMPLES.glob("*.toml")))
-        raise ValueError(f"{file}: cannot be read ({error}); give a path, or one of {examples}") from error
+        raise ValueError(
+            f"{file}: cannot be read ({error}); give the path of a readable file, or the name of an example: {examples}"
+        ) from error
     try:
         return _scene(file, text, size, mass, yaw)
     except (ValueError, LookupError) as error:
@@ -185,7 +187,7 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed
     try:
         patches = contact_patches(bricks, fixed)
     except ValueError as error:
-        raise ValueError(f"invalid positions (bricks count from 0, in the order of their times): {error}") from error
+        raise ValueError(f"{error} (brick numbers count from 0, in the order of the bricks' times)") from error
     touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
     for patch in patches:
         for one, other in ((patch.first, patch.second), (patch.second, patch.first)):
@@ -208,8 +210,9 @@ def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed
 def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[Brick]) -> str:
     room = _room_below(Boxes.of([brick]), there, fixed)
     return (
-        f"brick[{number}] touches nothing when it is laid: it floats {room * 1e3:.3f} mm above the "
-        f"body or ground below; set position z to {brick.position[2] - room:g}, or lay its support before it"
+        f"brick[{number}] must touch a body or the ground when it is placed, but is {room * 1e3:.3f} mm above the "
+        f"nearest body or ground below: set its position z to {brick.position[2] - room:g} m, or place its support "
+        "earlier"
     )
 
 
@@ -226,7 +229,9 @@ def _actions(
         if "removed" in table:
             removed = read_number(f"brick[{n}].removed", table["removed"], 0, LARGEST)
             if removed <= time:
-                raise ValueError(f"brick[{n}].removed must be after its time {time:g}, got {removed:g}")
+                raise ValueError(
+                    f"brick[{n}].removed must be later than brick[{n}].time, which is {time:g} s, got {removed:g} s"
+                )
             actions.append(Remove(removed * pace, index))
     return tuple(sorted(actions, key=attrgetter("time")))
 

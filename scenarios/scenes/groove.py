@@ -37,7 +37,7 @@ RISE = math.radians(45)
 BAR: Vector = (0.10, 0.025, 0.025)
 """Edges of the bar [m]."""
 SIDE: Vector = (0.60, 0.04, 0.02)
-"""Edges of a side of the groove [m]; the second is across the groove."""
+"""Edges of a side of the groove [m]; the second edge is across the groove."""
 RELIEF = 0.005
 """Distance [m] of the groove's sides from its deepest line, which leaves the bar's lower edge free."""
 ABOVE = 0.05
@@ -82,11 +82,11 @@ def _along_groove(tilt: float, size: Vector, along: float, side: int, off_line: 
     """Return a box that is turned about the groove's length by ``RISE``, and with the groove by ``tilt``.
 
     Args:
-        tilt: tilt of the groove [rad]; it rises toward +x.
-        size: edges [m]; the first lies along the groove.
-        along: distance of its middle from the lower end, along the groove [m].
+        tilt: tilt of the groove [rad]; the groove rises toward +x.
+        size: edges of the box [m]; the first edge lies along the groove.
+        along: distance of the box's middle from the lower end, along the groove [m].
         side: 1 or -1: the direction of the turn.
-        off_line: offset of its middle from the deepest line, in the level groove [m], shape (3,).
+        off_line: offset of the box's middle from the deepest line, in the level groove [m], shape (3,).
     """
     lift: Quaternion = (math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0)
     roll = side * RISE / 2

@@ -44,7 +44,8 @@ def heavy_top(
     """
     if stack == "pyramid" and aside:
         raise ValueError(
-            f"aside is for a column, got {aside:g} with stack = 'pyramid': leave aside out, or use stack = 'column'"
+            f"parameter 'aside' applies only to stack = 'column', got aside = {aside:g} with stack = 'pyramid': leave "
+            "out 'aside', or use stack = 'column'"
         )
     cubes = [_cube(0.0, 1), _cube(aside * EDGE, 2)] if stack == "column" else _pyramid(rows)
     cubes[-1] = _cube(cubes[-1].position[0], cubes[-1].level, ratio)

@@ -82,7 +82,10 @@ def robbed_stack(
     robbery = STACKS[stack]
     if gap != robbed_stack.defaults["gap"] and not robbery.has_gap:
         with_gap = ", ".join(name for name, one in STACKS.items() if one.has_gap)
-        raise ValueError(f"gap applies to {with_gap} only: {stack} has no neighbours; leave gap out")
+        raise ValueError(
+            f"parameter 'gap' applies only to the stacks {with_gap}, got gap = {gap:g} with stack = '{stack}', "
+            "which has no neighbours: leave out 'gap'"
+        )
     plain = robbery.build(gap=gap) if robbery.has_gap else robbery.build()
     built = _raised(plain, max(0.0, GAP - gap * 1e-3)) if robbery.is_raised else plain
     time = built.actions[-1].time + pause

@@ -23,7 +23,7 @@ HEIGHT = 3.0
 """Height of the legs in thicknesses of a plank, which leaves room to tip, but too little for a leg to be knocked
 over."""
 FOOT = 0.2
-"""Edge of a leg's square foot, in lengths of the plate; with two legs, its edge along x."""
+"""Edge of a leg's square foot, in lengths of the plate; with two legs, the foot's edge along x."""
 REACH = 0.22
 """a: distance of the foremost legs' ends from the plate's middle, in lengths of the plate."""
 ARM = 0.2

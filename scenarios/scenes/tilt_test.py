@@ -57,9 +57,9 @@ class TiltLimits(NamedTuple):
     exact: float
     """Slope with the bisector as the normal of a ridge."""
     least: float
-    """Slope with the face of a plank as that normal, for the worse face."""
+    """Slope with the face of a plank as the normal of a ridge, for the worse face."""
     greatest: float
-    """Slope with the face of a plank as that normal, for the better face."""
+    """Slope with the face of a plank as the normal of a ridge, for the better face."""
 
 
 @dynamic_scenario
@@ -71,7 +71,7 @@ def tilt_test(
     """Build a stack on ground that tilts until a brick moves.
 
     Args:
-        stack: "column" of 10 planks, "v" of two, or "card_house" of three storeys.
+        stack: "column" of 10 planks, "v" of two planks, or "card_house" of three storeys.
         heading: direction in which the ground goes down: "along" the planks or "across" them.
     """
     bricks = tilted_bricks(stack)

@@ -47,11 +47,12 @@ PRECISION = 1e-8
 ROUNDING = 1e-15
 """Rounding error of forces that cancel, as a share of the forces."""
 STEPS = 40
-"""Greatest number of Newton steps of one stage. Piles that converge take 1 to 12 in stage 1."""
+"""Greatest number of Newton steps of one stage, because piles that converge take 1 to 12 steps in stage 1."""
 HALVINGS = 20
 """Greatest number of halvings of a step in stage 1."""
 ROUNDS = 20
-"""Greatest number of rounds of fixed friction bounds. Tight courses take up to 10, arches and logs up to 18."""
+"""Greatest number of rounds of fixed friction bounds, because tight courses take up to 10 rounds, and arches and logs
+up to 18."""
 _DECREASE = 1e-4
 """Least decrease by a step, over the predicted decrease: of the imbalance or, with fixed bounds, of the energy."""
 

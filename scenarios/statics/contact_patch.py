@@ -4,7 +4,7 @@ Two boxes touch if a direction separates them with a gap of zero. If that direct
 normal, and the patch is the common part of both surfaces: a polygon (face on face), a segment (edge on face) or a point
 (corner on face, edge across edge). If two parallel edges meet, as at the ridge of two planks that lean against each
 other, a whole range of directions separates the boxes, and physics does not determine the normal. A convention gives
-it:
+the normal:
 
 - ``bisector``: the middle of that range, which is horizontal for two planks that lean alike;
 - ``face``: the face of the first box that bounds the range, as physics engines report it.
@@ -32,7 +32,7 @@ GROUND = -1
 
 TOUCH = 1e-6
 """Gap or overlap of boxes in contact, as a share of their thinnest edge. The value is far above rounding and far below
-the gaps of plans. It is a share, not a length, so that the verdict is the same at 8 mm and at 8 m."""
+the gaps of plans. The value is a share, not a length, so that the verdict is the same at 8 mm and at 8 m."""
 RIDGE_GAP = 0.04
 """Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge, because the scenes leave 0.2 mm
 there (0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
@@ -98,7 +98,7 @@ def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, rid
             try:
                 found = touch(singles[a], singles[b], min(thin[a], thin[b]), ridge)
             except ValueError as error:
-                raise ValueError(f"{_name(a, bricks)} and {_name(b, bricks)} {error}; move them apart") from None
+                raise ValueError(f"{_name(a, bricks)} and {_name(b, bricks)}: {error}") from None
             if found and b < len(bricks):
                 patches.append(Patch(a, b, *found))
             elif found:
@@ -116,7 +116,10 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int) -> list[Patch]:
     for index in np.flatnonzero(height_above_ground(boxes)[:bricks] <= TOUCH * thin[:bricks]).tolist():
         heights = boxes.corners[index, :, 2]
         if heights.min() < -TOUCH * thin[index]:
-            raise ValueError(f"brick {index} is {-heights.min():g} m below the ground; raise the brick")
+            raise ValueError(
+                f"brick {index} must lie at or above z = 0, but is {-heights.min():g} m below the ground: raise the "
+                "brick"
+            )
         points = boxes.corners[index][heights <= TOUCH * thin[index]]
         patches.append(Patch(GROUND, index, points, np.array([0.0, 0.0, 1.0])))
     return patches
@@ -129,7 +132,7 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
     directions across an edge of each.
 
     Raises:
-        ValueError: if they overlap.
+        ValueError: if the boxes overlap.
     """
     faces = [(first, axis, outward) for axis, outward in first.faces()]
     faces += [(second, axis, -outward) for axis, outward in second.faces()]
@@ -140,7 +143,9 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
     if widest > RIDGE_GAP * thin:
         return None
     if widest < -TOUCH * thin:
-        raise ValueError(f"overlap by {-widest:g} m")
+        raise ValueError(
+            f"boxes may touch, but must not overlap, got an overlap of {-widest:g} m: move the boxes apart"
+        )
     separating = gaps >= -TOUCH * thin
     if widest <= TOUCH * thin:
         for (box, axis, normal), separates in zip(faces, separating, strict=False):
@@ -210,7 +215,7 @@ def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
-    """Return the point, shape (3,), where an edge of one box crosses an edge of the other; None if none does."""
+    """Return the point, shape (3,), where an edge of one box crosses an edge of the other; None if no edges cross."""
     start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
     end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
     if len(start) != 2 or len(end) != 2:

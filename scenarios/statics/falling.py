@@ -79,7 +79,10 @@ def _first_accelerations(
     forces = nnls(contact, -load)[0] if contact.size else np.zeros(0)
     motion = (scale @ (load + contact @ forces) * corners.unit).reshape(-1, 6)
     if not np.abs(motion).max() > _STILL * np.linalg.norm(world.gravity):
-        raise ValueError("no brick moves, so there is no time of a fall: call fall_time for bricks that cannot stand")
+        raise ValueError(
+            "bricks must include a brick that falls, but no brick moves: call fall_time only for bricks that "
+            "cannot stand"
+        )
     return motion[:, :3], motion[:, 3:] / length
 
 

@@ -34,14 +34,13 @@ Verdict = Literal["stable", "unstable", "doubt"]
 Criterion = Literal["normal forces", "vertical forces", "loading", "cone"]
 
 BALANCED = 1e-9
-"""Residual below which forces balance, in weights of all bodies (moments: times the length unit). The value is
-above the 6e-10 that the solver's own tolerance could hide, and below the 3e-7 that a harmonic overhang of 300 bricks
-leaves if it is too long by 1e-5."""
+"""Residual below which forces balance, in weights of all bodies (moments: times the length unit), because the solver's
+own tolerance could hide 6e-10, and a harmonic overhang of 300 bricks that is too long by 1e-5 leaves 3e-7."""
 SIDES = 8
 """Number of sides of the first pyramids with friction."""
 ROUNDS = 24
-"""Number of added sides after which the answer is doubt. A yawed V takes 12 sides within 1e-6 of the friction that it
-needs, and 16 within 1e-8."""
+"""Number of added sides after which the answer is doubt, because a yawed V takes 12 sides within 1e-6 of its least
+friction, and 16 sides within 1e-8."""
 _SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 
@@ -50,7 +49,8 @@ class Statics:
     """Result of statics: whether bodies can rest, with the proof."""
 
     verdict: Verdict
-    """``stable``: forces that hold all bodies exist, and arise; ``unstable``: none exist; ``doubt``: neither is proven.
+    """``stable``: forces that hold all bodies exist, and arise; ``unstable``: no such forces exist; ``doubt``: neither
+    is proven.
 
     The existence of forces is necessary for rest. This existence is sufficient if normal forces alone hold the bodies,
     but not with friction: bodies wedged against each other may stress themselves in theory and fall in reality (Kao et
@@ -124,7 +124,8 @@ class _Balance:
         found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=_SOLVER)
         if found.x is None:
             raise ArithmeticError(
-                f"HiGHS failed on a program that always has a solution ({found.message}); report the scene as a bug"
+                f"HiGHS must solve this linear program, which always has a solution, but failed ({found.message}): "
+                "report the scene as a bug"
             )
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
         motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)

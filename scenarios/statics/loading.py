@@ -63,13 +63,14 @@ from scenarios.statics.contact_patch import GROUND, Patch
 from scenarios.statics.contact_wrenches import Corners
 
 RATIOS = (1.0, 0.1, 10.0)
-"""Tangential over normal stiffness. Elastic spheres have 0.7 to 1; rough faces and grains may have far less."""
+"""Tangential over normal stiffness: three ratios, because elastic spheres have 0.7 to 1, and rough faces and grains may
+have far less."""
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
 """Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0
-"""Sag up to which a pile counts as standing. The sag is 1 to 6 in card houses, logs, balls and planks at walls that
-stand, 12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two engines
-let stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 /
+"""Sag up to which a pile counts as standing, because the sag is 1 to 6 in card houses, logs, balls and planks at walls
+that stand, 12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two
+engines let stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 /
 100-270."""
 STANDS = 0.02
 """Ratio of accelerations at kappa and kappa / 100 below which a pile stands, because a pile at rest has a ratio of
@@ -78,7 +79,8 @@ FALLS = 0.5
 """Ratio of these accelerations from which a pile falls, because a free fall has a ratio of 1. Of 450 tight courses none
 lay between both limits at the highest kappa; arches within 0.1 % of their limit do."""
 MOST_FAILURES = 3
-"""Number of kappas without a solution after which the search ends; a search may recover after two failures in a row."""
+"""Number of kappas without a solution after which the search ends, because a search may recover after two failures in a
+row."""
 _DECADE = 2
 """Steps of kappa in a decade."""
 _FIRST, _LAST = 4 * _DECADE, 8 * _DECADE

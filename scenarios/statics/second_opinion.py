@@ -46,7 +46,7 @@ class Agreement:
     """The verdict of two criteria."""
 
     verdict: Answer
-    """The common verdict; ``doubt`` if the criteria disagree, or one of them is in doubt."""
+    """The common verdict; ``doubt`` if the criteria disagree, or if either criterion is in doubt."""
     second: str
     """The criterion that confirms or contradicts loading."""
     why: str
@@ -65,7 +65,7 @@ def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bis
     """Return the verdict on which loading and a second criterion agree, for bricks in their planned poses.
 
     Args:
-        bricks: at least one; they must touch, not overlap.
+        bricks: at least one brick; the bricks must touch, not overlap.
         world: friction, gravity and fixed boxes.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
     """

@@ -55,9 +55,9 @@ from scenarios.statics.contact_wrenches import Corners
 from scenarios.statics.rigid_pile import Law, RigidPile, law_in_plane, law_in_space, planar_pile, spatial_pile
 
 LEAST_FALL = 1e-4
-"""Acceleration of a centre of mass along its weight that counts as a fall, in g. The value is far above the 1e-6 that
-the tolerances of HiGHS leave. An overhanging brick whose centre is 1 % of its length beyond the edge has 7e-4, a V of
-72 deg that lacks 1 % of its friction 5e-4."""
+"""Acceleration of a centre of mass along its weight [g] that counts as a fall, because the tolerances of HiGHS leave
+1e-6, an overhanging brick whose centre is 1 % of its length beyond the edge has 7e-4, and a V of 72 deg that lacks 1 %
+of its friction has 5e-4."""
 MOST_FORCE = 10.0
 """Greatest normal force of a mode, in weights of the whole pile."""
 SECONDS = 60.0
@@ -74,7 +74,7 @@ class Strength:
     """``weak``: another solution exists (outside the plane: with friction of 0.92 to 1.08 of its value); ``doubt``: not
     solved in time."""
     fall: float
-    """Greatest acceleration of a body along its weight in the solution that was found, in g; 0 without one."""
+    """Greatest acceleration of a body along its weight [g] in the solution that was found; 0 without a solution."""
     choices: int
     """Number of binary variables for the modes of all corners."""
 

@@ -49,7 +49,7 @@ def equilibrium(
     lead.
 
     Args:
-        bricks: at least one; they must touch, not overlap (see ``contact_patch.TOUCH``).
+        bricks: at least one brick; the bricks must touch, not overlap (see ``contact_patch.TOUCH``).
         world: friction and gravity; a slope is tilted gravity.
         walls: boxes that never move, in addition to ``world.fixed``.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
@@ -102,15 +102,16 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
                 present.remove(brick)
             case _:
                 raise ValueError(
-                    f"{scene.variant} pushes, pulls or tilts, which statics does not decide: make the scene a study"
+                    f"statics decides only scenes that place and remove bricks, but {scene.variant} pushes, pulls or "
+                    "tilts: give the scene the outcome 'study'"
                 )
         if not present or (then is not None and then.time == action.time):
             continue
         statics = equilibrium_among(present, scene.bricks, patches, scene.world)
         if statics.verdict == "doubt":
             raise UndecidedError(
-                f"{scene.variant}: in doubt with {placed} bricks laid: {statics.why}; change the scene, or claim no "
-                "outcome"
+                f"{scene.variant}: statics must decide every state of the scene, but is in doubt after {placed} placed "
+                f"bricks ({statics.why}): change the scene, or give it the outcome 'study'"
             )
         if not statics.stable:
             return level
@@ -174,7 +175,7 @@ def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> Non
         raise ValueError("bricks must contain at least one brick to judge, got none")
     for index, brick in enumerate([*bricks, *walls]):
         if not np.isfinite([*brick.size, brick.mass, *brick.position, *brick.quaternion]).all():
-            raise ValueError(f"brick {index} has a number that is not finite: give finite numbers, got {brick}")
+            raise ValueError(f"brick {index} must have finite numbers only, got {brick}: check for NaN")
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):

@@ -27,8 +27,8 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
     is_list = isinstance(tables, list) and all(isinstance(table, dict) for table in tables)
     if not is_list or not least <= len(tables) <= most:
         raise ValueError(
-            f"there must be {least} to {most} tables [[{name}]], got {len(tables) if is_list else repr(tables)}: "
-            "add or remove tables"
+            f"the file must contain {least} to {most} tables [[{name}]], got "
+            f"{len(tables) if is_list else repr(tables)}: add or remove tables"
         )
     return list(tables)
 
@@ -68,7 +68,7 @@ def _box(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
 
 def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
     if "yaw" in table and "quaternion" in table:
-        raise ValueError(f"{name} has both yaw and quaternion: leave out yaw or quaternion")
+        raise ValueError(f"{name} must have yaw or quaternion, got both: delete yaw or quaternion")
     if "quaternion" in table:
         w, i, j, k = _numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:

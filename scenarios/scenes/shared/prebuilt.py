@@ -76,7 +76,10 @@ def at_once_below(scene: Scene) -> Scene:
     scene = closed(scene)
     level = _level_of_fall(scene)
     if level is None or level == 1:
-        raise ValueError(f"{scene.variant} has no levels below the level at which it falls; use built = 'at_once'")
+        raise ValueError(
+            f"built = 'at_once_below' needs a scene that falls above level 1, but {scene.variant} does not: use "
+            "built = 'at_once'"
+        )
     bricks = tuple(brick for brick in scene.bricks if brick.level < level)
     return _robbed(replace(_merged(scene, AT_ONCE_BELOW), actions=(Place(0.0, bricks, 0.0),)))
 
@@ -88,9 +91,15 @@ def is_static(scene: Scene) -> bool:
 
 def _check(scene: Scene) -> None:
     if not is_static(scene):
-        raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: use built = 'one_by_one'")
+        raise ValueError(
+            f"a prebuilt scene may only place and remove bricks, but {scene.variant} pours, pushes or pulls "
+            "bricks: use built = 'one_by_one'"
+        )
     if scene.expectation.outcome == "study":
-        raise ValueError(f"{scene.variant} has no known answer ({scene.expectation.theory}): use built = 'one_by_one'")
+        raise ValueError(
+            f"a prebuilt scene needs a known answer, but {scene.variant} has no known answer "
+            f"({scene.expectation.theory}): use built = 'one_by_one'"
+        )
 
 
 def closed(scene: Scene) -> Scene:
@@ -156,7 +165,10 @@ def _robbed(scene: Scene) -> Scene:
         scene = _raised(scene)
         taken = _load_bearing(scene)
     if taken is None:
-        raise ValueError(f"{scene.variant}: no single brick bears the rest of the stack; use built = 'one_by_one'")
+        raise ValueError(
+            f"a prebuilt scene needs a brick whose removal makes the stack fall, but {scene.variant} has no such "
+            "brick: use built = 'one_by_one'"
+        )
     time = scene.done_s + STANDS_S
     rest = _without(scene, {*_removed(scene), taken})
     theory = f"{scene.expectation.theory}; exact statics finds no equilibrium without brick {taken}"

@@ -44,7 +44,10 @@ def resized(scene: Scene, size: object) -> Scene:
     if factor == 1.0:
         return replace(scene, parameters={**scene.parameters, "size": factor})
     if not is_static(scene):
-        raise ValueError(f"{scene.variant} pours, pushes or pulls bricks: it has one size only; leave out size")
+        raise ValueError(
+            f"parameter 'size' applies only to scenes that place and remove bricks, but {scene.variant} pours, "
+            "pushes or pulls bricks: leave out 'size'"
+        )
     suffix = f"-size{short(factor)}"
     pace = pace_of(factor)
     expectation, within = scene.expectation, scene.expectation.within_s
@@ -78,4 +81,7 @@ def _resized_action(action: Action, size: float, pace: float) -> Action:
         return Place(action.time * pace, bricks, action.height * size)
     if isinstance(action, Remove):
         return replace(action, time=action.time * pace)
-    raise ValueError(f"a scene with the action {type(action).__name__} has one size only: leave out size")
+    raise ValueError(
+        "parameter 'size' applies only to the actions Place and Remove, got the action "
+        f"{type(action).__name__}: leave out 'size'"
+    )

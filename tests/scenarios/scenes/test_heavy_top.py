@@ -33,7 +33,7 @@ def test_a_cube_tips_over_an_edge_whatever_it_weighs():
 
 
 def test_the_cap_of_a_pyramid_lies_in_the_middle():
-    with pytest.raises(ValueError, match=r"aside is for a column, got .* with stack = 'pyramid'"):
+    with pytest.raises(ValueError, match=r"'aside' applies only to stack = 'column', got .* with stack = 'pyramid'"):
         build("heavy_top", stack="pyramid", aside=0.4)
 
 

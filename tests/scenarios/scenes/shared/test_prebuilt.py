@@ -169,9 +169,9 @@ def test_placement_noise_moves_the_whole():
             "has no known answer .*the ridge's contact normal",
         ),
         ("jenga", {"speed": 0.1, "built": "at_once"}, "jenga-speed0.1 pours, pushes or pulls bricks"),
-        ("plank_tower", {"built": "at_once_below"}, "plank_tower has no levels below the level at which it falls"),
-        ("groove", {"margin": -0.35, "built": "at_once_below"}, "has no levels below"),
-        ("groove", {"built": "at_once"}, "no single brick bears the rest"),
+        ("plank_tower", {"built": "at_once_below"}, "needs a scene that falls above level 1, but plank_tower does not"),
+        ("groove", {"margin": -0.35, "built": "at_once_below"}, "needs a scene that falls above level 1"),
+        ("groove", {"built": "at_once"}, "groove has no such brick"),
     ],
 )
 def test_what_cannot_be_prebuilt_says_why(name, parameters, message):
