@@ -19,9 +19,9 @@ for them is substeps), and at a quarter of that rate against static bodies.
 Traps:
 
 - ``b3SetLengthUnitsPerMeter`` is global in the process. Box3D reads it in every step, when it creates a shape and when
-  a body changes its type, so that the adapter sets it before each of these calls. Tolerances are multiples of it: the
-  slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are recycled (50 mm).
-  These are too large for a plank of 8 mm.
+  a body changes its type, so that the adapter sets this unit before each of these calls. Tolerances are multiples of
+      the unit: the slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are
+      recycled (50 mm). These are too large for a plank of 8 mm.
 - The package's own ``World`` hides most of the API, and ``pybox3d`` is another engine.
 - Box3D only logs a state that is not finite, and its next step never returns. From then on the adapter makes no step
   and reports poses as NaN.
@@ -57,8 +57,8 @@ class Box3dSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "subStepCount"
     solver_noise = 1e-5
-    """Margin [m/s] of ``fastest_approach``. With 0, profile ``tuned`` reported 13 mm/s between a brick at rest and a
-    platform that moves below it at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``, because with 0 profile ``tuned`` reported 13 mm/s between a brick at rest
+    and a platform that moves below the brick at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,

@@ -39,8 +39,8 @@ _CONTACT = np.dtype(
 for _name, _dtype in (("b3ManifoldPoint", _POINT), ("b3Manifold", _MANIFOLD), ("b3ContactData", _CONTACT)):
     if ffi.sizeof(_name) != _dtype.itemsize:
         raise ImportError(
-            f"{_name} has {ffi.sizeof(_name)} bytes, must have {_dtype.itemsize}: "
-            "install the version of robox3d in uv.lock (uv sync --group engines)"
+            f"robox3d: the structure {_name} must have {_dtype.itemsize} bytes, got {ffi.sizeof(_name)}: install the "
+            "version of robox3d in uv.lock (uv sync --group engines)"
         )
 
 
@@ -94,7 +94,7 @@ class Manifolds:
 
 
 class ContactReader:
-    """Reader of the contacts of bodies. It reuses its buffer from call to call."""
+    """Reader of the contacts of bodies. The reader reuses its buffer from call to call."""
 
     def __init__(self) -> None:
         self._room = 256

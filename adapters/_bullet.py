@@ -73,8 +73,8 @@ class BulletSimulation(SubstepSimulation):
     def _open(self) -> None:
         if self.info.sleeping == "raised":
             raise NotImplementedError(
-                "bullet cannot raise its sleep threshold, because PyBullet sets it on multibodies only: "
-                "use policy 'none' or 'native'"
+                "policy 'raised' needs a sleep threshold that the adapter can raise, but PyBullet sets the threshold "
+                "on multibodies only: use policy 'none' or 'native'"
             )
         self._engine = BulletWorld(self.world, self.info)
         self._client = self._engine.client

@@ -1,8 +1,8 @@
 """DART's limit on contacts, which its Python interface can read but not set.
 
 In dartpy 6.20 ``getCollisionOption`` returns a copy, so that an assignment to its fields changes nothing. The C++
-method of the same name is exported and returns the solver's own option; this module writes the field there. It compares
-the old and the new value with the values in dartpy, so that another memory layout raises an error.
+method of the same name is exported and returns the solver's own option; this module writes the field there. The module
+compares the old and the new value with the values in dartpy, so that another memory layout raises an error.
 """
 
 from __future__ import annotations
@@ -61,6 +61,6 @@ def _option_of(solver: Any) -> _CollisionOption | None:
 
 def _refusal(before: int, contacts: int) -> str:
     return (
-        f"dartpy {dartpy.__version__} keeps DART's limit of {before} contacts, and this scene may need {contacts}: "
-        "install the version of dartpy in uv.lock (uv sync)"
+        f"this scene needs a limit of {contacts} contacts, but dartpy {dartpy.__version__} keeps DART's limit of "
+        f"{before} contacts: install the version of dartpy in uv.lock (uv sync)"
     )

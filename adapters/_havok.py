@@ -54,5 +54,8 @@ class HavokSimulation(WasmSimulation):
 
     def _open(self) -> None:
         if self.info.sleeping == "raised":
-            raise NotImplementedError("Havok's API cannot set the sleep threshold: use policy 'none' or 'native'")
+            raise NotImplementedError(
+                "policy 'raised' needs a sleep threshold that the adapter can raise, but Havok's API cannot set the "
+                "threshold: use policy 'none' or 'native'"
+            )
         super()._open()

@@ -18,8 +18,8 @@ NOBODY = np.iinfo(np.int64).min
 class Geoms:
     """Record of the geoms of one compiled model: the body of each geom, and whether the body is live.
 
-    The record also states whether the contacts of a geom are current. They are current until the geom gets another body
-    or another pose after the latest step.
+    The record also states whether the contacts of a geom are current. The contacts are current until the geom gets
+    another body or another pose after the latest step.
     """
 
     def __init__(self, world: SlotModel) -> None:
@@ -31,7 +31,7 @@ class Geoms:
         self._is_current = np.ones(world.geoms, bool)
 
     def assign(self, slot: int, body: int) -> None:
-        """Record the body of a slot's geoms. Their contacts are not current until the next frame."""
+        """Record the body of a slot's geoms. The contacts of these geoms are not current until the next frame."""
         geoms = slice(1 + slot, self._world.first_fixed, self._world.slots)  # of the brick and of its ghost, if any
         self._body[geoms] = body
         self._is_current[geoms] = False

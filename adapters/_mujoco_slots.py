@@ -18,7 +18,7 @@ Shape: TypeAlias = tuple[Vector, float]
 """Edge lengths [m] and mass [kg] of a brick: bricks of the same shape fit the same slots."""
 
 CONTACT_STEPS = "contact_steps"
-"""Knob for the time constant of contacts, in steps; MuJoCo's ``solref`` has it in seconds."""
+"""Knob for the time constant of contacts [steps]; MuJoCo's ``solref`` has this constant in seconds."""
 
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3
@@ -127,7 +127,7 @@ class SlotModel:
             self.data.tree_asleep[slot] = -1  # end of MuJoCo's count-down: the brick sleeps after the next step
 
     def wake(self, slot: int) -> None:
-        """Wake a brick, and the island that it sleeps in, from the engine's own sleep."""
+        """Wake a brick, and the island in which the brick sleeps, from the engine's own sleep."""
         self.data.tree_awake[slot] = 1  # MuJoCo wakes a tree whose two sleep records disagree
 
     def show_ghost(self, slot: int) -> None:

@@ -1,4 +1,4 @@
-"""A world of MuJoCo. It compiles a model on first use, and again when no free slot fits a brick."""
+"""A world of MuJoCo, which compiles a model on first use, and again when no free slot fits a brick."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class MujocoWorld:
         self._wake_all()
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a body ([m], quaternion w, x, y, z), and of its ghost if it is frozen, and stop it."""
+        """Set the pose of a body ([m], quaternion w, x, y, z), and of the ghost of a frozen body, and stop the body."""
         slot = self.slot_of[body]
         self.slots.set_pose(slot, position, quaternion)
         if body in self._bodies.frozen:

@@ -1,35 +1,39 @@
 """ODE's QuickStep: projected Gauss-Seidel without warm starting, through the C API by ctypes and compiled code.
 
-Library: Debian's ``libode8`` in double precision where it is installed, else the one in Panda3D's wheel, in single
-precision. The version in each record says which (``_ode_library.py``). ``dWorldStep``, the exact solver, is not used:
-in single precision its errors end the process, and its time grows with the cube of the contacts.
+Library: the adapter loads Debian's ``libode8`` in double precision if it is installed, else the library in Panda3D's
+wheel, in single precision. The version in each record names the library (``_ode_library.py``). The adapter does not use
+``dWorldStep``, the exact solver, because in single precision its errors end the process, and because its time grows
+with the cube of the number of contacts.
 
-Freezing: the body is stopped and disabled, so that ODE does not step it, and its contacts join the other body to the
-world. ODE enables a disabled body again as soon as a contact joins it to a live one. A kinematic body at rest keeps its
-pose to the bit as well, but ODE steps it.
+Freezing: the adapter stops and disables the body, so that ODE does not step it. A contact of a frozen body joins the
+other body to the world, because ODE enables a disabled body again as soon as a contact joins it to a live body. A
+kinematic body at rest also keeps its pose to the bit, but ODE steps it.
 
-Contacts are those that the latest step solved, found at the pose from which it started. ODE lists penetrating points
-only; the port adds the others. It reports no approach speed, so that every live body's pose and velocity are recorded
-before each substep (``SubstepSimulation``). Forces are the feedback of the contact joints.
+Contacts: ODE reports the contacts that the latest step solved, detected at the poses before that step. ODE lists
+penetrating points only; the port adds the missing corners. ODE reports no approach speed, so that
+``SubstepSimulation`` records the pose and the velocity of every live body before each substep. Forces are the feedback
+of the contact joints.
 
-``find_contacts`` runs ODE's collision detection at the present poses and leaves no trace: contacts are sorted by their
-bodies before they are joined, whatever the order of ODE's space.
+``find_contacts`` runs ODE's collision detection at the present poses and does not change later steps, because the
+adapter sorts contacts by their bodies before it joins the bodies, and the order of ODE's space has no effect.
 
-Friction: each contact has the world's coefficient. The law is a pyramid (``dContactApprox1``) along two directions of
-ODE's choice, which are the world's axes on level faces: along a diagonal it holds up to 41 % more.
+Friction: each contact has the world's coefficient. The law is a pyramid (``dContactApprox1``) along two directions that
+ODE chooses. On level faces these directions are the world's axes, so that along a diagonal friction holds up to 41 %
+more.
 
-Stiffness: a penetration is corrected by the share ``ERP`` in a step, and speed remains of the correction. Nothing is
-predicted: a brick penetrates by what it falls in a step before it is stopped.
+Stiffness: a step corrects the share ``ERP`` of a penetration, and the speed of the correction remains. ODE predicts no
+contacts, so that a falling brick penetrates by its way in one step before ODE stops the brick.
 
 Traps:
 
-- QuickStep orders constraints by a random number whose seed all worlds of the process share: each world sets its own
-  before a step and keeps what the step left.
-- As shipped, points are pushed apart until they no longer touch (``ContactSurfaceLayer`` 0), and then fall back.
-- A state that is not finite ends the process by an assertion: from a state on whose square is not finite in single
-  precision nothing is stepped, and poses are reported as NaN.
+- QuickStep orders constraints by a random number whose seed all worlds of the process share. Each world sets its own
+  seed before a step and keeps the seed after the step.
+- As shipped, ODE pushes points apart until they no longer touch (``ContactSurfaceLayer`` 0), and the bodies then fall
+  back.
+- A state that is not finite ends the process by an assertion. If the square of a state is not finite in single
+  precision, the adapter makes no step and reports poses as NaN.
 - The engine's own sleep does not end when a support is removed.
-- The default friction (without ``dContactApprox1``) is bounded by a force, not by a multiple of the normal force.
+- The default friction (without ``dContactApprox1``) has a force as its bound, not a multiple of the normal force.
 """
 
 from __future__ import annotations
@@ -60,7 +64,8 @@ class OdeSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "QuickStepNumIterations"
     solver_noise = 1e-4
-    """[m/s] With 0, ``tuned`` showed 13 mm/s between a brick at rest and a platform that moves below it at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``, because with 0 profile ``tuned`` reported 13 mm/s between a brick at rest
+    and a platform that moves below the brick at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 8 points",
         near_contacts=False,
@@ -76,7 +81,7 @@ class OdeSimulation(SubstepSimulation):
 
     @classmethod
     def check_installed(cls) -> None:
-        """Raise ``ImportError`` if there is no library."""
+        """Raise ``ImportError`` if no library of ODE is installed."""
         importlib.import_module("adapters._ode_library")
 
     def _open(self) -> None:

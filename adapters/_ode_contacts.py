@@ -1,8 +1,8 @@
 """ODE's collision detection and its contact joints, in compiled code.
 
-ODE calls back for each pair of geometries whose bounding boxes meet. The callback only notes the pair. Then one kernel
-lets ODE collide the pairs that touch a live body, and another one joins their bodies at each contact point. In Python
-these calls would cost more than the step.
+ODE calls a callback for each pair of geometries whose bounding boxes meet, and the callback records the pair. Then a
+kernel makes ODE collide the pairs that touch a live body, and a second kernel joins the bodies at each contact point.
+These calls are compiled, because in Python they would cost more than the step.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from adapters._ode_library import CONTACT, FEEDBACK, address_of, c_call, lib
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 MOST_POINTS = 8
-"""Of two boxes: ODE clips one face by the other."""
+"""Greatest number of contact points of two boxes, because ODE clips a face of four corners by another face."""
 _APPROX_1 = 0x7000
-"""``dContactApprox1``: friction is bounded by mu times the normal force, not by mu [N]."""
+"""Flag ``dContactApprox1``: the bound of friction is mu times the normal force, not mu [N]."""
 _HEAD = 2
-"""Numbers of a list of pairs before the pairs: how many pairs there are, and room for how many."""
+"""Count of numbers before the pairs in a list of pairs: the number of pairs, and the greatest number of pairs."""
 
 _data_of = c_call(types.intp(types.intp))
 _collide = c_call(types.int32(types.intp, types.intp, types.int32, types.intp, types.int32))
@@ -37,7 +37,7 @@ _DATA_OF, _COLLIDE, _CREATE, _ATTACH, _FEED_BACK = _ADDRESSES
 
 @numba.cfunc("void(CPointer(int64), intp, intp)", cache=True)
 def _note_pair(pairs: Any, first: int, second: int) -> None:
-    """Add a pair of geometries to the list, if there is room; count it in any case."""
+    """Add a pair of geometries to the list, if the list has room; count the pair in any case."""
     head = carray(pairs, _HEAD)
     count = head[0]
     head[0] = count + 1
@@ -72,20 +72,21 @@ def _collide_pairs(
     body_a: IntArray,
     body_b: IntArray,
 ) -> int:
-    """Find the contact points of the pairs that touch a live body, sorted by bodies; return how many there are.
+    """Find the contact points of the pairs that touch a live body, sorted by bodies; return the number of points.
 
-    The order of bodies, and not that of ODE's space, decides about the solver's: so a detection leaves no trace.
+    The order of the points follows from the ids of the bodies, not from the order of ODE's space, so that an additional
+    detection does not change the solver's result.
 
     Args:
         data_of: address of ``dGeomGetData``, which returns the body of a geometry.
         collide: address of ``dCollide``.
         pairs: list of pairs.
-        is_live: whether a body is live, by its id.
-        lowest: the lowest id, of the ground or a fixed box.
-        address: of the first contact's geometry.
-        stride: bytes of a contact.
-        body_a: written: the first body of each point, the lower id.
-        body_b: written: the second body.
+        is_live: True for each live body, by its id.
+        lowest: the lowest id, which belongs to the ground or a fixed box.
+        address: address of the first contact's geometry.
+        stride: size of a contact [bytes].
+        body_a: output, the first body of each point, which has the lower id.
+        body_b: output, the second body of each point.
     """
     span = len(is_live) - lowest
     keys, kept = np.empty(pairs[0], np.int64), np.empty((pairs[0], 2), np.int64)
@@ -146,15 +147,15 @@ def _join_bodies(
         create: address of ``dJointCreateContact``.
         attach: address of ``dJointAttach``.
         feed_back: address of ``dJointSetFeedback``.
-        world: handle.
+        world: handle of the world.
         group: handle of the group of all contact joints.
-        handles: of bodies, by id; 0 for those that nothing moves.
-        body_a: ids, negative for what never moves, shape (n,).
-        body_b: ids, shape (n,).
-        address: of the first contact.
-        stride: bytes of a contact.
+        handles: handles of the bodies, by id; 0 for a frozen body.
+        body_a: ids of the first bodies, negative for the ground and fixed boxes, shape (n,).
+        body_b: ids of the second bodies, shape (n,).
+        address: address of the first contact.
+        stride: size of a contact [bytes].
         feedback: address of the first contact's feedback; 0 for no feedback.
-        feedback_stride: bytes of a feedback.
+        feedback_stride: size of a feedback [bytes].
     """
     for row in range(len(body_a)):
         joint = _create(create, (world, group, address + row * stride))
@@ -165,7 +166,7 @@ def _join_bodies(
 
 
 class ContactFinder:
-    """Detects contacts and joins bodies, in memory that it keeps."""
+    """Detector of contacts, which also joins the bodies in contact. The detector reuses its memory."""
 
     def __init__(self, friction: float) -> None:
         self._friction = friction
@@ -173,15 +174,15 @@ class ContactFinder:
         self._make_room(64)
         self._is_b_first = np.empty(0, np.bool_)
         self.count = 0
-        """Contact points of the latest detection."""
+        """Number of contact points of the latest detection."""
 
     def find(self, space: int, is_live: BoolArray, lowest: int) -> None:
         """Detect the contacts at the present poses that touch a live body.
 
         Args:
             space: handle of the space of all geometries.
-            is_live: whether a body is live, by its id.
-            lowest: the lowest id, of the ground or a fixed box.
+            is_live: True for each live body, by its id.
+            lowest: the lowest id, which belongs to the ground or a fixed box.
         """
         self._pairs[:_HEAD] = 0, len(self._pairs) // 2 - 1
         lib.dSpaceCollide(space, self._pairs.ctypes.data, _note_pair.address)
@@ -204,13 +205,13 @@ class ContactFinder:
         )
 
     def join(self, world: int, group: int, handles: IntArray, *, feedback: bool) -> None:
-        """Join the bodies at the contacts that were found, for the step that follows.
+        """Join the bodies at the contacts of the latest detection, for the next step.
 
         Args:
-            world: handle.
+            world: handle of the world.
             group: handle of the group of all contact joints.
-            handles: of bodies, by id; 0 for those that nothing moves.
-            feedback: whether forces are recorded.
+            handles: handles of the bodies, by id; 0 for a frozen body.
+            feedback: True if ODE must record forces.
         """
         self._feedback[: self.count] = np.zeros((), FEEDBACK)
         _join_bodies(
@@ -232,7 +233,7 @@ class ContactFinder:
 
     @property
     def pairs(self) -> tuple[IntArray, IntArray]:
-        """Bodies a and b (n,) of each contact."""
+        """Bodies a and b of each contact, each of shape (n,)."""
         return self._body_a[: self.count].copy(), self._body_b[: self.count].copy()
 
     @property

@@ -1,4 +1,4 @@
-"""Names of ODE's settings, which can be read where ODE is not installed."""
+"""Names of ODE's settings, in a module that needs no installed ODE."""
 
 WHOLE_NUMBERS = frozenset({"QuickStepNumIterations", "AutoDisableFlag"})
 _REAL_NUMBERS = frozenset(
@@ -15,4 +15,4 @@ _REAL_NUMBERS = frozenset(
     }
 )
 KNOBS = WHOLE_NUMBERS | _REAL_NUMBERS
-"""Numbers of a world that a profile may set: ``dWorldSet...`` sets one, ``dWorldGet...`` returns it."""
+"""Knobs that a profile may have: numbers of a world, with the functions ``dWorldSetNAME`` and ``dWorldGetNAME``."""

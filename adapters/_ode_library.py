@@ -1,7 +1,7 @@
-"""ODE's C API: from Debian's double-precision library, or else from the single-precision one in Panda3D's wheel.
+"""ODE's C API: from Debian's library in double precision, or else from the library in Panda3D's wheel, in single.
 
-Python calls ``lib``, a ctypes library whose functions have their types; compiled code calls the same functions by what
-``c_call`` returns. Handles are addresses, as integers.
+Python calls the functions of ``lib``, a ctypes library with declared types. Compiled code calls the same functions
+through the result of ``c_call``. Handles are addresses, as integers.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from adapters._ode_knobs import KNOBS, WHOLE_NUMBERS
 
 _DEBIAN = "libode.so.8"
 _PANDA = "libpandaode.*"
-"""Panda3D's own library, whose file ends as the platform's libraries do."""
+"""Pattern of the file name of Panda3D's library, whose ending depends on the platform."""
 
 
 def _opened() -> tuple[ctypes.CDLL, str]:
-    """Return the library, and the name and version of what brought it.
+    """Return the library, and its file name or the name and version of its package.
 
     Raises:
-        ImportError: if there is none.
+        ImportError: if no library is installed.
     """
     try:
         library = ctypes.CDLL(_DEBIAN)
@@ -45,10 +45,10 @@ def _opened_panda() -> tuple[ctypes.CDLL, str]:
     folders = (spec.submodule_search_locations if spec else None) or ()
     files = [file for folder in folders for file in sorted(Path(folder).glob(_PANDA))]
     if not files:
-        raise ImportError(f"neither {_DEBIAN} nor the package 'panda3d' is installed")
+        raise ImportError(f"no library of ODE is installed; install {_DEBIAN} or the package 'panda3d'")
     library = ctypes.CDLL(str(files[0]))
     if not hasattr(library, "dWorldCreate"):
-        raise ImportError(f"{files[0]} does not export ODE's functions on this platform")
+        raise ImportError(f"{files[0]} must export ODE's functions, but does not on this platform; install {_DEBIAN}")
     return library, f"panda3d {importlib.metadata.version('panda3d')}"
 
 
@@ -135,7 +135,7 @@ for _name in KNOBS:
 
 
 def reals_at(address: int, count: int) -> npt.NDArray[Any]:
-    """Return a view of numbers (count,) in ODE's own memory."""
+    """Return a view of ``count`` numbers in ODE's own memory, shape (count,)."""
     memory: Any = (_real * count).from_address(address)
     return np.ctypeslib.as_array(memory)
 
@@ -150,11 +150,12 @@ def address_of(name: str) -> int:
 def c_call(signature: Any) -> Any:
     """Return a function that compiled code calls with the address of a C function and a tuple of its arguments.
 
-    It replaces Numba's own ways: first-class functions cost 30 us each as they are passed, and compiled code that names
-    a C function of ctypes cannot be cached. The cache does not notice a change of this function: clear it after one.
+    The function replaces two ways of Numba, because a first-class function costs 30 us as an argument, and because
+    Numba cannot cache compiled code that names a C function of ctypes. Clear Numba's cache after a change of this
+    function, because Numba does not detect the change.
 
     Args:
-        signature: the C function's, in Numba's types; handles and addresses are ``intp``.
+        signature: signature of the C function, in Numba's types; handles and addresses are ``intp``.
     """
 
     @intrinsic

@@ -1,4 +1,4 @@
-"""A world of ODE, opened as the profile's knobs say, and its bodies."""
+"""A world of ODE with the settings of a profile, and its bodies."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, FloatArray, IntArray
 
 _POSITION, _QUATERNION, _LINEAR, _ANGULAR = slice(0, 3), slice(16, 20), slice(20, 23), slice(24, 27)
-"""Where a body has its state, in numbers from its position on; the matrix of its rotation stands between."""
+"""Columns of a body's state in ODE's memory. The rotation matrix has the columns between position and quaternion."""
 _STATE = 28
-"""Numbers of a body's state."""
+"""Count of numbers in a body's state."""
 _MOST = 1e12
-"""Position, speed or spin [m, m/s, rad/s] from which a world has diverged: its square is finite in single precision."""
+"""Position, speed or spin [m, m/s, rad/s] from which a world has diverged, so that its square stays finite in single
+precision."""
 
 
 class OdeWorld:
@@ -48,7 +49,7 @@ class OdeWorld:
         self.set_gravity(world.gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box, which contacts name ``body``."""
+        """Add the ground or a fixed box; ``body`` is its id in contacts."""
         geom = self._add_geom(body, box)
         lib.dGeomSetPosition(geom, *box.position)
         lib.dGeomSetQuaternion(geom, QUATERNION(*box.quaternion))
@@ -64,33 +65,33 @@ class OdeWorld:
         lib.dBodySetKinematic(self.handles[body])
 
     def remove(self, body: int) -> None:
-        """Take out a body."""
+        """Remove a body."""
         del self._states[body]
         self._is_live[body], self._joined[body] = False, 0
         lib.dGeomDestroy(self._geoms.pop(body))
         lib.dBodyDestroy(self.handles.pop(body))
 
     def place(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a body, and stop it."""
+        """Set the pose of a body, and stop the body."""
         handle = self.handles[body]
         lib.dBodySetPosition(handle, *position)
         lib.dBodySetQuaternion(handle, QUATERNION(*quaternion))
         self.set_velocity(body)
 
     def set_velocity(self, body: int, linear: Vector = NO_VELOCITY, angular: Vector = NO_VELOCITY) -> None:
-        """Set both velocities of a body; without arguments it stops."""
+        """Set the linear [m/s] and angular [rad/s] velocity of a body; the defaults stop the body."""
         handle = self.handles[body]
         lib.dBodySetLinearVel(handle, *linear)
         lib.dBodySetAngularVel(handle, *angular)
 
     def freeze(self, body: int) -> None:
-        """Stop a body and let nothing move it: ODE does not step it, and contacts join the other body to the world."""
+        """Stop and disable a body; from then on its contacts join the other body to the world."""
         self.set_velocity(body)
         lib.dBodyDisable(self.handles[body])
         self._is_live[body], self._joined[body] = False, 0
 
     def unfreeze(self, body: int) -> None:
-        """Let a frozen body move again."""
+        """Enable a frozen body again."""
         lib.dBodyEnable(self.handles[body])
         self._is_live[body], self._joined[body] = True, self.handles[body]
 
@@ -99,7 +100,7 @@ class OdeWorld:
         lib.dBodyEnable(self.handles[body])
 
     def press(self, body: int, force: Vector) -> None:
-        """Let a force [N] act at the centre of mass of a body in the next step."""
+        """Apply a force [N] at the centre of mass of a body in the next step."""
         lib.dBodyAddForce(self.handles[body], *force)
 
     def set_gravity(self, gravity: Vector) -> None:
@@ -107,11 +108,11 @@ class OdeWorld:
         lib.dWorldSetGravity(self._world, *gravity)
 
     def step(self, seconds: float, *, feedback: bool) -> None:
-        """Make one step, unless the world has diverged: ODE would end the process.
+        """Make one step, unless the world has diverged, because ODE would then end the process.
 
         Args:
-            seconds: its length.
-            feedback: whether contact forces are recorded.
+            seconds: length of the step.
+            feedback: True if ODE must record contact forces.
         """
         if self._diverges():
             return
@@ -123,7 +124,7 @@ class OdeWorld:
         lib.dJointGroupEmpty(self._joints)
 
     def contacts_now(self) -> ContactFinder:
-        """Return the contacts at the present poses, with which nothing is stepped."""
+        """Return the contacts at the present poses, without a step."""
         if not self._diverges():
             self._now.find(self._space, self._is_live, self._lowest)
         return self._now
@@ -148,7 +149,7 @@ class OdeWorld:
         lib.dWorldDestroy(self._world)
 
     def _diverges(self) -> bool:
-        """Return whether the world has diverged, which it does for good."""
+        """Return True if the world has diverged; a diverged world never recovers."""
         live = [self._states[body] for body in np.flatnonzero(self._is_live).tolist()]
         if live and not (np.abs(np.concatenate(live)) < _MOST).all():
             self.has_diverged = True
@@ -176,10 +177,13 @@ class OdeWorld:
 
 
 def _state_of(handle: int) -> npt.NDArray[Any]:
-    """Return a view (28,) of a body's state, in its own memory."""
+    """Return a view of a body's state in ODE's own memory, shape (28,)."""
     start = lib.dBodyGetPosition(handle)
     parts = (lib.dBodyGetQuaternion, lib.dBodyGetLinearVel, lib.dBodyGetAngularVel)
     places = [(part(handle) - start) // REAL.itemsize for part in parts]
     if places != [part.start for part in (_QUATERNION, _LINEAR, _ANGULAR)]:
-        raise ImportError(f"ODE has a body's state at {places}: another version of ODE")
+        raise ImportError(
+            f"ODE must have a body's state at the places 16, 20 and 24, got {places}; install the version of panda3d "
+            "in uv.lock"
+        )
     return reals_at(start, _STATE)

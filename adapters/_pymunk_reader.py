@@ -45,7 +45,7 @@ Arbiters = tuple[IntArray, FloatArray]
 
 
 class SpaceReader:
-    """Reader of one world of Chipmunk. It keeps the latest state until a body changes."""
+    """Reader of one world of Chipmunk. The reader keeps the latest state until a body changes."""
 
     def __init__(self, space: pymunk.Space, fixed_rows: int) -> None:
         self._space = space

@@ -63,7 +63,7 @@ class PymunkWorld:
         self.reader.remove(body)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a body ([m], quaternion w, x, y, z), and stop it."""
+        """Set the pose of a body ([m], quaternion w, x, y, z), and stop the body."""
         planar = self.bodies[body]
         planar.position, planar.angle = in_plane(position, quaternion)
         halt(planar)
@@ -85,7 +85,7 @@ class PymunkWorld:
         planar.mass, planar.moment = brick.mass, moment(brick)
 
     def forget_static_pairs(self) -> None:
-        """Delete the arbiters of newly frozen bodies, because Chipmunk would keep and list them for ever.
+        """Delete the arbiters of newly frozen bodies, because Chipmunk would keep and list these arbiters for ever.
 
         The next step detects the contacts of these bodies with live bodies again.
         """

@@ -43,7 +43,7 @@ class Simulation(EngineHooks):
         Args:
             profile: one of ``profiles``.
             world: friction, gravity and fixed boxes.
-            sleeping: the engine's own sleeping: off, as shipped, or with its threshold raised.
+            sleeping: mode of the engine's own sleeping: off, as shipped, or with its threshold raised.
             expected: the bricks that the host plans to spawn, for engines that must allocate in advance.
                 An adapter may ignore this list, and must also accept other bricks.
         """
@@ -152,19 +152,23 @@ class Simulation(EngineHooks):
             self._end_force(body)
 
     def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
-        """Move a host-driven body at a velocity [m/s] and a spin [rad/s], in every step until the next call.
+        """Move a body of the host at a velocity [m/s] and a spin [rad/s], in every step until the next call.
 
         Raises:
-            KeyError: if no body has this id, or it was not spawned with ``Brick.moved``.
+            KeyError: if no body has this id, or the host did not spawn the body with ``Brick.moved``.
             ValueError: if the velocities are not finite, or leave the plane of a planar engine.
         """
         if body not in self.bodies.moved:
-            raise KeyError(f"body {body} is not moved by the host: spawn it as Brick(..., moved=True)")
+            raise KeyError(
+                f"drive() needs a body that the host moves, but body {body} is live or frozen: spawn the body as "
+                "Brick(..., moved=True)"
+            )
         if not (np.isfinite(linear).all() and np.isfinite(angular).all()):
             raise ValueError(f"velocities must be finite, got {linear} m/s and {angular} rad/s; check for NaN")
         if self.capabilities.planar and (linear[1] or angular[0] or angular[2]):
             raise ValueError(
-                f"{self.engine} is planar: drive bodies in the x-z plane, got {linear} m/s, {angular} rad/s"
+                f"{self.engine} is planar: velocities must lie in the x-z plane and spins along y, got {linear} m/s, "
+                f"{angular} rad/s"
             )
         self.bodies.moved[body] = linear, angular
 
@@ -180,7 +184,7 @@ class Simulation(EngineHooks):
         self.world = replace(self.world, gravity=gravity)
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set a body's pose and stop it.
+        """Set a body's pose, and stop the body.
 
         Raises:
             KeyError: if no body has this id.

@@ -39,7 +39,7 @@ class EngineHooks(ABC):
     """Friction, present gravity and fixed boxes."""
     bodies: Bodies
     expected: tuple[Brick, ...]
-    """The bricks that the host plans to spawn; it may spawn other bricks as well."""
+    """The bricks that the host plans to spawn; the host may spawn other bricks as well."""
 
     @staticmethod
     def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to the check of their file of profiles
@@ -87,7 +87,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
-        """Set the pose of a live, frozen or moved body, and stop it. A frozen body stays frozen."""
+        """Set the pose of a live, frozen or moved body, and stop the body. A frozen body stays frozen."""
 
     # -- actions -----------------------------------------------------------------------------------
 
@@ -151,7 +151,7 @@ class EngineHooks(ABC):
 
     @abstractmethod
     def _freeze(self, body: int) -> None:
-        """Stop a live body and hold it, so that nothing moves it by a single bit until ``_unfreeze`` or ``_move``.
+        """Stop and hold a live body, so that nothing moves the body by a single bit until ``_unfreeze`` or ``_move``.
 
         The call may come at any time between steps, for one body at a time, which is still in ``bodies.live``.
         """

@@ -3,8 +3,9 @@
 The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts, in the same way for every engine
 and from the boxes' geometry only:
 
-1. Corners of contact areas, and pairs that nearly touch, unless the engine lists them itself (``near_contacts``).
-2. Contacts between host-driven and frozen bodies. No engine lists them, because forces move neither body.
+1. Corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``).
+2. Contacts between host-driven and frozen bodies, because no engine lists contacts of two bodies that forces do not
+   move.
 3. Pairs that will meet within the next frames, while any body is fast.
 
 In adapters each fixed box has its own id, because the port completes the contacts of each box separately. The port then

@@ -95,7 +95,8 @@ class Capabilities:
     contact_points: str
     """Number of points that the engine reports for one pair, such as "up to 4 points"."""
     near_contacts: bool
-    """True if the engine lists points that nearly touch. If False, the port adds them from the boxes' geometry."""
+    """True if the engine lists points that nearly touch. If False, the port adds these points from the boxes' geometry.
+    """
     separation: bool
     relative_velocity: str
     """"reported", or the origin of the value, such as "from the velocities before the step"."""

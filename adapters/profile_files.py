@@ -68,10 +68,11 @@ def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, fo
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise ProfileFileError(
-            f"{path}: no such file; create it with a [profiles.default] (adapters/profile_files.py shows the layout)"
+            f"{path}: this file does not exist; create the file with a table [profiles.default] "
+            "(adapters/profile_files.py shows the layout)"
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ProfileFileError(f"{path}: not TOML: {error}; correct the file at this place") from error
+        raise ProfileFileError(f"{path}: not valid TOML: {error}; correct the file at this place") from error
     try:
         settings = replace(_settings(content), knows=knows)
         _check_known(settings, knows)
@@ -86,7 +87,9 @@ def _check_known(settings: EngineSettings, knows: Callable[[str], bool]) -> None
     for where, knobs in (profiles | sleeping).items():
         for name in knobs:
             if not knows(name):
-                raise ProfileFileError(f"{where}: the engine has no knob '{name}'; correct its spelling, or delete it")
+                raise ProfileFileError(
+                    f"{where}: the engine has no knob '{name}'; correct the spelling of the knob, or delete the knob"
+                )
 
 
 def _settings(content: Mapping[str, Any]) -> EngineSettings:
@@ -94,11 +97,16 @@ def _settings(content: Mapping[str, Any]) -> EngineSettings:
     shared = {name: _knobs(f"shared.{name}", knobs) for name, knobs in _table("shared", content).items()}
     tables = _table("profiles", content)
     if "default" not in tables:
-        raise ProfileFileError("no [profiles.default]; add this table, with the settings that the package ships")
+        raise ProfileFileError(
+            "the table [profiles.default] is missing; add this table, with the settings that the package ships"
+        )
     profiles = {name: _profile(name, table, shared) for name, table in tables.items()}
     unused = set(shared) - {name for table in tables.values() for name in table.get("shared", ())}
     if unused:
-        raise ProfileFileError(f"shared.{min(unused)} is in no profile; name it in a profile's 'shared', or delete it")
+        raise ProfileFileError(
+            f"no profile uses the table [shared.{min(unused)}]; add '{min(unused)}' to 'shared' of a profile, or "
+            "delete the table"
+        )
     sleeping = _table("sleeping", content)
     _check_keys("sleeping", sleeping, get_args(Sleeping))
     return EngineSettings(profiles, {mode: _knobs(f"sleeping.{mode}", knobs) for mode, knobs in sleeping.items()})
@@ -111,12 +119,16 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
     knobs: dict[str, Knob] = {}
     for chosen in table.get("shared", []):
         if chosen not in shared:
-            raise ProfileFileError(f"{where}.shared: no [shared.{chosen}]; name one of: {_listed(shared)}")
+            raise ProfileFileError(
+                f"{where}.shared: the table [shared.{chosen}] does not exist; use one of: {_listed(shared)}"
+            )
         knobs |= shared[chosen]
     own = _knobs(f"{where}.knobs", table.get("knobs", {}))
     tuned_by = table.get("tuned_by", AS_SHIPPED)
     if name != "default" and not (isinstance(tuned_by, str) and tuned_by != AS_SHIPPED):
-        raise ProfileFileError(f"{where} has no 'tuned_by'; add it and state who tuned the profile, on which scenes")
+        raise ProfileFileError(
+            f"{where}: the key 'tuned_by' is missing; add this key, and state who tuned the profile, on which scenes"
+        )
     return Profile(
         name,
         _text(where, table, "description"),
@@ -131,7 +143,9 @@ def _profile(name: str, table: Any, shared: Mapping[str, Knobs]) -> Profile:
 def _substeps(where: str, table: Mapping[str, Any]) -> int:
     substeps = table.get("substeps")
     if type(substeps) is not int or substeps < 1:
-        raise ProfileFileError(f"{where}.substeps must be a whole number of steps per frame, from 1, got {substeps!r}")
+        raise ProfileFileError(
+            f"{where}.substeps must be a whole number of steps per frame, at least 1, got {substeps!r}"
+        )
     return substeps
 
 
@@ -158,14 +172,16 @@ def _knob(where: str, knob: Any) -> Knob:
     _check_table(where, knob)
     _check_keys(where, knob, _KNOB_KEYS)
     if "value" not in knob:
-        raise ProfileFileError(f"{where} has no 'value'; write {{ value = ..., reason = '...' }}")
+        raise ProfileFileError(f"{where}: the key 'value' is missing; write {{ value = ..., reason = '...' }}")
     value, follows_world = knob["value"], knob.get("follows_world", False)
     if not isinstance(value, (bool, int, float, str)):
         raise ProfileFileError(f"{where}.value must be a number, a text, true or false, got {value!r}")
     if type(follows_world) is not bool:
         raise ProfileFileError(f"{where}.follows_world must be true or false, got {follows_world!r}")
     if follows_world and type(value) not in (int, float):
-        raise ProfileFileError(f"{where}.follows_world is for lengths; the value is {value!r}: delete follows_world")
+        raise ProfileFileError(
+            f"{where}.follows_world needs a 'value' that is a length, got {value!r}: delete follows_world"
+        )
     return Knob(value, _text(where, knob, "reason"), follows_world)
 
 
@@ -173,7 +189,7 @@ def _text(where: str, table: Mapping[str, Any], key: str) -> str:
     text = table.get(key)
     if not (isinstance(text, str) and text.strip()):
         why = "why the value differs from the shipped value" if key == "reason" else "what is special, in a few words"
-        raise ProfileFileError(f"{where} has no '{key}'; add it and state {why}")
+        raise ProfileFileError(f"{where}: the key '{key}' is missing; add this key, and state {why}")
     return text
 
 

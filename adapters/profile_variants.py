@@ -76,7 +76,10 @@ def _with_substeps(_: type[Simulation], profile: Profile, substeps: float) -> Pr
 
 def _with_iterations(simulation: type[Simulation], profile: Profile, iterations: float) -> Profile:
     if not simulation.iterations:
-        raise ProfileError(f"{simulation.engine} has no number of iterations to vary; vary 'substeps' instead")
+        raise ProfileError(
+            f"variation 'iterations' needs a knob for the number of iterations, but {simulation.engine} has no "
+            "such knob: vary 'substeps' instead"
+        )
     knob = Knob(_whole(iterations), "varied, to measure its effect and its cost")
     return profile.with_knobs({simulation.iterations: knob})
 

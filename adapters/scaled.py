@@ -43,7 +43,10 @@ class _ScaledSimulation(Simulation):
 
     @property
     def port(self) -> EnginePort:
-        """The core's view. The property also opens the engine's own port, so that the engine records contact data."""
+        """The core's view of the scene.
+
+        The property also opens the engine's own port, so that the engine records contact data.
+        """
         _ = self._larger.port
         return super().port
 

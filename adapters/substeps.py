@@ -25,7 +25,7 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 
 class SubstepSimulation(Simulation):
-    """A simulation that steps its engine substep by substep. It adds the hooks ``_begin_frame`` to ``_end_frame``."""
+    """A simulation that steps its engine by substeps, with the additional hooks ``_begin_frame`` to ``_end_frame``."""
 
     solver_noise: ClassVar[float] = 0.0
     """Margin [m/s] by which an approach must be faster to replace the approach of an earlier substep.
@@ -77,7 +77,8 @@ class SubstepSimulation(Simulation):
         it. The arrays must be copies.
         """
         raise NotImplementedError(
-            f"{self.engine}: its capabilities state forces, but its adapter has no _forces_of_substep; add it"
+            f"{self.engine}: the capabilities state forces, but the adapter has no method _forces_of_substep; add this "
+            "method"
         )
 
     def _record_motions(self, bodies: IntArray) -> None:
@@ -85,7 +86,7 @@ class SubstepSimulation(Simulation):
         self._recorded.append(self._motions_now(bodies))
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return positions [m], velocities [m/s] and spins [rad/s], each (k, 3). Override it if one call reads all."""
+        """Return positions [m], velocities [m/s] and spins [rad/s], each (k, 3); override for engines with one call."""
         return self._positions(bodies), *self.velocities_now(bodies)
 
     @abstractmethod

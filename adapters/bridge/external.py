@@ -126,7 +126,7 @@ def read_engines(path: Path) -> Mapping[str, ExternalEntry]:
             f"{path}: cannot be read ({error}); set {FILE_VARIABLE} to the path of a file of engines"
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise EnginesFileError(f"{path}: not TOML: {error}; correct the file at this place") from error
+        raise EnginesFileError(f"{path}: not valid TOML: {error}; correct the file at this place") from error
     return {name: _entry(path, name, table) for name, table in content.items()}
 
 
@@ -177,14 +177,19 @@ def _settings(path: Path | None) -> EngineSettings:
 
 def _register(name: str, entry: Entry | ExternalEntry, source: str) -> None:
     if name in _BUILT_IN:
-        raise EnginesFileError(f"{source}: the suite already has an engine '{name}'; give yours another name")
+        raise EnginesFileError(
+            f"{source}: the name '{name}' must be new, but the suite already has an engine of this name: give your "
+            "engine another name"
+        )
     ENGINES[name] = entry
 
 
 def _entry(path: Path, name: str, table: Any) -> ExternalEntry:
     where = f"{path}: [{name}]"
     if not isinstance(table, dict):
-        raise EnginesFileError(f"{path}: '{name}' must be a table; write [{name}] with a 'command'")
+        raise EnginesFileError(
+            f"{path}: the entry '{name}' must be a table: write [{name}], and below this line a 'command'"
+        )
     for key in table:
         if key not in _KEYS:
             raise EnginesFileError(f"{where}: unknown key '{key}'; use one of: {', '.join(_KEYS)}")

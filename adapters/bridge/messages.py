@@ -20,7 +20,7 @@ from adapters.bridge.received import Finding, receive
 from stability_core.port import FloatArray, IntArray
 
 PROTOCOL = 1
-"""Version of the protocol. It changes whenever engines of the previous version would no longer work."""
+"""Version of the protocol, which changes whenever engines of the previous version would no longer work."""
 HEADER = struct.Struct("<II")
 """Header of a message: length of the body [bytes], kind."""
 MAX_BODY = 2**26
@@ -100,7 +100,7 @@ def json_content(body: bytes | memoryview) -> dict[str, Any]:
         content = json.loads(bytes(body))
     except ValueError as error:
         raise ProtocolError(
-            f"the engine's answer is not JSON ({error}); answer with a JSON object, got {bytes(body[:60])!r}"
+            f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}, which is not JSON ({error})"
         ) from error
     if not isinstance(content, dict):
         raise ProtocolError(f"the engine's answer must be a JSON object, got {bytes(body[:60])!r}")
@@ -145,7 +145,7 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
     if not 0.0 <= engine_s < math.inf:
         raise ProtocolError(f"the time of the engine's steps must be finite and at least 0 s, got {engine_s} s")
     if not all(count >= 0.0 and count.is_integer() for count in counts):
-        raise ProtocolError(f"the counts in the answer to a step must be whole numbers from 0, got {counts}")
+        raise ProtocolError(f"the counts in the answer to a step must be whole numbers of at least 0, got {counts}")
     listed, blocks, points, forces = map(int, counts)
     of_points = listed + blocks * listed * STATE_WIDTH
     of_forces = of_points + points * CONTACT_WIDTH
@@ -165,7 +165,7 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
             f"{_listed(bodies)}; got {blocks} states of {_listed(words[:listed])}"
         )
     if finding == Finding.POINTS_NOT_FINITE:
-        raise ProtocolError("contact points and forces in the answer hold NaN or inf; send finite numbers only")
+        raise ProtocolError("contact points and forces in the answer must be finite, got NaN or inf: send finite numbers only")
     return StepReply(
         engine_s,
         words[listed:of_points].reshape(blocks, listed, STATE_WIDTH),

@@ -20,8 +20,8 @@ from adapters.bridge.errors import PeerError, PeerExitError, PeerTimeoutError, P
 from adapters.bridge.messages import HEADER, MAX_BODY, Kind, json_content
 
 SILENCE_S = 60.0
-"""Time limit [s] for an answer, after which the suite kills the engine. It is long,
-so that the suite kills no working engine."""
+"""Time limit [s] for an answer, after which the suite kills the engine; the limit is long, so that the suite kills no
+working engine."""
 _END_S = 1.0
 """Time limit [s] for an engine to end after ``Peer`` has closed its stdin."""
 _PIPE_BYTES = 2**20
@@ -37,7 +37,7 @@ engine in an endless computation does not notice that its stdin is closed."""
 
 
 class Peer:
-    """An engine's process. Its stdout carries the protocol. The class stores its stderr for error messages."""
+    """An engine's process, whose stdout carries the protocol, and whose stderr the class stores for error messages."""
 
     def __init__(self, command: Sequence[str], folder: Path, timeout_s: float = SILENCE_S) -> None:
         """Start the process.
@@ -52,7 +52,9 @@ class Peer:
         """
         program = shutil.which(command[0], path=f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
         if program is None:
-            raise PeerError(f"cannot start the engine: no program '{command[0]}'; give the program's full path")
+            raise PeerError(
+                f"cannot start the engine: the program '{command[0]}' does not exist; give the full path of the program"
+            )
         self._name = " ".join(command)
         self._timeout_s = timeout_s
         self._printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed when the process ends
@@ -91,10 +93,13 @@ class Peer:
         self._send(HEADER.pack(len(body), kind) + body, deadline)
         answered, answer = self._receive(deadline)
         if answered == Kind.ERROR:
-            raise PeerError(f"the engine reports: {json_content(answer).get('message', 'an error without a message')}")
+            raise PeerError(
+                f"the engine reports an error: {json_content(answer).get('message', 'no message')}; correct the cause "
+                "in the engine's program"
+            )
         if answered != kind:
             raise ProtocolError(
-                f"the engine's answer has the kind {answered}, must have {kind.value}, or 4 for an error"
+                f"the engine's answer must have the kind {kind.value}, or 4 for an error, got {answered}"
             )
         return answer
 
@@ -131,7 +136,10 @@ class Peer:
                 if need >= len(self._buffer):  # one byte more, to detect output after the message
                     self._enlarge(need + 1, have)
         if have > need:
-            raise ProtocolError(f"the engine wrote {have - need} bytes after its answer; write only answers to stdout")
+            raise ProtocolError(
+                f"the engine must write only its answer to stdout, got {have - need} bytes after the answer: print "
+                "other text to stderr"
+            )
         return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
 
     def _enlarge(self, size: int, have: int) -> None:
@@ -144,8 +152,8 @@ class Peer:
         if length > MAX_BODY:
             begin = bytes(self._buffer[: HEADER.size])
             raise ProtocolError(
-                f"the engine announces a message of {length} bytes, more than {MAX_BODY}, that begins with {begin!r}; "
-                f"if the engine prints text to stdout, print it to stderr"
+                f"a message of the engine must have at most {MAX_BODY} bytes, got a header {begin!r}, which announces "
+                f"{length} bytes: if this header is text, print the text to stderr"
             )
 
     def _await(self, poll: select.poll, deadline: float) -> None:
@@ -153,8 +161,8 @@ class Peer:
         if not poll.poll(max(0.0, (deadline - monotonic()) * 1e3)):
             self._process.kill()
             raise PeerTimeoutError(
-                f"the engine did not answer within {self._timeout_s:g} s; raise its timeout_s if it needs longer: "
-                f"{self._name}"
+                f"the engine must answer within {self._timeout_s:g} s, but did not: raise timeout_s if the engine "
+                f"needs more time: {self._name}"
             )
 
     def _exited(self) -> PeerError:
@@ -162,7 +170,10 @@ class Peer:
         try:
             code = self._process.wait(_END_S)
         except subprocess.TimeoutExpired:
-            return ProtocolError("the engine closed its stdin or stdout and still runs; keep both open until it ends")
+            return ProtocolError(
+                "the engine must keep stdin and stdout open until it ends, but closed at least one of them while its "
+                "process runs"
+            )
         ending = f"with status {code}" if code >= 0 else f"by signal {-code}"
         return PeerExitError(f"the engine's process ended {ending}: {self._last_line()}")
 

@@ -123,8 +123,8 @@ class BridgeSimulation(Simulation):
         elapsed = perf_counter() - begin
         if reply.engine_s > elapsed + _CLOCK_S:
             raise ProtocolError(
-                f"the engine reports steps of {reply.engine_s:g} s in a frame of {elapsed:g} s; "
-                "report the duration of its own steps in seconds"
+                f"the reported duration of the engine's steps must be at most that of the frame, {elapsed:g} s, got "
+                f"{reply.engine_s:g} s: report the duration in seconds"
             )
         self.own_step_s = min(reply.engine_s, elapsed)
 
@@ -194,8 +194,8 @@ class BridgeSimulation(Simulation):
         said = described(json_content(peer.ask(Kind.HELLO, json_body({"protocol": PROTOCOL}))))
         if said.version != self.info.version:
             raise ProtocolError(
-                f"{self.engine} reports version {said.version}, but {self.info.version} is recorded; "
-                "restart this program after a change of the engine"
+                f"{self.engine} must report the recorded version {self.info.version}, got {said.version}: restart this "
+                "program after a change of the engine"
             )
         return peer
 

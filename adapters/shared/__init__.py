@@ -1,1 +1,1 @@
-"""Code shared by several adapters, or by the port and the base class. It imports no engine."""
+"""Code shared by several adapters, or by the port and the base class. This package imports no engine."""

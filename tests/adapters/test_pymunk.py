@@ -49,9 +49,9 @@ def engine_pairs(simulation: PymunkSimulation) -> int:
 @pytest.mark.parametrize(
     ("position", "quaternion", "fix"),
     [
-        ((0.0, 0.001, 0.1), about_y(0), "put the brick's centre at y = 0"),
-        ((0.0, 0.0, 0.1), (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)), "turn bricks about the y axis only"),
-        ((0.0, 0.0, 0.1), (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0), "turn bricks about the y axis only"),
+        ((0.0, 0.001, 0.1), about_y(0), "the brick's centre must lie at y = 0"),
+        ((0.0, 0.0, 0.1), (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)), "a brick may turn about the y axis only"),
+        ((0.0, 0.0, 0.1), (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0), "a brick may turn about the y axis only"),
     ],
 )
 def test_what_leaves_the_plane_is_refused_with_the_fix(position: Vector, quaternion: Quaternion, fix: str) -> None:

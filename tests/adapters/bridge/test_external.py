@@ -56,7 +56,7 @@ def test_a_file_that_the_environment_names_must_be_there(monkeypatch: pytest.Mon
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[mine\n", "not TOML"),
+        ("[mine\n", "not valid TOML"),
         ("mine = 3\n", "'mine' must be a table"),
         ("[mine]\n", r"'command' must be a list of texts, such as \['program', 'argument'\], got None"),
         ("[mine]\ncommand = 'node mine.mjs'\n", "'command' must be a list of texts"),
@@ -73,7 +73,7 @@ def test_a_mistake_is_reported(tmp_path: Path, text: str, message: str) -> None:
 def test_the_name_of_an_engine_of_the_suite_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path, "[bullet]\ncommand = ['a']\n")
     monkeypatch.setitem(os.environ, "STILLSTACK_ENGINES", str(path))
-    with pytest.raises(EnginesFileError, match="the suite already has an engine 'bullet'; give yours another name"):
+    with pytest.raises(EnginesFileError, match=r"the name 'bullet' must be new, .* give your engine another name"):
         register_external()
 
 
@@ -87,6 +87,7 @@ def test_a_program_that_is_not_there_is_reported_with_its_entry(
     from adapters import capabilities
 
     with pytest.raises(
-        ImportError, match=r"no program 'no-such-program'.*its command runs: \['no-such-program'\], from"
+        ImportError,
+        match=r"the program 'no-such-program' does not exist.*its command runs: \['no-such-program'\], from",
     ):
         capabilities("mine")

@@ -72,7 +72,7 @@ def test_forces_of_the_wrong_shape_are_refused() -> None:
     masses = Masses(np.array([0]), np.array([1.0]), np.zeros((1, 3)))
     check_shapes(output, masses)
     check_shapes(replace(output, force=None), masses)
-    with pytest.raises(ValueError, match=r"contacts.force must have shape \(2, 3\), .* got \(2,\)"):
+    with pytest.raises(ValueError, match=r"contacts.force must be None or have shape \(2, 3\), .* got \(2,\)"):
         check_shapes(replace(output, force=np.zeros(2)), masses)
     with pytest.raises(ValueError, match=r"contacts.force must be a NumPy array, got list"):
         check_shapes(replace(output, force=[[0.0, 0.0, 0.0]] * 2), masses)  # type: ignore[arg-type]

@@ -45,5 +45,7 @@ def test_the_natural_residual_is_overlap_pull_or_the_lesser_of_force_and_gap() -
 
 def test_without_forces_the_message_names_the_capabilities() -> None:
     seen = replace(contacts((0, 1, 0.0, (0.0, 0.0, 0.0))), force=None)
-    with pytest.raises(ValueError, match="have no forces; use an engine whose capabilities report forces"):
+    with pytest.raises(
+        ValueError, match=r"contacts.force must hold forces, got None: use an engine whose capabilities state forces"
+    ):
         cone_excess(seen)
