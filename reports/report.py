@@ -76,7 +76,7 @@ SECTIONS = (
 
 
 OF_TIMES = frozenset({"frame_time", "comparison", "cost", "machine", "height_cost"})
-"""Ids of the tables that show times, which mean little if trials were run several at a time."""
+"""Ids of the tables that show times, because times mean little if the harness ran several trials at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,10 +115,12 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
         all_stills: True to draw the final states of all trials, even if there are more than ``MOST_STILLS``.
 
     Raises:
-        RecordError: if the records cannot be read, or the folder has none.
+        RecordError: if the records cannot be read, or the folder has no records.
     """
     if not folder.records:
-        raise RecordError(f"{folder.trials_file}: holds no trial yet; run the study first")
+        raise RecordError(
+            f"{folder.trials_file}: a report needs at least one trial, but the file contains none; run the study first"
+        )
     tables = tables_of(folder)
     judged = rank(groups_of(_fixed(folder)))
     ranking, verdict = ranking_table(judged, folder.records), sentence(judged, len(missing))

@@ -83,7 +83,7 @@ def read_folder(folder: Path) -> list[TrialRecord]:
 
 @contextmanager
 def printed_warnings() -> Iterator[None]:
-    """Print the record warnings that are raised inside the ``with`` block."""
+    """Print the record warnings of the code inside the ``with`` block."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield

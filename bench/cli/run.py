@@ -91,7 +91,8 @@ def run(
         wanted = Selection(engine or (), scenario or (), policy or (), profile or (), seeds, hours)
         if dask is not None and jobs > 1:
             raise ClusterError(
-                "--jobs applies to this machine only: with --dask leave it out, and start each worker with --nthreads"
+                "--jobs and --dask must not be combined, because --jobs applies to this machine only: leave out "
+                "--jobs, and start each worker with --nthreads"
             )
         if dask is not None and (watch or watch_at):
             raise ClusterError("--watch applies to trials on this machine only: leave it out, or leave out --dask")
@@ -161,7 +162,7 @@ def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> N
     """Run the trials without a record, write each outcome at once, and note the missing trials if interrupted."""
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
-        note("the last line of trials.jsonl is incomplete after an interruption: that trial is run again")
+        note("the last line of trials.jsonl is incomplete after an interruption: the run repeats that trial")
     if there := len(results.finished):
         note(f"continuing: {there} of {there + len(waiting)} trials are already in the folder")
     with Interruption() as interruption:

@@ -79,7 +79,9 @@ class Baseline(_Model):
     @model_validator(mode="after")
     def _shares_are_whole(self) -> Baseline:
         if any(set(parts) != set(PARTS) for parts in self.shares.values()):
-            raise ValueError(f"shares: each trial needs exactly the parts {', '.join(PARTS)}, got other parts")
+            raise ValueError(
+                f"shares: each trial must have exactly the parts {', '.join(PARTS)}, but a trial has other parts"
+            )
         return self
 
     def machine(self, record: TrialRecord) -> Machine | None:
@@ -105,7 +107,7 @@ def read_baseline(path: Path) -> Baseline:
     """Return the side of a comparison from a results folder or a baseline file.
 
     Raises:
-        BaselineError: if ``path`` is neither, or is incomplete.
+        BaselineError: if ``path`` is neither a results folder nor a baseline file, or is incomplete.
     """
     try:
         baseline = _read_folder(path) if path.is_dir() else _read_baseline_file(path)
@@ -113,12 +115,14 @@ def read_baseline(path: Path) -> Baseline:
         raise BaselineError(str(error)) from error
     except ValidationError as error:
         raise BaselineError(
-            f"{path}: not a baseline of this suite: {_first(error)}; create it again with 'bench baseline'"
+            f"{path}: not a baseline of this suite: {_first(error)}; create the file again with 'bench baseline'"
         ) from error
     seen: set[str] = set()
     for record in baseline.trials:
         if record.trial in seen:
-            raise BaselineError(f"{path}: trial {record.trial[:200]!r} occurs twice; remove one of its records")
+            raise BaselineError(
+                f"{path}: trial {record.trial[:200]!r} must occur once, but occurs twice; remove one of the two records"
+            )
         seen.add(record.trial)
     return baseline
 
@@ -130,12 +134,15 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
         BaselineError: if ``path`` is a folder or a file of another kind, or cannot be written.
     """
     if path.is_dir():
-        raise BaselineError(f"{path} is a folder: name a file with -o")
+        raise BaselineError(f"{path} must be a file, but is a folder: name a file with -o")
     if path.exists():
         try:
             _read_baseline_file(path)
         except (JsonError, ValidationError):
-            raise BaselineError(f"{path} exists and is not a baseline file: name another file with -o") from None
+            raise BaselineError(
+                f"{path} must be a baseline file or a new file, but is a file of another kind: name another file with "
+                "-o"
+            ) from None
     try:
         write_atomic(path, (baseline.model_dump_json(indent=1) + "\n").encode())
     except OSError as error:
@@ -160,7 +167,9 @@ def _read_folder(folder: Path) -> Baseline:
         warnings.simplefilter("ignore", RecordWarning)  # the trial of an incomplete line is reported as missing
         records = read_records(path)
     if not records:
-        raise BaselineError(f"{path}: holds no trial yet; run the study first")
+        raise BaselineError(
+            f"{path}: a comparison needs at least one trial, but the folder contains none; run the study first"
+        )
     whole = content if content.endswith(b"\n") else content.rpartition(b"\n")[0]
     for number, line in enumerate(whole.splitlines(), start=1):
         if line.strip():

@@ -4,9 +4,9 @@
 The comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives
 one ratio:
 
-    frame ratio            r_k = mean frame time of the k-th second with the extension
-                                 / median frame time of the frames without it just before
-    head against base      r_k of the head / r_k of the base, for every k and every stack of an engine
+    frame ratio            r_k = mean frame time of the k-th second with the extension / median time of the frames
+    without the extension before head against base      r_k of the head / r_k of the base, for every k and every stack
+    of an engine
 
 ``timing.judge_times`` judges the interval of the mean of "head against base". A frame counts for at most ``MOST`` times
 the median of the frames with the same index in all seconds, because the system interrupted longer frames.
@@ -69,7 +69,8 @@ class _Frame(_Read):
     policy: str
     frames_per_second: int = Field(gt=0)
     alone_ms: list[_Time] = []
-    """Median time of a frame without the extension before each second [ms]; empty in benchmarks without it."""
+    """Median time of a frame without the extension before each second [ms]; empty if the benchmark has no such frames.
+    """
 
 
 class _Benchmark(_Read):
@@ -142,8 +143,8 @@ def are_benchmarks(base: Path, head: Path) -> bool:
     if any(written) and not all(written):
         benchmarks, trials = (base, head) if written[0] else (head, base)
         raise BaselineError(
-            f"{benchmarks} is a file of pytest-benchmark and {trials} is not: name two files of pytest-benchmark, or "
-            "two outputs of 'bench run' or 'bench baseline'"
+            f"both sides must be of the same kind, but {benchmarks} is a file of pytest-benchmark and {trials} is not: "
+            "name two files of pytest-benchmark, or two outputs of 'bench run' or 'bench baseline'"
         )
     return all(written)
 
@@ -161,8 +162,8 @@ def read_benchmarks(path: Path) -> FrameTimes:
         raise BaselineError(str(error)) from error
     except (ValidationError, TypeError, AttributeError) as error:
         raise BaselineError(
-            f"{path}: not a complete file of pytest-benchmark: {_first(error)}; create it again with 'uv run pytest "
-            "--benchmark-only'"
+            f"{path}: not a complete file of pytest-benchmark: {_first(error)}; create the file again with 'uv run "
+            "pytest --benchmark-only'"
         ) from error
     versions: dict[Group, str] = {}
     ratios: dict[Group, FloatArray] = {}
@@ -172,12 +173,14 @@ def read_benchmarks(path: Path) -> FrameTimes:
         if info.policy == ALONE:
             continue
         if cell in ratios:
-            raise BaselineError(f"{path}: {one.fullname[:200]!r} occurs twice; remove the second entry")
+            raise BaselineError(
+                f"{path}: benchmark {one.fullname[:200]!r} must occur once, but occurs twice; remove the second entry"
+            )
         versions[cell], ratios[cell] = info.version, _ratios(path, one)
     if not ratios:
         raise BaselineError(
-            f"{path}: contains no frame times with the extension; create a file with frame times by 'uv run "
-            "pytest --benchmark-only'"
+            f"{path}: a comparison needs frame times with the extension, but the file contains none; create a file of "
+            "frame times with 'uv run pytest --benchmark-only'"
         )
     commit = (file.commit_info.id or "unknown")[:12] + (" with changes" if file.commit_info.dirty else "")
     processor = file.machine_info.cpu.brand_raw
@@ -261,12 +264,15 @@ def _ratios(path: Path, benchmark: _Benchmark) -> FloatArray:
     """Return the frame ratio of each whole second, shape (s,)."""
     info, times = benchmark.extra_info, np.array(benchmark.stats.data)
     if not len(times):
-        raise BaselineError(f"{path}: contains no time of each round; create the file again with --benchmark-save-data")
+        raise BaselineError(
+            f"{path}: the file must contain the time of each round, but does not; create the file again with "
+            "--benchmark-save-data"
+        )
     count = min(len(times) // info.frames_per_second, len(info.alone_ms))
     if not count:
         raise BaselineError(
-            f"{path}: {benchmark.fullname[:200]!r} contains less than a second of frames with and without the "
-            "extension; create the file again with 'uv run pytest --benchmark-only'"
+            f"{path}: benchmark {benchmark.fullname[:200]!r} must contain at least a second of frames with and without "
+            "the extension, but is shorter; create the file again with 'uv run pytest --benchmark-only'"
         )
     frames = times[: count * info.frames_per_second].reshape(count, info.frames_per_second)
     means = np.minimum(frames, MOST * np.median(frames, axis=0)).mean(axis=1)

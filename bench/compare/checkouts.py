@@ -65,10 +65,13 @@ def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout
         checkout = Checkout(version, Path(version).resolve())
         if packages:
             raise CheckoutError(
-                f"{version} is a folder, which must stay unchanged: install {packages[0]} there yourself"
+                f"this command installs packages only for commits, branches and tags, but {version} is a folder: "
+                f"install {packages[0]} in its environment, and leave out the package"
             )
         if not checkout.python.exists():
-            raise CheckoutError(f"{version} has no environment (.venv): run 'uv sync' there")
+            raise CheckoutError(
+                f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' there"
+            )
         return checkout
     commit = _call(version, ["git", "rev-parse", "--verify", "--end-of-options", f"{version}^{{commit}}"], ROOT).strip()
     variant = hashlib.blake2b("\0".join(packages).encode(), digest_size=4).hexdigest() if packages else "locked"
@@ -95,7 +98,7 @@ def _call(version: str, command: Sequence[str], folder: Path) -> str:
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CheckoutError(
-            f"{version}: {command[0]} cannot be run ({error.strerror}): install it or repair the checkout"
+            f"{version}: {command[0]} cannot be run ({error.strerror}): install {command[0]}, or repair the checkout"
         ) from error
     if done.returncode != 0:
         words = " ".join(done.stderr.split())[-500:] or "no error output"

@@ -16,7 +16,7 @@ from scenarios.registry import with_defaults
 
 
 class NothingInCommonError(ValueError):
-    """Two sides that share no trial, so that neither a pass nor a regression can be stated."""
+    """Two sides that share no trial, so that a comparison can state neither a pass nor a regression."""
 
 
 Pair = tuple[TrialRecord, TrialRecord]

@@ -24,7 +24,7 @@ _MM = 1e3
 
 
 def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) -> tuple[Judgement, str]:
-    """Judge whether the outcome of ``head`` is worse than that of ``base``; return the judgement and its reasons."""
+    """Judge whether ``head`` has a worse outcome than ``base``; return the judgement and its reasons."""
     if head.status not in _PLAYED or base.status not in _PLAYED:
         return _judge_failure(base, head)
     worse = [*_lost(base, head), *_less(base, head, tolerance)]
@@ -34,7 +34,7 @@ def judge_outcome(base: TrialRecord, head: TrialRecord, tolerance: Tolerance) ->
     if better:
         return "better", f"was: {'; '.join(better)}"
     if base.verdict != head.verdict and _differ_in_creep_rule(base, head):
-        return "open", f"{head.verdict}, was {base.verdict}: the creep of one is unknown"
+        return "open", f"{head.verdict}, was {base.verdict}: the creep of one side is unknown"
     if base.verdict != head.verdict:
         return "open", f"{head.verdict}, was {base.verdict}: neither is right"
     return "same", ""

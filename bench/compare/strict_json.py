@@ -30,7 +30,10 @@ def read_file(path: Path) -> bytes:
             f"{path}: cannot be read ({error.strerror}); name a readable file or a results folder"
         ) from error
     if len(content) > MOST_BYTES:
-        raise JsonError(f"{path}: larger than {MOST_BYTES >> 20} MiB; name a file that this suite wrote")
+        raise JsonError(
+            f"{path}: the file must have at most {MOST_BYTES >> 20} MiB, but is larger; name a file that this "
+            "suite wrote"
+        )
     return content
 
 
@@ -51,7 +54,7 @@ def parse(content: bytes, source: str) -> Any:
     except json.JSONDecodeError as error:
         raise JsonError(f"{source}: not valid JSON, or cut off: {error}; create the file again") from error
     except RecursionError:
-        raise JsonError(f"{source}: nests too deeply; name a file that this suite wrote") from None
+        raise JsonError(f"{source}: the JSON text nests too deeply; name a file that this suite wrote") from None
     except ValueError as error:  # also raised for an integer of thousands of digits
         raise JsonError(f"{source}: {error}; create the file again") from error
 
@@ -61,9 +64,9 @@ def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(table) < len(pairs):
         seen: set[str] = set()
         twin = next(key for key, _ in pairs if key in seen or seen.add(key))  # type: ignore[func-returns-value]
-        raise ValueError(f"key {twin[:80]!r} occurs twice in one object")
+        raise ValueError(f"key {twin[:80]!r} must occur once in an object, got two values")
     return table
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"contains {constant}, which is not a finite number")
+    raise ValueError(f"every number must be finite, got {constant}")

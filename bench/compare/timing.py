@@ -83,7 +83,10 @@ def interval(pairs: Sequence[tuple[float, float]]) -> Interval:
         ValueError: if there are fewer than ``LEAST_PAIRS`` pairs.
     """
     if len(pairs) < LEAST_PAIRS:
-        raise ValueError(f"at least {LEAST_PAIRS} pairs are needed, got {len(pairs)}: run the study with more repeats")
+        raise ValueError(
+            f"an interval needs at least {LEAST_PAIRS} pairs of trials, got {len(pairs)}: run the study with more "
+            "repeats"
+        )
     logs = [math.log(head / base) for base, head in pairs]
     middle = statistics.fmean(logs)
     error = statistics.stdev(logs) / math.sqrt(len(logs))

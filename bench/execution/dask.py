@@ -151,7 +151,9 @@ def _result(future: Future[RemoteOutcome], trial: Trial, environment: Mapping[st
         raise ClusterError("the scheduler was lost: start it again, then run the same command to continue") from error
     except Exception as error:  # a trial never raises, so the worker failed to load the code
         why = f"{type(error).__name__}: {error}"
-        raise ClusterError(f"a worker failed ({why}): start the workers again from the same checkout") from error
+        raise ClusterError(
+            f"a worker must run every trial, but failed ({why}): start the workers again from the same checkout"
+        ) from error
 
 
 def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
@@ -160,8 +162,8 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
     different = [name for name in _DECISIVE if environment[name] != order.decisive[name]]
     if different:
         raise ClusterError(
-            f"the worker on {platform.node()} differs from the client in: {', '.join(different)}; start the worker "
-            "again from the same checkout"
+            f"the worker on {platform.node()} must have the code and the packages of the client, but differs in: "
+            f"{', '.join(different)}; start the worker again from the same checkout"
         )
     with _preparing:
         _prepare(order.engines, order.core_policies)

@@ -71,7 +71,7 @@ class Estimate:
             return f"{count} trials: {longest}; there are no earlier trials to estimate from"
         counts = {
             "from the same trials": self.same,
-            "from others of their engine and scene": self.similar,
+            "from other trials of their engine and scene": self.similar,
             "from other scenes": self.guessed,
         }
         source = ", ".join(f"{number} {words}" for words, number in counts.items() if number)
@@ -92,8 +92,8 @@ def estimate(
 
     Args:
         trials: the trials to run.
-        limit_s: wall time [s] after which a trial is stopped.
-        folders: folders of earlier results; folders without results are skipped.
+        limit_s: wall time [s] after which the harness stops a trial.
+        folders: folders of earlier results; the function skips folders without results.
         calibration_ms: time [ms] of the fixed calculation on this machine now; None disables the scaling.
         busy: factor by which the load of other processes lengthens wall times, 1 on an idle machine.
     """

@@ -1,8 +1,8 @@
 """The fork server: the process that forks all trials. The server loads harness and engines, but opens no engine.
 
 A lock guards the read of a child's exit status. ``multiprocessing`` reads the status from a pipe that contains it only
-once, so that the second of two threads would find the end of the pipe and record status 255. Two threads do read at
-the same time, because the start of a trial polls all children while other threads wait for their own.
+once, so that the second of two threads would find the end of the pipe and record status 255. Two threads do read at the
+same time, because the start of a trial polls all children while other threads wait for their own children.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def _known(value: object) -> bool:
 
 
 def _rows(folder: Path) -> Iterator[Mapping[str, Any]]:
-    """Yield the readable rows; skip other rows without an error, because an estimate can do without them."""
+    """Yield the readable rows; skip other rows without an error, because an estimate does not need every row."""
     try:
         if (folder / TRIALS).exists():
             with (folder / TRIALS).open(encoding="utf-8", errors="replace") as lines:

@@ -1,4 +1,4 @@
-"""Last module that the fork server imports: it loads the modules that all trials need.
+"""Last module that the fork server imports, which in turn imports the modules that all trials need.
 
 The module registers the engines outside this repository, because a trial inherits the registry of the server. It
 excludes the loaded objects from garbage collection, because the first collection in each trial would touch, and thereby

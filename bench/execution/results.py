@@ -48,9 +48,9 @@ def check_folder(folder: Path) -> None:
     """
     nearest = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not nearest.is_dir():
-        raise ResultsError(f"{nearest} is not a folder: choose another folder with --out")
+        raise ResultsError(f"{nearest} must be a folder, but is a file: choose another folder with --out")
     if not os.access(nearest, os.W_OK | os.X_OK):
-        raise ResultsError(f"{nearest} cannot be written: choose another folder with --out")
+        raise ResultsError(f"{nearest} must be writable, but is not: choose another folder with --out")
 
 
 def changes(folder: Path, study: Study, environment: Mapping[str, Any]) -> list[str]:
@@ -83,7 +83,7 @@ def missing_trials(folder: Path, records: Sequence[TrialRecord]) -> list[str]:
 
 
 class Results:
-    """A results folder, which receives the outcomes of a run one by one; a lock keeps other runs out."""
+    """A results folder, which receives the outcomes of a run one by one; a lock prevents a second run in the folder."""
 
     def __init__(
         self,
@@ -115,7 +115,9 @@ class Results:
         try:
             self._lock.acquire(blocking=False)
         except Timeout:
-            raise ResultsError(f"another run uses {folder}: wait for its end, or choose another --out") from None
+            raise ResultsError(
+                f"another run uses {folder}: wait for the end of that run, or choose another folder with --out"
+            ) from None
         try:
             if fresh:
                 _clear(folder)

@@ -140,8 +140,8 @@ class IsolatedTrial:
         """End the process without an outcome.
 
         This method kills the process instead of cancelling its future, because a result that arrives at the same moment
-        would break the thread that waits for it. It cancels the future only if the process has not yet reported its
-        process id, because no result can arrive earlier.
+        would break the thread that waits for it. The method cancels the future only if the process has not yet reported
+        its process id, because no result can arrive earlier.
         """
         if self._pid is None:
             self.future.cancel()  # type: ignore[no-untyped-call]
@@ -150,7 +150,7 @@ class IsolatedTrial:
             os.kill(self._pid, signal.SIGKILL)
 
     def _lost(self, status: Status, message: str) -> Outcome:
-        """Return the outcome of a trial whose process ended without one."""
+        """Return the outcome of a trial whose process ended without an outcome."""
         return Outcome(bare_record(self.trial, self.trial.planned_scene(), self._environment, status, message), [])
 
     def _stopped_itself(self, exitcode: int | None) -> bool:

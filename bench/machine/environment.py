@@ -118,6 +118,6 @@ def _processor() -> str:
 
 
 def _governor() -> str | None:
-    """Return the frequency governor of the processor; None if the system does not report it."""
+    """Return the frequency governor of the processor; None if the system reports no governor."""
     file = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
     return file.read_text(encoding="utf-8").strip() if file.exists() else None

@@ -57,7 +57,11 @@ class InstructionCounter:
         """
         number = _SYSCALLS.get(platform.machine())
         if sys.platform != "linux" or number is None:
-            raise OSError(errno.ENOSYS, "perf events need Linux on x86-64 or 64-bit ARM; run without the counter here")
+            raise OSError(
+                errno.ENOSYS,
+                "the counter of instructions needs Linux on x86-64 or 64-bit ARM; run without the counter on this "
+                "system",
+            )
         fields = struct.pack("=IIQQQQQ", event.type, _SIZE, event.config, 0, 0, 0, _USER_CODE_ONLY)
         attributes = ctypes.create_string_buffer(fields, _SIZE)
         libc = ctypes.CDLL(None, use_errno=True)

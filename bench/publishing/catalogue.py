@@ -32,7 +32,8 @@ class Publication:
     gallery: Gallery | None = None
     """Picture to publish; None for a publication without stills."""
     is_timed: bool = True
-    """False if cost is not the subject: trials may then be run several at a time (``--jobs``), and no times are shown.
+    """False if cost is not the subject: trials may then run several at a time (``--jobs``), and the page shows no
+    times.
     """
 
     @property

@@ -62,7 +62,7 @@ def headline_block() -> str:
 
 
 def many_seeds_block() -> str:
-    """Return the table of correct trials of the publication ``publish``, whose scenes are run with twenty seeds."""
+    """Return the table of correct trials of the publication ``publish``, which runs its scenes with twenty seeds."""
     return f"{_rows(correctness_table(load(PUBLISHED / 'publish').trials))}{_caveat('publish')}"
 
 
@@ -128,7 +128,9 @@ def example_block(part: str) -> str:
     """
     found = re.search(rf"# begin {part}\n(.*?)\n# end {part}\n", EXAMPLE.read_text(encoding="utf-8"), re.DOTALL)
     if not found:
-        raise ValueError(f"{EXAMPLE}: has no part '{part}'; mark it with '# begin {part}' and '# end {part}'")
+        raise ValueError(
+            f"{EXAMPLE}: part '{part}' is missing; mark this part with '# begin {part}' and '# end {part}'"
+        )
     return f"```python\n{found[1].strip()}\n```\n"
 
 
@@ -196,7 +198,7 @@ def _untitled(table: Table) -> str:
 
 
 VERSIONS_OF_LIBRARIES = {"ode": "panda3d 1.10.16 (single precision), or libode8 where installed (double)"}
-"""Versions of the engines whose library depends on the machine, where documents must not."""
+"""Versions that documents state for engines whose library depends on the machine, so that the text does not."""
 HEADLINE = "paper"
 """Publication whose table and picture ``docs/findings.md`` shows."""
 RATIOS = ("ratio", "publish")
@@ -232,7 +234,8 @@ def filled(document: str, block: str, content: str) -> str:
     marks = re.compile(rf"(<!-- begin {block}\b[^>]*-->\n).*?(<!-- end {block} -->)", re.DOTALL)
     if not marks.search(document):
         raise ValueError(
-            f"the document has no block '{block}': mark it with <!-- begin {block} --> and <!-- end {block} -->"
+            f"block '{block}' is missing in the document: mark its place with <!-- begin {block} --> and <!-- end "
+            f"{block} -->"
         )
     return marks.sub(lambda found: f"{found[1]}\n{content}\n{found[2]}", document)
 

@@ -58,12 +58,15 @@ def core_of(page: Path) -> str:
     """
     found = _FOOTER.search(page.read_text(encoding="utf-8"))
     if found is None:
-        raise MarkError(f"{page}: no line 'core: DIGEST' at its end; write it with 'python -m bench.publishing --mark'")
+        raise MarkError(
+            f"{page}: the last line must be 'core: DIGEST', but is not; write this line with 'python -m "
+            "bench.publishing --mark'"
+        )
     return found[1]
 
 
 def warning(core: str, present: str) -> str:
-    """Return the caveat for a page that ``core`` made; empty if the page needs none.
+    """Return the caveat for a page that ``core`` made; empty if the page needs no caveat.
 
     Args:
         core: digest of the core that made the page, or ``UNKNOWN`` or ``NOT_USED``.
@@ -76,7 +79,7 @@ def warning(core: str, present: str) -> str:
 
 
 def marked(text: str, core: str, present: str) -> str:
-    """Return the text of a page with the line ``core: DIGEST`` at its end, and the banner if it needs one."""
+    """Return the text of a page with the line ``core: DIGEST`` at its end, and with the banner if the core differs."""
     caveat = warning(core, present)
     banner = f"> **{caveat}**\n\n" if caveat else ""
     return banner + signed(_BANNER.sub("", text), core)

@@ -102,16 +102,25 @@ def _write_without_times(folder: Path, page: Path) -> None:
 
 def _check(publication: Publication, folder: Path, records: Sequence[TrialRecord]) -> None:
     if not load_study(str(folder / STUDY)).has_same_plan(publication.resolved()):
-        raise PublishError(f"{folder} contains another study than '{publication.study}': run {publication.command}")
+        raise PublishError(
+            f"{folder} must contain the study '{publication.study}', but contains another study: run "
+            f"{publication.command}"
+        )
     missing = missing_trials(folder, records)
     if missing:
-        raise PublishError(f"{folder} lacks {len(missing)} trials: run {publication.command} --out {folder}")
+        raise PublishError(
+            f"{folder} must contain all trials of the study, but lacks {len(missing)} trials: run "
+            f"{publication.command} --out {folder}"
+        )
     _check_sources(json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8")), str(folder))
 
 
 def _check_sources(environment: Mapping[str, Any], where: str) -> None:
     if environment.get("modified") is not False or not environment.get("commit"):
-        raise PublishError(f"{where}: the sources are not committed; commit them, and run the study again")
+        raise PublishError(
+            f"{where}: the run must use committed sources, but the sources had changes; commit the changes, and "
+            "run the study again"
+        )
 
 
 def _remove_earlier(target: Path) -> None:

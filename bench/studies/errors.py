@@ -19,7 +19,7 @@ _PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "bool_type": lambda _: "must be true or false",
     "bool_parsing": lambda _: "must be true or false",
     "string_type": lambda _: "must be a text in quotes",
-    "string_pattern_mismatch": lambda _: "must be letters, digits, '-' and '_', as it names a folder",
+    "string_pattern_mismatch": lambda _: "must be letters, digits, '-' and '_', because the text names a folder",
     "list_type": lambda _: "must be a list in brackets",
     "too_short": lambda _: "must not be empty",
     "dict_type": lambda _: "must be a table",

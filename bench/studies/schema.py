@@ -67,7 +67,9 @@ def _known(kind: str, table: Mapping[str, object]) -> AfterValidator:
 def _without_twins(names: list[str]) -> list[str]:
     twins = sorted({name for name in names if names.count(name) > 1})
     if twins:
-        raise ValueError(f"named twice: {', '.join(twins)}; remove the repetition")
+        raise ValueError(
+            f"each value must be named once, but these are named twice: {', '.join(twins)}; remove the repetition"
+        )
     return names
 
 
@@ -110,10 +112,14 @@ class ChosenScenario(_Model):
         for name, value in self.parameters.items():
             if value == []:
                 raise ValueError(
-                    f"parameter '{name}': an empty list gives no variant; add a value or leave the parameter out"
+                    f"parameter '{name}' needs at least one value, got an empty list; add a value, or leave out the "
+                    "parameter"
                 )
         if self.bisect is not None and self.bisect.parameter in self.parameters:
-            raise ValueError(f"parameter '{self.bisect.parameter}' is bisected: remove it from 'parameters'")
+            raise ValueError(
+                f"parameter '{self.bisect.parameter}' must not be in 'parameters', because 'bisect' varies it: remove "
+                "the parameter there"
+            )
         for parameters in self.known_variants():
             try:
                 build(self.name, **parameters)
@@ -139,7 +145,10 @@ class Rule(_Model):
     @model_validator(mode="after")
     def _says_something(self) -> Rule:
         if not (self.engines or self.profiles or self.policies or self.scenarios):
-            raise ValueError(f"an empty rule; remove the rule, or name at least one of: {', '.join(Rule.model_fields)}")
+            raise ValueError(
+                "a rule needs at least one field, got none; remove the rule, or add one of: "
+                f"{', '.join(Rule.model_fields)}"
+            )
         return self
 
 
@@ -237,9 +246,15 @@ class Study(_Model):
             if self.admits(engine, profile, policy, scenario)
         ]
         if not self.set_ups():
-            raise ValueError("field 'profiles': must not be empty without a sweep of one of the engines; add a profile")
+            raise ValueError(
+                "field 'profiles': must name at least one profile, because no sweep varies an engine of the study; "
+                "add a profile"
+            )
         if not admitted:
-            raise ValueError("the rules of 'include' and 'exclude' leave no trial; remove or widen a rule")
+            raise ValueError(
+                "the rules of 'include' and 'exclude' must admit at least one trial, but admit none; remove or widen "
+                "a rule"
+            )
         for engine, profile in dict.fromkeys((engine, profile) for engine, profile, _, _ in admitted):
             try:
                 profile_named(engine, profile)

@@ -48,7 +48,7 @@ def verdict(
             return "false_collapse"
         return "creeps" if creeps else "right"
     if expectation.level is None:
-        raise ValueError("an expectation to fall needs a level: set Expectation.level")
+        raise ValueError("an expectation with the outcome 'fall' needs a level, got None: set Expectation.level")
     if collapse_level is None or collapse_level > expectation.level:
         return "false_stand"
     is_early = collapse_s is not None and collapse_s < expectation.not_before_s

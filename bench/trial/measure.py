@@ -37,7 +37,7 @@ SINK_LIMIT = 0.5
 """Sink relative to the level below beyond which a brick has sunk [thicknesses of the brick]."""
 DROP_LIMIT = 1.0
 """Sink relative to the level below beyond which a brick without overlap has dropped [thicknesses of the brick], because
-a level that sank so far without falling would overlap the level below by as much."""
+a level that sank so far without falling would overlap the level below by the same distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class Faults:
 
     @property
     def kind(self) -> CollapseKind | None:
-        """Kind of the collapse; the first of topple, slide, drop and sink that occurs; None if all are in place."""
+        """Kind of the collapse; the first of topple, slide, drop and sink that occurs; None if no kind occurs."""
         if self.topple.any():
             return "topple"
         if self.slide.any():

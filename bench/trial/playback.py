@@ -28,7 +28,7 @@ from reports.records.trial import Status
 from scenarios.model import Brick, Scene, Tilt
 
 SEATING_S = 1.0
-"""Time for the last brick to settle before the watch [s], multiplied by the pace of the scene. It is one second,
+"""Time for the last brick to settle before the watch [s], multiplied by the pace of the scene. The time is one second,
 because every other brick also has a second before the next brick."""
 CREEP_SHARE = 0.5
 """Share of the watch that the measurement of creep leaves out, because the stack still settles."""

@@ -292,7 +292,7 @@ def _ratio(trial: Trial, scene: Scene, playback: Playback) -> dict[str, Any]:
     if falls_at is not None and level >= falls_at:
         return {"frame_ratio_level": level, "frame_ratio_message": "no engine can hold this stack awake"}
     if level not in playback.at_level:
-        return {"frame_ratio_level": level, "frame_ratio_message": "the level was placed together with higher ones"}
+        return {"frame_ratio_level": level, "frame_ratio_message": "the level was placed together with higher levels"}
     steered_ms = [row.frame_ms for row in playback.frames_of(level) if row.frame >= UNTIMED_FRAMES]
     if not steered_ms:
         message = f"the level was placed within the first {UNTIMED_FRAMES} frames, which are not timed"

@@ -22,7 +22,7 @@ class _Watched:
     start: FloatArray | None = None
     """Centre of the brick when its motion had to start [m], shape (3,), world frame; None before."""
     moved_after_s: float | None = None
-    """Time that the brick needed for the required distance [s]; None until it has covered it."""
+    """Time that the brick needed for the required distance [s]; None until the brick has covered this distance."""
 
 
 class SleepAudit:
@@ -37,7 +37,7 @@ class SleepAudit:
 
     @property
     def moved_after_s(self) -> float | None:
-        """Longest time that a brick needed for its required distance [s]; None if a brick has not covered it."""
+        """Longest time that a brick needed for its required distance [s]; None if a brick has not finished."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 

@@ -16,12 +16,12 @@ from scenarios.planks import THICKNESS
 
 LANDING_S = 0.9
 """Time after the release of its last brick at which a level counts as reached [s], multiplied by the pace of the scene.
-It is slightly less than the second until the next brick, so that a level that falls when its last brick lands does not
-count as reached."""
+This time is slightly less than the second until the next brick, so that a level that falls when its last brick lands
+does not count as reached."""
 AFTERMATH_S = 1.0
 """Time for which a trial of standard planks continues after a collapse is first seen [s], so that the monitor can
-distinguish a topple from a slide. For thicker bricks it increases with the square root of their thickness, because they
-need that much longer to fall."""
+distinguish a topple from a slide. For thicker bricks the time increases with the square root of their thickness,
+because their falls take longer in this proportion."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ class FrameTimes:
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """Input and changes of the core in one frame, including those before the step if a prebuilt stack was placed."""
+    """Input and changes of the core in one frame, including changes before the step if a prebuilt stack was placed."""
 
     contacts: int
     """Number of contact points that the core read."""
@@ -96,7 +96,7 @@ class SteeredFrames:
         self._before: list[tuple[FrameTimes, Steering]] = []  # adoptions of prebuilt stacks since the last step
 
     def adopt(self, bodies: Sequence[int]) -> tuple[int, ...]:
-        """Make the extension judge a prebuilt stack before the next step; return the bodies that it froze.
+        """Make the extension judge a prebuilt stack before the next step; return the bodies that the extension froze.
 
         The times and changes count for the next frame.
         """

@@ -37,7 +37,7 @@ def scene_names(trials: Sequence[TrialRecord]) -> dict[str, str]:
 
 
 def title_of(trials: Iterable[TrialRecord], study: str) -> str:
-    """Return the title of a study: the names of its scenes if it has few and only own scenes, else its name."""
+    """Return the title of a study: the names of its scenes if it has few and only own scenes, else the study's name."""
     names = {scene_name(trial): trial.scenario for trial in trials}
     is_own = set(names.values()) == {OWN_SCENE}
     return ", ".join(names) if is_own and len(names) <= _MOST_IN_TITLE else study

@@ -18,7 +18,7 @@ from reports.records.atomic import write_atomic
 SINGLE = "single.html"
 """Name of the file in the report."""
 _STILL_PX = 320
-"""Greatest edge of a still [px]: twice its size on the page, so that it is sharp on dense screens."""
+"""Greatest edge of a still [px]: twice its size on the page, so that the still is sharp on dense screens."""
 _SCRIPT = re.compile(r'<script src="([\w.-]+)"></script>')
 _PLAYER = (Path(__file__).parent / "templates" / "single.html").read_text(encoding="utf-8")
 

@@ -188,7 +188,7 @@ def _sort_key(entry: Entry) -> str:
 
 
 def _messages(row: ComparisonRow) -> list[str]:
-    """Return the distinct messages of the trials of a row, at most ``_MOST_MESSAGES``, and the number of the others."""
+    """Return the distinct messages of the trials of a row, at most ``_MOST_MESSAGES``, and the number of the rest."""
     found = list(dict.fromkeys(trial.message for trial in row.group.draws if trial.message))
     more = len(found) - _MOST_MESSAGES
     return found[:_MOST_MESSAGES] + ([f"and {more} more"] if more > 0 else [])

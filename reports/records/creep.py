@@ -44,7 +44,7 @@ def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
 def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
     """Add to a record of an earlier format the creep that its recording proves, and the resulting verdict.
 
-    A recording is accurate to about 0.05 mm. Therefore it proves only two cases:
+    A recording is accurate to about 0.05 mm. Therefore a recording proves only two cases:
 
     - no creep, if all bricks were frozen;
     - creep, if the creep of a brick exceeds the limit by more than the error of its poses.
@@ -82,7 +82,7 @@ def _watch_half_s(record: TrialRecord) -> float | None:
 
 
 def _proven(recording: Recording, first: int) -> tuple[float, float, float] | None:
-    """Return the creep that the recording proves from frame ``first`` on; None if it proves nothing.
+    """Return the creep that the recording proves from frame ``first`` on; None if the recording proves nothing.
 
     Returns:
         Creep [m/s], greatest error of the creep [m/s] and thickness [m] of the brick that is fastest for its thickness;
@@ -122,7 +122,7 @@ def _slope(
 
     Args:
         frame: frames of the rows of the brick, shape (n,).
-        position: its positions [m], shape (n, 3), world frame; each holds until the next row.
+        position: positions of the brick [m], shape (n, 3), world frame; each position holds until the next row.
         first: first frame of the regression.
         recording: the recording of the trial.
     """

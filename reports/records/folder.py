@@ -69,7 +69,7 @@ class ResultsFolder:
 
     @cached_property
     def records(self) -> list[TrialRecord]:
-        """Records of all trials, in the order in which they were run.
+        """Records of all trials, in the order of the file.
 
         Raises:
             RecordError: if the file of trials is missing, or one of its lines is not a record.

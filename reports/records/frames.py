@@ -54,9 +54,9 @@ class FrameRow(NamedTuple):
     process."""
     solver_iterations: int | None = None
     """Iterations of the engine's solver in the last step of the frame, for the island with the most iterations; null if
-    the engine does not report them."""
+    the engine reports no iterations."""
     core_instructions: int | None = None
-    """Instructions of the core in user code, without port calls; null if they cannot be counted."""
+    """Instructions of the core in user code, without port calls; null if the system cannot count instructions."""
 
 
 _COUNT, _REAL = pa.int32(), pa.float64()

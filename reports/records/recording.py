@@ -195,7 +195,9 @@ def read_recording(path: Path) -> Recording:
         header: dict[str, Any] = json.loads((table.schema.metadata or {})[b"stillstack"])
         columns = {name: table[name].to_numpy().astype(np.int32) for name in _COLUMNS}
     except FileNotFoundError as error:
-        raise RecordingError(f"{path}: no such recording; run the trial again to record it") from error
+        raise RecordingError(
+            f"{path}: this recording does not exist; run the trial again to record its poses"
+        ) from error
     except (OSError, KeyError, ValueError, pa.ArrowException) as error:
         raise RecordingError(f"{path}: not a complete recording ({error}); run the trial again") from error
     return Recording(

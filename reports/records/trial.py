@@ -139,9 +139,9 @@ class TrialRecord(BaseModel):
     """The outcome that theory demands."""
     verdict: Verdict
     """Comparison of the outcome with theory: ``right``, ``false_stand`` or ``false_collapse``; ``creeps`` if the stack
-    stood as it must, but the whole interval of a brick's creep exceeds the limit; ``failed`` if it sank, diverged or
-    crashed; ``undecided`` if the time limit stopped the trial; ``none`` if theory demands no outcome or the engine does
-    not support the scene."""
+    stood as it must, but the whole interval of a brick's creep exceeds the limit; ``failed`` if the stack sank, or the
+    trial diverged or crashed; ``undecided`` if the time limit stopped the trial; ``none`` if theory demands no outcome
+    or the engine does not support the scene."""
     environment: str
     """Digest of the environment of the run (``environment.json``)."""
     collapse_kind: CollapseKind | None = None
@@ -164,7 +164,7 @@ class TrialRecord(BaseModel):
     """Median time [ms] of a fixed calculation just before and just after the frames; its spread over the trials of a
     run shows variations of the machine's speed."""
     core: int | None = None
-    """Index of the processor core to which the trial was pinned; null if it was not pinned."""
+    """Index of the processor core to which the harness pinned the trial; null if the trial was not pinned."""
     pair: str = ""
     """Id shared by the two scenes of a pair; empty for a scene without a partner."""
     rest_s: float | None = None
@@ -202,7 +202,7 @@ class TrialRecord(BaseModel):
     includes. Null for an engine in the trial's own process."""
     onset_deg: float | None = None
     """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
-    if no brick did, and if no ground tilts."""
+    if no brick moved so far, and if no ground tilts."""
     own_limit_deg: float | None = None
     """Slope [deg] at which exact statics finds no equilibrium with the points and normals of the engine's own contacts;
     null with an extension, and if no ground tilts."""
@@ -214,11 +214,11 @@ class TrialRecord(BaseModel):
     move."""
     moved_after_s: float | None = None
     """Simulated time [s] after which all bricks that must move had covered the distance that theory demands; null if a
-    brick had not."""
+    brick had not covered its distance."""
     carried_share: float | None = None
     """Weight that the ground carries by the engine's contact forces, over the weight of all bricks: mean over the
-    frames in which the finished stack is watched. Null if forces were not audited or the engine does not report
-    them."""
+    frames in which the finished stack is watched. Null if the trial has no audit of forces, or the engine reports no
+    forces."""
     cone_excess: float | None = None
     """Friction force of the worst contact in excess of mu times its normal force, in mean weights of a brick: mean over
     the frames of ``carried_share``. Null if ``carried_share`` is null."""
@@ -230,14 +230,14 @@ class TrialRecord(BaseModel):
     memory_mib: float | None = None
     """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus its size just before
     the engine was opened. This includes the engine, the extension, the data recorded by the harness, the code pages
-    used for the first time and, if the trial compiles a kernel, the compiler. Null if the system does not report it,
-    and for an engine in a separate process."""
+    used for the first time and, if the trial compiles a kernel, the compiler. Null if the system does not report the
+    peak, and for an engine in a separate process."""
     solver_iterations: float | None = None
     """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
-    iterations; null if the engine does not report them. The frames are those of ``frame_ms_p50``."""
+    iterations; null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
     core_instructions: float | None = None
     """Mean number of instructions per frame of the core in user code, without port calls; null without an extension,
-    and if the system does not count them. The frames are those of ``frame_ms_p50``."""
+    and if the system does not count instructions. The frames are the frames of ``frame_ms_p50``."""
 
     @model_validator(mode="before")
     @classmethod
@@ -341,7 +341,7 @@ def _reason(error: ValidationError) -> str:
 
 
 def _mend(path: Path) -> bool:
-    """Make the file end with a complete line; return True if an incomplete last line was removed."""
+    """Remove an incomplete last line from the file; return True if there was an incomplete line."""
     if not path.exists():
         return False
     content = path.read_bytes()

@@ -27,7 +27,7 @@ _FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4
 _VIEW_ANGLE, _ROOM = 30.0, 1.1
 """Vertical view angle of the camera [deg], and factor on the least distance that shows the visible space."""
 _OVERSAMPLING = 2
-"""Factor by which a picture is drawn larger before it is reduced, so that edges are smooth with any renderer."""
+"""Factor by which the module draws a picture larger and then reduces the picture, so that edges are smooth."""
 _TO_SUN = np.array([-0.5, -0.9, 1.6])
 """Direction toward the sun, shape (3,), world frame, not normalised."""
 _SUNS, _SUN_RADIUS = 8, 0.12

@@ -151,6 +151,6 @@ def _ranks(names: Sequence[str]) -> dict[str, int]:
 def judged_trials(trials: Sequence[TrialRecord]) -> list[TrialRecord]:
     """Return the decided trials whose scene has a known answer.
 
-    A trial stopped by its time limit is not among them, because it was slow, not wrong.
+    A trial that its time limit stopped does not count as decided, because the trial was slow, not wrong.
     """
     return [trial for trial in trials if trial.is_judged]

@@ -13,8 +13,8 @@ from reports.statistics.survival import CONFIDENCE
 RESAMPLES = 2000
 """Number of bootstrap samples, chosen so that the end of a 95 % interval has an error of about 1/50 of its width."""
 LEAST_RATIOS = 5
-"""Fewest pairs of times for which a ratio is given, because on a shared machine single ratios differ by a factor of 2.
-The range of five ratios encloses the true median with a probability of 93.75 %."""
+"""Fewest pairs of times that give a ratio, because on a shared machine single ratios differ by a factor of 2. The range
+of five ratios encloses the true median with a probability of 93.75 %."""
 _SEED = 20150608
 """Seed of the bootstrap, so that a report can be reproduced."""
 
@@ -63,8 +63,8 @@ def paired_ratio(ratios: Sequence[float]) -> Estimate | None:
 
         P(enclosed) = 1 - 2 P(B < k),   B ~ Binomial(n, 1/2)
 
-    The interval is the narrowest with P >= 95 %. For five pairs, no interval has this P; the function returns the full
-    range, with P = 93.75 %.
+    The interval is the narrowest interval with P >= 95 %. For five pairs, no interval has this P; the function returns
+    the full range, with P = 93.75 %.
 
     Args:
         ratios: ratios of pairs of times, each pair measured in one process.

@@ -62,7 +62,7 @@ class Place:
     """Median over scenes of the 99th percentile of the frame time [ms]; None without times, or with times of several
     machines."""
     creep: Creep | None
-    """Worst creep of all stacks that must stand and did; None if no creep was measured."""
+    """Worst creep of all stacks that must stand and stood; None if no creep was measured."""
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ class PolicyScore:
     frame_ms_p99: float | None
     """Median over scenes of the 99th percentile of frame times [ms]; None without comparable times."""
     frame_ratios: tuple[Estimate, ...]
-    """Frame time with the extension over frame time of the same stack without it, for each scene with enough pairs."""
+    """Frame time with the extension over frame time without, on the same stack, for each scene with enough pairs."""
 
     @property
     def headline(self) -> SuccessRates | None:

@@ -38,7 +38,7 @@ class SoakSummary:
 def soaked(records: Sequence[TrialRecord]) -> list[TrialRecord]:
     """Return the trials of scenes that must stand, watched for at least ``LEAST_WATCH_S``, without repeats.
 
-    Their order is that of their groups.
+    The trials are in the order of their groups.
     """
     return [
         record

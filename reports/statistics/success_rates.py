@@ -71,5 +71,5 @@ def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
 
 
 def count(estimate: Estimate) -> int:
-    """Return the number of trials or pairs that a share stands for."""
+    """Return the number of trials or pairs for which a share stands."""
     return round(estimate.value * estimate.n)

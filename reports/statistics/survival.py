@@ -1,8 +1,8 @@
 """Survival statistics of the levels at which stacks fall, some of which are only lower bounds.
 
 The level of a stack that was completed, or stopped by its time limit, is censored, because the stack might have carried
-more levels. Censored levels have no mean. They have a survival curve, the median of that curve, and tests that account
-for censoring.
+more levels. Censored levels have no mean, but a survival curve, the median of this curve, and tests that account for
+censoring.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Lifetime:
 
 
 def lifetime(trial: TrialRecord) -> Lifetime | None:
-    """Return the lifetime of a trial's stack; None if the process failed, because that shows nothing about the stack.
+    """Return the lifetime of a trial's stack; None for a failed process, which shows nothing about the stack.
 
     A trial whose poses became non-finite counts as fallen.
     """
@@ -68,11 +68,11 @@ class Survival:
     standing: FloatArray
     """Share of stacks that outlive each level, shape (n,)."""
     low: FloatArray | None
-    """Lower end of the pointwise interval of the share, shape (n,); equal to the share if that is 0 or 1; None for a
-    single stack."""
+    """Lower end of the pointwise interval of the share, shape (n,); equal to a share of 0 or 1; None for a single
+    stack."""
     high: FloatArray | None
-    """Upper end of the pointwise interval of the share, shape (n,); equal to the share if that is 0 or 1; None for a
-    single stack."""
+    """Upper end of the pointwise interval of the share, shape (n,); equal to a share of 0 or 1; None for a single
+    stack."""
 
     @property
     def median(self) -> float:
@@ -83,7 +83,7 @@ class Survival:
     def median_interval(self) -> tuple[float, float] | None:
         """Interval of the median (Brookmeyer and Crowley, Biometrics 38, 1982); None for a single stack.
 
-        An end is inf if it lies above every built level.
+        An end above every built level is inf.
         """
         if self.low is None or self.high is None:
             return None
@@ -102,7 +102,9 @@ def kaplan_meier(lifetimes: Sequence[Lifetime]) -> Survival:
         ValueError: if ``lifetimes`` is empty.
     """
     if not lifetimes:
-        raise ValueError("no lifetimes: a survival curve needs at least one; check for an empty list first")
+        raise ValueError(
+            "a survival curve needs at least one lifetime, got an empty list: call the function only with lifetimes"
+        )
     curve = scipy.stats.ecdf(_censored(lifetimes)).sf
     level, standing = curve.quantiles, curve.probabilities
     if len(lifetimes) == 1:

@@ -17,11 +17,12 @@ from scenarios.statics.contact_patch import Ridge
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
-"""Width of the bracket by exact statics over the width of the engine's bracket, so that its error is negligible."""
+"""Width of the bracket by exact statics over the width of the engine's bracket, so that the error of the exact limit is
+negligible."""
 
 
 def stood(status: Status) -> bool | None:
-    """Return whether the stack of a trial with this status stood; None if the status does not decide that."""
+    """Return whether the stack of a trial with this status stood; None for a status that does not decide."""
     return {"completed": True, "collapsed": False}.get(status)
 
 

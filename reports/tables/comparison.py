@@ -68,7 +68,7 @@ class ComparisonRow:
     entries: tuple[Entry, ...]
     """Entries in the order of ``COLUMNS``."""
     trouble: str
-    """Reason for which trials did not end, in words; empty if all ended."""
+    """Reason for which trials did not end, in words; empty if all trials ended."""
     note: str
     """Further note for the reader; may be empty."""
     thread: Thread | None = None

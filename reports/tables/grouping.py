@@ -34,8 +34,7 @@ def engine_names(trials: pd.DataFrame) -> pd.Series:
 def played_in_order(trials: pd.DataFrame) -> pd.DataFrame:
     """Return the trials with timed frames, stably sorted by scene, engine and profile, and policy.
 
-    The order of scenes, and of engines with profiles, is that of their first appearance; policies have their usual
-    order.
+    Scenes, and engines with profiles, are in the order of their first appearance; policies have their usual order.
     """
     scene = pd.factorize(trials["scene"])[0]
     set_up = trials.groupby(["engine", "profile"], sort=False).ngroup()
@@ -51,7 +50,7 @@ def median_rows(trials: pd.DataFrame, keys: Sequence[str], measures: Sequence[Me
 
     Args:
         trials: all trials of a study.
-        keys: columns of ``trials`` that define the groups; a row begins with them.
+        keys: columns of ``trials`` that define the groups; a row begins with these columns.
         measures: columns of medians that follow in a row.
     """
     played = played_in_order(trials)

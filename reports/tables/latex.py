@@ -44,7 +44,7 @@ def to_latex(rows: Sequence[ComparisonRow], caption: str, label: str) -> str:
 
     Args:
         rows: rows of the comparison.
-        caption: caption of the table, to which an explanation of the columns is added.
+        caption: caption of the table; the function adds an explanation of the columns.
         label: label of the table, ``tab:LABEL``.
     """
     return _template("tables.tex.j2").render(caption=caption, label=_label(label), scenes=_by_scene(rows))
@@ -74,7 +74,7 @@ def pairs_to_latex(rows: Sequence[PairRow], caption: str, label: str) -> str:
 
 
 def table_to_latex(table: Table) -> str:
-    """Return a table as a ``longtable`` with the label ``tab:ID``; it needs booktabs, longtable and amssymb."""
+    """Return a table as a ``longtable`` with the label ``tab:ID``, for the packages booktabs, longtable and amssymb."""
     frame = table.frame.map(escape).set_axis(map(escape, table.header), axis="columns")
     text: str = frame.to_latex(
         index=False, longtable=True, escape=False, caption=escape(table.title), label=f"tab:{_label(table.id)}"

@@ -21,7 +21,8 @@ EXTENSION = "equilibrium"
 SLEEPING = {ALONE: "native", EXTENSION: EXTENSION}
 """Policy whose sleeping bodies count in the row of a method: an engine that never lets bodies sleep shows nothing."""
 LEAST_SHOWN = 1e-3
-"""Least creep [um/s] that is shown as a number, because a plank then takes three months to move by its thickness."""
+"""Least creep [um/s] that the table shows as a number, because a plank then takes three months to move by its
+thickness."""
 
 
 def separation_table(studies: Mapping[str, ResultsFolder]) -> Table:
@@ -55,7 +56,7 @@ def _figures(studies: Mapping[str, ResultsFolder], engine: str, method: str) -> 
 
 
 def _limit(parameter: str, records: Sequence[TrialRecord], folder: ResultsFolder) -> str:
-    """Return the threshold of a parameter in percent of the exact one."""
+    """Return the threshold of a parameter in percent of the exact threshold."""
     found = [one for one in thresholds_of(records, folder.study) if one.parameter == parameter]
     return percent_of_exact(found[0]) if found else NOTHING
 
@@ -67,7 +68,7 @@ def _tilt(onsets: Sequence[Onset]) -> str:
 
 
 def _creep(records: Sequence[TrialRecord]) -> str:
-    """Return the median creep [um/s] of the stacks that stood, and how many did not."""
+    """Return the median creep [um/s] of the stacks that stood, and the number of lost stacks."""
     for one in soak_summaries(records):
         lost = one.fell + one.failed
         speed = NOTHING if one.median_m_s is None else _micrometres(one.median_m_s)

@@ -56,7 +56,7 @@ class Table:
 
 
 def first_rows(table: Table, most: int) -> Table:
-    """Return a table of the first ``most`` rows; if it lacks rows, a note names the file that contains them."""
+    """Return a table of the first ``most`` rows, with a note that names the file of the remaining rows, if any."""
     more = len(table.rows) - most
     if more <= 0:
         return table
@@ -152,7 +152,7 @@ def _coloured(cell: str) -> Text:
 
 
 def _unless_said(row: tuple[str, ...], previous: tuple[str, ...]) -> list[str]:
-    """Return the entries of a row; leading entries that are equal to those of the row above become blank."""
+    """Return the entries of a row; leading entries that equal the entries of the row above become blank."""
     cells, same = [], True
     for index, cell in enumerate(row):
         same = same and index < len(row) - 1 and previous[index : index + 1] == (cell,)

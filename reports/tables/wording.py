@@ -23,7 +23,7 @@ _WENT_WRONG = {
 
 
 def some(names: Sequence[str], most: int = 3) -> str:
-    """Return the first ``most`` names of a list and the number of the others, such as ``a, b, c and 20 more``."""
+    """Return the first ``most`` names of a list and the number of the rest, such as ``a, b, c and 20 more``."""
     more = len(names) - most
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 

@@ -35,7 +35,7 @@ def test_ids_of_sections_are_unique() -> None:
 
 def test_a_folder_without_trials_has_no_report(tmp_path) -> None:
     (tmp_path / "trials.jsonl").touch()
-    with pytest.raises(RecordError, match="holds no trial yet"):
+    with pytest.raises(RecordError, match="needs at least one trial, but the file contains none"):
         build_report(ResultsFolder(tmp_path))
 
 

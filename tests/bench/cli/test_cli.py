@@ -49,7 +49,7 @@ def call(*arguments: str, status: int) -> str:
         (["run", "--profile", "gam"], "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
         (["run", "--seeds", "0"], "greater than or equal to 1"),
         (["run", "--jobs", "0"], "greater than or equal to 1"),
-        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs applies to this machine only"),
+        (["run", "--jobs", "2", "--dask", "tcp://10.0.0.1:8786"], "--jobs and --dask must not be combined"),
         (["run", "--watch", "--dask", "tcp://10.0.0.1:8786"], "--watch applies to trials on this machine only"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["report", "missing"], "trials.jsonl: cannot be read"),
@@ -65,7 +65,7 @@ def test_bad_input_names_the_fix_and_writes_nothing(arguments, complaint, tmp_pa
 def test_a_report_of_no_trial_is_refused_and_a_torn_line_reported(tmp_path) -> None:
     path = tmp_path / "trials.jsonl"
     path.touch()
-    assert "holds no trial yet" in call("report", str(tmp_path), status=2)
+    assert "needs at least one trial" in call("report", str(tmp_path), status=2)
     study = check_study(tomllib.loads(STUDY), "")
     trial = plan_trials(study)[0]
     record = bare_record(trial, trial.build_scene(), "abc", "completed", "").model_dump_json()
@@ -115,7 +115,9 @@ def test_a_report_lists_which_planned_trials_are_missing(tmp_path) -> None:
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
     file = tmp_path / "file"
     file.touch()
-    assert "is not a folder: choose another folder with --out" in call("run", "ci", "--out", str(file / "x"), status=2)
+    assert "must be a folder, but is a file: choose another folder with --out" in call(
+        "run", "ci", "--out", str(file / "x"), status=2
+    )
 
 
 def test_a_folder_that_holds_trials_of_another_run_is_refused_unless_they_are_to_be_replaced(tmp_path) -> None:
@@ -138,7 +140,7 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     (tmp_path / "trials.jsonl").write_text(record.model_dump_json() + "\n")
     printed = call("run", "ci", "--out", str(tmp_path), "--dry-run", status=0)
     assert one.id not in printed
-    assert re.search(r"17 trials: about \S+ \S+ \(.*from the same trials, .*from others", printed)
+    assert re.search(r"17 trials: about \S+ \S+ \(.*from the same trials, .*from other trials", printed)
     assert "1 more trials are already in the folder" in printed
 
 

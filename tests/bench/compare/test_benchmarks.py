@@ -213,9 +213,15 @@ def _rename_engine(content) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (_drop_rounds, "contains no time of each round; create the file again with --benchmark-save-data"),
-        (_drop_alone, "contains less than a second of frames with and without"),
-        (_only_kernels, "contains no frame times with the extension; create a file with frame times by"),
+        (
+            _drop_rounds,
+            "must contain the time of each round, but does not; create the file again with --benchmark-save-data",
+        ),
+        (_drop_alone, "must contain at least a second of frames with and without"),
+        (
+            _only_kernels,
+            "needs frame times with the extension, but the file contains none; create a file of frame times with",
+        ),
         (lambda content: content["benchmarks"].append(steered(content)[0]), "occurs twice"),
         (lambda content: content.update(benchmarks=[1]), "not a complete file of pytest-benchmark"),
         (lambda content: content.update(benchmarks=1), "not a complete file of pytest-benchmark"),

@@ -52,7 +52,7 @@ HOSTILE = {
     "infinity": (lambda good: trial(good, creep_m_s=float("-inf")), "contains -Infinity"),
     "key twice": (
         lambda good: good.read_text().replace('"study":', '"study": "x", "study":'),
-        "key 'study' occurs twice",
+        "key 'study' must occur once in an object, got two values",
     ),
     "wrong type": (lambda good: trial(good, height_levels="three"), "height_levels"),
     "number as text": (lambda good: trial(good, height_levels="3"), "height_levels"),
@@ -61,7 +61,7 @@ HOSTILE = {
     "no trial": (lambda good: edited(good, trials=[]), "trials"),
     "trial twice": (lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2), "occurs twice"),
     "negative share": (lambda good: edited(good, shares={"x": {"engine": 1, "readback": 1, "core": -1}}), "shares"),
-    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "each trial needs exactly the parts"),
+    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "each trial must have exactly the parts"),
     "negative tolerance": (lambda good: edited(good, tolerances={"x": {"levels": -1}}), "tolerances"),
 }
 
@@ -87,7 +87,7 @@ def test_a_file_that_is_too_large_or_endless_is_not_read_whole(good, tmp_path, m
     with large.open("wb") as file:
         file.truncate(2**30)  # a gigabyte of nothing
     for endless in (large, "/dev/zero"):
-        assert "larger than 1 MiB" in call("compare", good, endless, status=2)
+        assert "at most 1 MiB, but is larger" in call("compare", good, endless, status=2)
 
 
 @pytest.mark.parametrize("missing", ["no-such-file.json", "no-such-folder/"])
@@ -106,10 +106,10 @@ def test_a_baseline_replaces_a_baseline_and_nothing_else(make, good, tmp_path) -
     assert read_baseline(good).trials[0].height_levels == 2
     other = tmp_path / "notes.json"
     other.write_text("{}")
-    with pytest.raises(BaselineError, match="is not a baseline file: name another file"):
+    with pytest.raises(BaselineError, match="but is a file of another kind: name another file"):
         write_baseline(make.side(), other)
     assert other.read_text() == "{}"
-    with pytest.raises(BaselineError, match="is a folder"):
+    with pytest.raises(BaselineError, match="must be a file, but is a folder"):
         write_baseline(make.side(), tmp_path)
 
 
@@ -143,10 +143,10 @@ def test_a_number_of_many_digits_a_deep_nest_and_a_lone_surrogate_are_no_surpris
 @pytest.mark.parametrize(
     ("file", "content", "message"),
     [
-        ("trials.jsonl", "", "holds no trial yet"),
+        ("trials.jsonl", "", "needs at least one trial, but the folder contains none"),
         ("trials.jsonl", "[]\n", "not a trial record"),
         ("trials.jsonl", "{RECORD}\n{RECORD}\n", "occurs twice"),
-        ("trials.jsonl", '{"seed": 1, {RECORD_BODY}\n', "key 'seed' occurs twice"),
+        ("trials.jsonl", '{"seed": 1, {RECORD_BODY}\n', "key 'seed' must occur once in an object, got two values"),
         ("study.toml", "name = 1", "not the study file of a run"),
         ("study.toml", "a = " + "[" * 50_000, "not valid TOML"),
         ("environment.json", "[]", "not the environment file of a run"),

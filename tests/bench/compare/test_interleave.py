@@ -71,7 +71,7 @@ def test_a_folder_is_used_as_it_is(tmp_path) -> None:
     (tmp_path / "bench" / "__main__.py").touch()
     with pytest.raises(CheckoutError, match="run 'uv sync' there"):
         prepare(str(tmp_path), [], SILENT)
-    with pytest.raises(CheckoutError, match=r"install x\.whl there yourself"):
+    with pytest.raises(CheckoutError, match=r"install x\.whl in its environment"):
         prepare(str(tmp_path), ["x.whl"], SILENT)
 
 

@@ -59,7 +59,7 @@ def test_a_creep_that_may_be_trembling_is_no_alarm(make) -> None:
 def test_a_base_from_before_creep_counted_raises_no_alarm_by_it(make) -> None:
     base, head = make.record(creep_m_s=None, mean_motion_m_s=4e-6), make.record(creep_m_s=9e-6, verdict="creeps")
     judgement, message = judge_outcome(base, head, EXACT)
-    assert (judgement, "the creep of one is unknown" in message) == ("open", True)
+    assert (judgement, "the creep of one side is unknown" in message) == ("open", True)
     assert judge_outcome(base, make.record(), EXACT)[0] == "same"
 
 

@@ -121,7 +121,7 @@ time.sleep(60)
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         other.stdout.readline()
-        with pytest.raises(ResultsError, match=r"another run uses .*: wait for its end"):
+        with pytest.raises(ResultsError, match=r"another run uses .*: wait for the end of that run"):
             write(tmp_path)
         os.kill(other.pid, signal.SIGKILL)
     assert write(tmp_path, 0).finished == {TRIALS[0].id}

@@ -18,5 +18,5 @@ def test_a_document_holds_what_the_adapters_declare(block: str) -> None:
 def test_only_what_is_between_the_marks_is_replaced() -> None:
     document = "before\n<!-- begin one (how) -->\nold\n<!-- end one -->\nafter\n"
     assert filled(document, "one", "new\n") == "before\n<!-- begin one (how) -->\n\nnew\n\n<!-- end one -->\nafter\n"
-    with pytest.raises(ValueError, match="the document has no block 'two': mark it with"):
+    with pytest.raises(ValueError, match="block 'two' is missing in the document: mark its place with"):
         filled(document, "two", "new")

@@ -101,5 +101,7 @@ def test_all_pages_are_marked_but_their_list(study: Path) -> None:
 
 
 def test_a_page_without_its_core_is_reported_with_the_fix(study: Path) -> None:
-    with pytest.raises(MarkError, match=r"tables.md: no line 'core: DIGEST' at its end; write it with .* --mark"):
+    with pytest.raises(
+        MarkError, match=r"tables.md: the last line must be 'core: DIGEST', but is not; write this line with .* --mark"
+    ):
         core_of(study)

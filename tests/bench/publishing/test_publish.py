@@ -123,13 +123,14 @@ def test_half_a_study_is_refused_with_the_command_that_goes_on(run, tmp_path) ->
 @pytest.mark.parametrize("changed", [{"modified": True}, {"commit": None}])
 def test_what_no_commit_holds_is_refused(run, tmp_path, changed) -> None:
     write_environment(run, **changed)
-    with pytest.raises(PublishError, match="the sources are not committed; commit them"):
+    with pytest.raises(PublishError, match="but the sources had changes; commit the changes"):
         publish("made-up", run, tmp_path / "docs")
 
 
 def test_another_study_and_an_unknown_name_are_refused(run, tmp_path) -> None:
     with pytest.raises(
-        PublishError, match="contains another study than 'paper': run uv run -m bench run paper --engine physx"
+        PublishError,
+        match="the study 'paper', but contains another study: run uv run -m bench run paper --engine physx",
     ):
         publish("claims", run, tmp_path / "docs")
     with pytest.raises(UnknownNameError, match="did you mean 'paper'"):

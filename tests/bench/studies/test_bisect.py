@@ -126,7 +126,7 @@ def test_the_resolved_study_reads_back_as_it_was(tmp_path) -> None:
     ("change", "complaint"),
     [
         ({"parameter": "frction"}, "unknown parameter of slope 'frction'; did you mean 'friction'?"),
-        ({"parameter": "theta"}, "parameter 'theta' is bisected: remove it from 'parameters'"),
+        ({"parameter": "theta"}, "parameter 'theta' must not be in 'parameters', because 'bisect' varies it"),
         ({"low": -1.0}, "friction must be a number from 0 to 2, got -1.0"),
         ({"low": 0.495}, "'high' must exceed 'low' by two tolerances or more, got 0.495 to"),
         ({"tolerance": 0.0}, "field 'scenario[0].bisect.tolerance': must be above 0"),

@@ -112,7 +112,7 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ),
         ({"profiles": ["gam"]}, "unknown profile of engine bullet 'gam'; did you mean 'game'?"),
         ({"profiles": ["game@scale=0"]}, "profile 'game@scale=0': scale must be a positive number, got '0'"),
-        ({"profiles": []}, "field 'profiles': must not be empty without a sweep of one of the engines"),
+        ({"profiles": []}, "field 'profiles': must name at least one profile, because no sweep varies an engine"),
         ({"sweep": [{"engines": ["bullet"], "substeps": [0]}]}, "substeps must be a whole number from 1, got '0'"),
         ({"sweep": [{"engines": ["bullet"], "iterration": [1]}]}, "unknown field 'iterration'; did you mean"),
         ({"sceds": 3}, "unknown field 'sceds'; did you mean 'seeds'?"),
@@ -129,14 +129,17 @@ def test_seeds_and_repeats_multiply_the_trials_and_seed_0_is_exact() -> None:
         ({"seeds": 0}, "field 'seeds': must be 1 or more"),
         (
             {"exclude": [{}]},
-            "field 'exclude[0]': an empty rule; remove the rule, or name at least one of: "
+            "field 'exclude[0]': a rule needs at least one field, got none; remove the rule, or add one of: "
             "engines, profiles, policies, scenarios",
         ),
         ({"exclude": [{"engine": ["bullet"]}]}, "unknown field 'engine'; did you mean 'engines'?"),
         ({"include": [{"policies": ["papr"]}]}, "field 'include[0].policies[0]': unknown policy 'papr'"),
-        ({"exclude": [{"engines": ["bullet"]}]}, "the rules of 'include' and 'exclude' leave no trial"),
+        ({"exclude": [{"engines": ["bullet"]}]}, "the rules of 'include' and 'exclude' must admit at least one trial"),
         ({"engines": []}, "field 'engines': must not be empty"),
-        ({"engines": ["bullet", "bullet"]}, "field 'engines': named twice: bullet"),
+        (
+            {"engines": ["bullet", "bullet"]},
+            "field 'engines': each value must be named once, but these are named twice: bullet",
+        ),
         ({"name": "../x"}, "field 'name': must be letters, digits, '-' and '_'"),
         ({"repeats": "two"}, "field 'repeats': must be a whole number, without quotes"),
         ({"engines": "bullet"}, "field 'engines': must be a list in brackets"),
@@ -206,7 +209,10 @@ def test_none_native_and_raised_run_the_engine_alone() -> None:
     [
         ({"scenario": [{"name": "four_stack"}, {"name": "four_stack"}]}, "named twice: four_stack"),
         ({"scenario": [{"name": "four_stack", "parameters": {"levels": [3, 3]}}]}, "named twice: four_stack-3"),
-        ({"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]}, "an empty list gives no variant"),
+        (
+            {"scenario": [{"name": "four_stack", "parameters": {"levels": []}}]},
+            "needs at least one value, got an empty list",
+        ),
         ({"seeds": 10**9}, "must be 100000 or less"),
         ({"repeats": 10**9}, "must be 1000 or less"),
     ],

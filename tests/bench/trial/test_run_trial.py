@@ -95,7 +95,7 @@ def test_a_level_that_never_was_the_highest_has_no_ratio(monkeypatch, fake_engin
     monkeypatch.setattr(Trial, "build_scene", lambda _: at_once)
     record = run("bullet", "plank_tower", "at_rest")
     assert (record.status, record.frame_ratio_level) == ("completed", 25), record.message
-    assert record.frame_ratio_message == "the level was placed together with higher ones"
+    assert record.frame_ratio_message == "the level was placed together with higher levels"
 
 
 def test_a_seed_whose_noise_finds_no_room_is_unsupported(monkeypatch) -> None:
