@@ -50,7 +50,9 @@ def replay(
     camera: Annotated[str, typer.Option(help=_CAMERA_HELP)] = "corner",
     beside: Annotated[
         list[str] | None,
-        typer.Option(help="Policy whose trial of the same stack is drawn beside; may be repeated [none, if recorded]."),
+        typer.Option(
+            help="Also draw the trial of the same stack under this policy; may be repeated [none, if recorded]."
+        ),
     ] = None,
     alone: Annotated[bool, typer.Option("--alone", help="Only this trial in pictures, videos and .rrd.")] = False,
     size: Annotated[
@@ -113,7 +115,7 @@ def side_by_side(
         folder: a results folder.
         records: its records.
         trial: id of the trial.
-        beside: policies of the trials to draw beside it; None for the engine alone, if that trial was recorded.
+        beside: policies of the trials to draw beside the trial; None for the engine alone, if that trial was recorded.
 
     Raises:
         UnknownNameError: if there is no such trial, or no trial of the same stack under a policy of ``beside``.

@@ -19,7 +19,7 @@ class Camera:
     azimuth: float
     """Direction from the centre to the camera [deg], from x towards y, seen from above."""
     elevation: float
-    """Angle of that direction above the horizontal [deg], from -90 to 90; at 90 the top of the picture is +y turned by
+    """Angle of this direction above the horizontal [deg], from -90 to 90; at 90 the top of the picture is +y turned by
     ``azimuth`` + 90."""
     distance: float | None = None
     """Distance from the centre [m]; None for the least distance that shows the whole visible space."""
@@ -54,7 +54,10 @@ def parse_camera(text: str) -> Camera:
         elif number == 0:
             camera = look_up("camera", name, CAMERAS)
         else:
-            raise ExportError(f"'{part}' in the camera '{text}': write {', '.join(f'{key}=NUMBER' for key in _FIELDS)}")
+            raise ExportError(
+                f"each part of the camera '{text}' after the name must be one of "
+                f"{', '.join(f'{key}=NUMBER' for key in _FIELDS)}, got '{part}'"
+            )
     return camera
 
 
@@ -64,11 +67,16 @@ def _value(name: str, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise ExportError(f"'{text}' is not a number: write {name}=NUMBER in --camera") from None
+        raise ExportError(
+            f"{name} of the camera must be a number, got '{text}': write {name}=NUMBER in --camera"
+        ) from None
     if not math.isfinite(value):
-        raise ExportError(f"{name}={text} is not finite: give a finite number")
+        raise ExportError(f"{name} of the camera must be a finite number, got {text}")
     if name == "elevation" and not -90 <= value <= 90:
-        raise ExportError(f"elevation={text} is out of range: give an angle from -90 to 90 degrees")
+        raise ExportError(f"elevation of the camera must be from -90 to 90 degrees, got {text}")
     if name == "distance" and value <= 0:
-        raise ExportError(f"distance={text} is not positive: give a distance [m], or leave it out to show everything")
+        raise ExportError(
+            f"distance of the camera must be above 0 m, got {text}: give a larger distance, or leave out distance "
+            "to show everything"
+        )
     return value

@@ -13,8 +13,8 @@ from reports.replays.timeline import Poses, Timeline
 from scenarios.geometry import Boxes
 
 COLOURS = {"live": (224, 160, 48), "frozen": (91, 159, 201), "fallen": (168, 66, 90)}
-"""Colours by state, as in a replay: red, green and blue from 0 to 255. They also differ in lightness, so that
-colour-blind readers can distinguish them."""
+"""Colours by state, as in a replay: red, green and blue from 0 to 255. The colours also differ in lightness, so that
+colour-blind readers can distinguish the states."""
 FIXED_COLOUR = (150, 154, 158)
 """Colour of boxes that never move."""
 _TINT = 0.08
@@ -22,7 +22,7 @@ _TINT = 0.08
 
 
 def visible_space(recordings: Sequence[Recording], room: float = 0.0) -> tuple[FloatArray, FloatArray] | None:
-    """Return the corners [m], each of shape (3,), of the space that pictures of recordings show; None if it is empty.
+    """Return the corners [m], each of shape (3,), of the visible space of recordings; None for an empty space.
 
     Args:
         recordings: the recordings. The space contains their fixed boxes and all bricks at their first positions.

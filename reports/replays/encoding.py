@@ -17,14 +17,15 @@ from reports.replays.sheet import Colour
 FORMATS = (".mp4", ".gif")
 """Suffixes of videos."""
 _QUALITY = "18"
-"""H.264's rate factor: 18 is near lossless, and a stack of bricks takes about 0.1 MB a second at 1280 x 720."""
+"""Rate factor of H.264, because at 18 the loss is invisible, and a stack takes about 0.1 MB per second at 1280 x 720.
+"""
 _GIF_CLOCK = 100
 """Ticks of a GIF's clock per second."""
 _COLOURS = 256
 _SHADES, _SHADE_COUNT = (0.25, 1.2), 20
 """Range and number of the shades of a brick's colour, as factors."""
 _GREY = np.array([1.0, 0.996, 0.98])
-"""Tint of the greys, that of the page."""
+"""Tint of the greys, as on the page."""
 
 
 def encoded(
@@ -33,7 +34,7 @@ def encoded(
     """Return the content of a video.
 
     Args:
-        path: file of the video; only its suffix is used.
+        path: file of the video, whose suffix selects the format.
         pictures: the frames, in mode RGB.
         pixels: width and height of the frames.
         fps: frames per second.
@@ -44,19 +45,25 @@ def encoded(
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        raise ExportError(f"{path}: no video format: name the file .mp4 or .gif")
+        raise ExportError(f"{path}: the suffix of a video must be .mp4 or .gif: rename the file")
     if fps < 1:
-        raise ExportError(f"{fps} frames per second: give --fps a whole number from 1 on")
+        raise ExportError(f"--fps must be a whole number of at least 1 frame per second, got {fps}")
     try:
         import av  # an optional package
     except ImportError as error:
         raise ExportError(f"a video needs the package 'av' ({error}): uv sync --group video") from error
     if suffix == ".mp4":
         if pixels[0] % 2 or pixels[1] % 2:
-            raise ExportError(f"{pixels[0]}x{pixels[1]}: H.264 needs an even width and height; change --size")
+            raise ExportError(
+                f"--size of an .mp4 video must have an even width and height, got {pixels[0]}x{pixels[1]}: change "
+                "--size"
+            )
         return _mp4(av, pictures, pixels, fps)
     if _GIF_CLOCK % fps:
-        raise ExportError(f"{fps} frames per second: GIF counts hundredths of a second; give --fps 10, 20, 25 or 50")
+        raise ExportError(
+            f"--fps of a GIF must divide 100, because GIF counts hundredths of a second, got {fps}: give --fps 10, "
+            "20, 25 or 50"
+        )
     return _gif(av, pictures, pixels, fps, np.array(colours, np.uint8))
 
 

@@ -1,6 +1,6 @@
 """A live view of a running trial in the viewer of Rerun (https://rerun.io), which shows logged 3-D data.
 
-The package ``rerun-sdk`` sends the poses and contains the viewer; it is optional because it takes 0.5 GB.
+The package ``rerun-sdk`` sends the poses and contains the viewer; the package is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def require_rerun() -> Any:
 
 
 class LiveView:
-    """The bricks of a running trial, sent to an open viewer of Rerun. Only bricks that changed are sent."""
+    """Sender of the bricks of a running trial to an open viewer of Rerun; each frame sends only the changed bricks."""
 
     def __init__(self, trial: str, policy: str, fixed: Sequence[Brick], address: str) -> None:
         """Connect to a viewer.
@@ -48,8 +48,8 @@ class LiveView:
             trial: id of the trial, which names the recording in the viewer.
             policy: policy of the trial.
             fixed: boxes that never move.
-            address: address of the viewer, such as ``rerun+http://127.0.0.1:9876/proxy``. A viewer that does not
-                answer loses the poses; it does not stop the trial.
+            address: address of the viewer, such as ``rerun+http://127.0.0.1:9876/proxy``. A viewer that does not answer
+                loses the poses, and the trial continues.
         """
         self._rerun = require_rerun()
         self._policy = policy
@@ -97,14 +97,14 @@ class LiveView:
             del self._latest[body]
 
     def close(self) -> None:
-        """Send what is left, and disconnect."""
+        """Send the remaining poses, and disconnect."""
         self._stream.flush(timeout_sec=_PATIENCE_S)
         self._stream.disconnect()
 
 
 @contextmanager
 def live_view(trial: str, policy: str, fixed: Sequence[Brick], address: str) -> Iterator[LiveView]:
-    """Give a view that is connected inside the block; see ``LiveView``."""
+    """Yield a view that is connected inside the block; see ``LiveView``."""
     view = LiveView(trial, policy, fixed, address)
     try:
         yield view
@@ -113,7 +113,7 @@ def live_view(trial: str, policy: str, fixed: Sequence[Brick], address: str) -> 
 
 
 def open_viewer(port: int) -> str:
-    """Open Rerun's viewer, which ends with its window only, and return its address.
+    """Open Rerun's viewer, which runs until the user closes its window, and return its address.
 
     Args:
         port: port on which the viewer listens.

@@ -1,4 +1,4 @@
-"""Big stills and videos of recorded trials, side by side, at any time and from any side."""
+"""Large stills and videos of recorded trials, side by side, at any time and from any side."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from reports.replays.sheet import Key, Sheet
 from reports.replays.timeline import Timeline
 
 _MOST_PIXELS = 8192
-"""Greatest edge of a picture [pixels], because renderers are limited to twice that size."""
+"""Greatest edge of a picture [pixels], because renderers are limited to twice this size."""
 _ROOM = 0.5
 """Share of its size by which the visible space may grow for fallen bricks."""
 
@@ -34,7 +34,7 @@ class Film:
     pixels: tuple[int, int]
     """Width and height."""
     fps: int = 25
-    """Frames per second. GIF counts hundredths of a second, so 25 is exact in both formats."""
+    """Frames per second: 25, because GIF counts hundredths of a second, so that 25 is exact in both formats."""
     speed: float = 1.0
     """Simulated seconds per second of the video."""
     camera: Camera = CAMERAS["corner"]
@@ -48,9 +48,9 @@ def parse_size(text: str) -> tuple[int, int]:
     """
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal() and int(width) > 0 and int(height) > 0):
-        raise ExportError(f"'{text}' is not a size: write WIDTHxHEIGHT in pixels, such as 1920x1080")
+        raise ExportError(f"a size must have the form WIDTHxHEIGHT [pixels], such as 1920x1080, got '{text}'")
     if max(int(width), int(height)) > _MOST_PIXELS:
-        raise ExportError(f"'{text}' is too large: give at most {_MOST_PIXELS} pixels")
+        raise ExportError(f"a size must have edges of at most {_MOST_PIXELS} pixels, got '{text}'")
     return int(width), int(height)
 
 
@@ -77,32 +77,32 @@ def write_still(
     ends = [Timeline(trial.recording).end_s for trial in trials]
     time = max(ends) if at is None else at
     if not 0 <= time <= max(ends):
-        raise ExportError(f"{time:g} s is outside the recording: give --at a time from 0 to {max(ends):g} s")
+        raise ExportError(f"--at must be from 0 to {max(ends):g} s, the end of the recording, got {time:g} s")
     content = BytesIO()
     [picture] = _frames(trials, [time], pixels, camera)
     try:
         picture.save(content, Image.registered_extensions()[path.suffix.lower()], optimize=True)
     except (KeyError, OSError):
-        raise ExportError(f"{path}: no picture format has this suffix: name the file .png") from None
+        raise ExportError(f"{path}: the suffix must be of a picture format, such as .png: rename the file") from None
     write_atomic(path, content.getvalue())
 
 
 def write_video(
     path: Path, trials: Sequence[Replayed], film: Film, on_frame: Callable[[int, int], None] = lambda *_: None
 ) -> None:
-    """Write a video of trials side by side, at the same simulated time, from the start to the end of the longest.
+    """Write a video of trials side by side, at the same simulated time, from the start to the end of the longest trial.
 
     Args:
         path: file of the video, ``.mp4`` or ``.gif``.
         trials: trials to show, at least one.
         film: size, speed and camera.
-        on_frame: function that receives the number of frames done and the number of all frames.
+        on_frame: function that receives the number of finished frames and the number of all frames.
 
     Raises:
         ExportError: if the suffix, the size, the speed or the frame rate cannot be used, or the renderer fails.
     """
     if not (math.isfinite(film.speed) and film.speed > 0):
-        raise ExportError(f"a speed of {film.speed:g} is not positive: give --speed a factor such as 1 or 4")
+        raise ExportError(f"--speed must be above 0, got {film.speed:g}: give a factor such as 1 or 4")
     end = max(Timeline(trial.recording).end_s for trial in trials)
     count = max(2, math.ceil(end * film.fps / film.speed))
     times = np.minimum(np.arange(1, count + 1) * film.speed / film.fps, end).tolist()
@@ -122,7 +122,10 @@ def _frames(
     """Yield the whole picture at each time [s]."""
     space = visible_space([trial.recording for trial in trials], _ROOM)
     if space is None:
-        raise ExportError(f"the recording of {trials[0].record.trial} has no brick: choose another trial")
+        raise ExportError(
+            f"a picture needs at least one brick, but the recording of {trials[0].record.trial} has none: choose "
+            "another trial"
+        )
     sheet = _sheet(trials, pixels)
     views = [view_of(Timeline(trial.recording), times, space, sheet.panel, camera) for trial in trials]
     with drawn_frames(views) as drawn:

@@ -48,7 +48,7 @@ class View:
     colour: ByteArray
     """Red, green and blue, shape (f, n, 3)."""
     shown: BoolArray
-    """Whether a brick is in the picture, shape (f, n)."""
+    """True for each brick in the picture, shape (f, n)."""
     camera: Camera = CAMERAS["corner"]
 
     def order(self, poses: Path, paths: Sequence[Path] = ()) -> dict[str, Any]:
@@ -83,7 +83,10 @@ def draw_pictures(views: Sequence[tuple[View, Sequence[Path]]]) -> None:
         try:
             subprocess.run(command, cwd=_ROOT, capture_output=True, text=True, check=True, timeout=_LONGEST_S)
         except subprocess.TimeoutExpired as error:
-            raise ExportError(f"the pictures took more than {_LONGEST_S} s and were stopped: run it again") from error
+            raise ExportError(
+                f"the renderer must draw the pictures within {_LONGEST_S} s, but did not, and was stopped: run the "
+                "command again"
+            ) from error
         except subprocess.CalledProcessError as error:
             raise ExportError(_reason(error.returncode, error.stderr)) from error
 

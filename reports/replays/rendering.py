@@ -73,7 +73,7 @@ class _Stage:
         return shown.reduce(_OVERSAMPLING)
 
     def close(self) -> None:
-        """Let go of the window."""
+        """Close the window."""
         self._plotter.close()
 
     def _look(self, azimuth: float, elevation: float, distance: float | None) -> None:
@@ -81,7 +81,7 @@ class _Stage:
 
         Args:
             azimuth: direction from the centre to the camera [deg].
-            elevation: angle of that direction above the horizontal [deg].
+            elevation: angle of this direction above the horizontal [deg].
             distance: distance from the centre [m]; None to show the whole visible space.
         """
         turn, lift = np.radians([azimuth, elevation])
@@ -100,7 +100,7 @@ class _Stage:
 
 
 def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
-    """Yield the pictures of a view, one for each frame; equal frames are drawn once.
+    """Yield the pictures of a view, one for each frame; draw equal frames once.
 
     Args:
         view: fields of ``reports.replays.renderer.View``, with the path ``poses`` of the file of its arrays.

@@ -1,8 +1,8 @@
 """Recordings as files of Rerun (https://rerun.io), a viewer for logged 3-D data.
 
 Each brick is an entity ``POLICY/bricks/ID`` on the timeline ``time`` (simulated seconds); Rerun shows the latest value
-before the chosen time, which is what a row of a recording means. The package ``rerun-sdk`` writes the file and contains
-the viewer; it is optional because it takes 0.5 GB.
+before the chosen time, as a row of a recording holds until the next row. The package ``rerun-sdk`` writes the file and
+contains the viewer; the package is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def write_rerun(path: Path, trials: Sequence[Replayed]) -> None:
         ExportError: if Rerun is not installed, or the suffix is not ``.rrd``.
     """
     if path.suffix != ".rrd":
-        raise ExportError(f"{path}: a file of Rerun ends with .rrd; rename it")
+        raise ExportError(f"{path}: the suffix of a file of Rerun must be .rrd: rename the file")
     rerun = require_rerun()
     stream = rerun.RecordingStream(APPLICATION, recording_id=trials[-1].record.trial)
     memory = stream.memory_recording()

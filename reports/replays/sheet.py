@@ -52,8 +52,8 @@ class Sheet:
         width, height = pixels
         if width < _LEAST_EDGE * len(titles) or height < _LEAST_EDGE:
             raise ExportError(
-                f"{width}x{height} is too small for {len(titles)} panels: give at least "
-                f"{_LEAST_EDGE * len(titles)}x{_LEAST_EDGE}"
+                f"the size of a picture with {len(titles)} panels must be at least "
+                f"{_LEAST_EDGE * len(titles)}x{_LEAST_EDGE}, got {width}x{height}: give a larger size"
             )
         self._text = max(_LEAST_TEXT, round(_TEXT_SHARE * height))
         self._head = round(_HEAD * self._text)
@@ -78,7 +78,7 @@ class Sheet:
         draw.text((pad, base), _shortened(caption, end - 2 * pad, small), _SOFT, small, anchor="lm")
 
     def _draw_key(self, draw: ImageDraw.ImageDraw, key: Key, right: float, base: float) -> float:
-        """Draw the legend so that it ends at ``right``, on the line ``base``; return where it begins."""
+        """Draw the legend so that it ends at ``right``, on the line ``base``; return its left end."""
         square, gap = 0.8 * self._text, 0.5 * self._text
         for colour, name in reversed(key.entries):
             right -= draw.textlength(name, self._font)
@@ -105,7 +105,7 @@ class Sheet:
 
 
 def _shortened(text: str, room: float, font: Font) -> str:
-    """Return ``text``, cut with an ellipsis if it is wider than ``room`` [pixels]."""
+    """Return ``text``; replace the end of a text wider than ``room`` [pixels] by an ellipsis."""
     if font.getlength(text) <= room:
         return text
     while text and font.getlength(text + "…") > room:

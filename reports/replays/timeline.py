@@ -14,18 +14,18 @@ BoolArray = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Poses:
-    """All bricks of a recording at one time, in the order of their ids, those outside the world included."""
+    """All bricks of a recording at one time, also bricks outside the world, in the order of their ids."""
 
     position: FloatArray
     """Centres [m], shape (n, 3), world frame."""
     quaternion: FloatArray
     """Orientations (w, x, y, z), shape (n, 4), world frame, unit length."""
     present: BoolArray
-    """Whether the brick is in the world, shape (n,)."""
+    """True for each brick in the world, shape (n,)."""
     frozen: BoolArray
-    """Whether the brick is frozen, shape (n,)."""
+    """True for each frozen brick, shape (n,)."""
     fallen: BoolArray
-    """Whether the brick is farther from its first position than its smallest edge, shape (n,)."""
+    """True for each brick that is farther from its first position than its smallest edge, shape (n,)."""
 
     @property
     def states(self) -> list[str]:

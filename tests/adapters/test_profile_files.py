@@ -65,7 +65,10 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('reason = "seats in a second"', 'reason = " "'), "shared.stiff.erp has no 'reason'; add it and state why"),
+        (
+            ('reason = "seats in a second"', 'reason = " "'),
+            "shared.stiff.erp: the key 'reason' is missing; add this key, and state why",
+        ),
         (("value = 0.4, ", ""), "shared.stiff.erp: the key 'value' is missing; write { value = ..., reason = '...' }"),
         (("value = 0.4", "value = [0.4]"), "shared.stiff.erp.value must be a number, a text, true or false, got [0.4]"),
         (('{ value = 0.4, reason = "seats in a second" }', "0.4"), "shared.stiff.erp must be a table, got 0.4"),

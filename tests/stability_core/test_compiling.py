@@ -94,8 +94,8 @@ def test_what_takes_long_is_reported(cold, monkeypatch, caplog):
     with caplog.at_level(logging.WARNING, "stability_core"):
         warm_up("paper")
     first, last = caplog.messages
-    assert first == "compiling for policy 'paper': a minute or two, once per version"
-    assert last.startswith("compiled for policy 'paper' in ")
+    assert first == "compiling the kernels of policy 'paper', which takes one to two minutes, once per version"
+    assert last.startswith("compiled the kernels of policy 'paper' in ")
 
 
 def test_where_nothing_can_be_written_kernels_are_compiled_and_the_message_names_what_to_set(cold, monkeypatch, caplog):

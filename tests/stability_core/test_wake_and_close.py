@@ -103,5 +103,7 @@ def test_a_port_that_was_not_handed_over_is_refused_with_the_remedy(port):
     settle(StabilityExtension(port))
     port.add(1, (0.0, 0.0, 0.015))
     port.lay(1, 0, (-0.05, 0.05), DEEP, 0.01)
-    with pytest.raises(ValueError, match=r"if an earlier extension on this port froze it, close\(\) that extension"):
+    with pytest.raises(
+        ValueError, match=r"If an earlier extension on this port froze the body, call close\(\) of that extension"
+    ):
         StabilityExtension(port).update(DT)

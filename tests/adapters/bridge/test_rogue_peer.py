@@ -22,7 +22,7 @@ PEER = Path(__file__).with_name("rogue_peer.py")
 ENDINGS = {
     "none": ("completed", ""),
     "exit": ("crashed", "the engine's process ended with status 3: out of contacts"),
-    "silence": ("timeout", "the engine did not answer within 2 s"),
+    "silence": ("timeout", "the engine must answer within 2 s, but did not"),
     "garbage": ("error", "which announces 1852989783 bytes"),
     "huge": ("error", "must have at most 67108864 bytes"),
     "error": ("error", "the engine reports an error: the solver gave up"),

@@ -81,11 +81,13 @@ def test_a_replay_names_the_trials_that_there_are_and_what_was_not_recorded(tmp_
     (tmp_path / "trials.jsonl").write_text(record + "\n")
     printed = call("replay", str(tmp_path), trial.id.replace("bullet", "bulet"), status=2)
     assert f"unknown trial '{trial.id.replace('bullet', 'bulet')}'; did you mean '{trial.id}'?" in printed
-    assert "no such recording; run the trial again" in call("replay", str(tmp_path), trial.id, "--no-open", status=2)
+    assert "this recording does not exist; run the trial again" in call(
+        "replay", str(tmp_path), trial.id, "--no-open", status=2
+    )
     picture = ["replay", str(tmp_path), trial.id, "--still", "300x200"]
     assert "unknown camera 'frnt'; did you mean 'front'?" in call(*picture, "--camera", "frnt", status=2)
     assert "unknown policy of a recorded trial of this stack 'paper'" in call(*picture, "--beside", "paper", status=2)
-    assert "no such recording; run the trial again" in call(*picture, status=2)
+    assert "this recording does not exist; run the trial again" in call(*picture, status=2)
 
 
 @pytest.mark.parametrize(

@@ -116,9 +116,9 @@ def test_a_scene_with_a_turned_fixed_box_is_not_planar(write):
         (
             plank(position=[0, 0, 0.125]),
             TABLE,
-            r"brick\[0\] touches nothing.*floats 20.000 mm.*set position z to 0.105",
+            r"brick\[0\] must touch .* is 20.000 mm above .* set its position z to 0.105",
         ),
-        (plank(position=[0, 0, 0.095]), TABLE, "brick 0 and wall 0 overlap"),
+        (plank(position=[0, 0, 0.095]), TABLE, "brick 0 and wall 0: .* must not overlap"),
     ],
 )
 def test_a_fixed_box_that_makes_no_scene_is_reported_with_the_fix(write, brick, fixed, message):

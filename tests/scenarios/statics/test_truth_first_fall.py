@@ -136,7 +136,7 @@ def test_a_brick_on_the_ground_rests_on_normal_forces_alone():
     [
         ([], World(), "at least one brick"),
         ([replace(BRICK, mass=0.0)], World(), "brick 0 must have positive edges and mass"),
-        ([BRICK, replace(BRICK, position=(0.0, math.nan, 0.05))], World(), "brick 1 has a number that is not finite"),
+        ([BRICK, replace(BRICK, position=(0.0, math.nan, 0.05))], World(), "brick 1 must have finite numbers only"),
         ([BRICK], World(friction=-0.1), "friction must be finite and not negative"),
         ([BRICK], World(gravity=(0.0, 0.0, 0.0)), "gravity must be finite and not zero"),
     ],
