@@ -42,8 +42,8 @@ def test_the_same_trials_count_most_then_others_of_their_engine_and_scene(tmp_pa
     assert estimated.known_s == pytest.approx(15.0 + 20.0 + 2 * START_S)  # the median of two, and that of three
     assert estimated.folders == [tmp_path / "a", tmp_path / "b"]
     assert estimated.summary(jobs=1) == (
-        f"4 trials: about {RUN_S + estimated.known_s:.0f} s (1 from the same trials, 1 from other trials of their engine and "
-        f"scene, in {tmp_path}/a, {tmp_path}/b), and at most 2.0 min for 2 unknown trials"
+        f"4 trials: about {RUN_S + estimated.known_s:.0f} s (1 from the same trials, 1 from other trials of their "
+        f"engine and scene, in {tmp_path}/a, {tmp_path}/b), and at most 2.0 min for 2 unknown trials"
     )
 
 

@@ -118,7 +118,7 @@ def test_a_page_whose_mark_is_old_is_refused(source: Source, tmp_path) -> None:
     with pytest.raises(RoundError, match=r"the mark is of another core; run 'python -m bench.publishing --mark'"):
         freeze(DAY, replace(source, core="f" * 12), tmp_path / "rounds")
     (source.folder / "new" / "tables.md").write_text("# new\n")
-    with pytest.raises(MarkError, match="no line 'core: DIGEST'"):
+    with pytest.raises(MarkError, match="the last line must be 'core: DIGEST'"):
         freeze(DAY, source, tmp_path / "rounds")
     assert list((tmp_path / "rounds").glob("*")) == []
 
