@@ -48,8 +48,8 @@ HOSTILE = {
     "deep inside": (lambda good: edited(good, machines=0).replace("0}", "[" * 900 + "]" * 900 + "}"), ""),
     "huge integer": (lambda good: trial(good, seed=0).replace('"seed": 0', f'"seed": {"9" * 5000}'), "digits"),
     "huge float": (lambda good: trial(good, sink_m=0).replace('"sink_m": 0', '"sink_m": 1e999'), "sink_m"),
-    "NaN": (lambda good: trial(good, sink_m=float("nan")), "contains NaN"),
-    "infinity": (lambda good: trial(good, creep_m_s=float("-inf")), "contains -Infinity"),
+    "NaN": (lambda good: trial(good, sink_m=float("nan")), "every number must be finite, got NaN"),
+    "infinity": (lambda good: trial(good, creep_m_s=float("-inf")), "every number must be finite, got -Infinity"),
     "key twice": (
         lambda good: good.read_text().replace('"study":', '"study": "x", "study":'),
         "key 'study' must occur once in an object, got two values",
