@@ -234,7 +234,7 @@ class Scene:
     planar: bool = False
     """True if every brick stays in the x-z plane, so that a planar engine can play the scene."""
     poured: bool = False
-    """True for a pile: no brick has a planned place, and the pile as a whole is measured."""
+    """True for a pile: no brick has a planned place, and the harness measures the pile as a whole."""
     watch_s: float = 5.0
     """Time [s] for which the trial continues after the last action."""
     must_move: tuple[MustMove, ...] = ()

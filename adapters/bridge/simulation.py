@@ -123,8 +123,8 @@ class BridgeSimulation(Simulation):
         elapsed = perf_counter() - begin
         if reply.engine_s > elapsed + _CLOCK_S:
             raise ProtocolError(
-                f"the reported duration of the engine's steps must be at most that of the frame, {elapsed:g} s, got "
-                f"{reply.engine_s:g} s: report the duration in seconds"
+                f"the reported duration of the engine's steps must be at most the duration of the frame, {elapsed:g} "
+                f"s, got {reply.engine_s:g} s: report the duration in seconds"
             )
         self.own_step_s = min(reply.engine_s, elapsed)
 

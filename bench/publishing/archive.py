@@ -31,7 +31,8 @@ def write_archive(folder: Path, to: Path) -> Path:
     day = read_manifest(folder)["round"]
     if differing := changes(folder):
         raise RoundError(
-            f"round {day} has changed ({'; '.join(differing[:3])}); restore it: git checkout -- '{folder}'"
+            f"round {day} must be unchanged, but has changed ({'; '.join(differing[:3])}); restore the round with: git "
+            f"checkout -- '{folder}'"
         )
     name = f"stillstack-results-{day}"
     to.mkdir(parents=True, exist_ok=True)

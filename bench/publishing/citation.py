@@ -21,7 +21,7 @@ class RoundCitation:
     fields: dict[str, Any]
     """Fields of the citation file."""
     suite_version: str
-    """Version of the suite from which the round was made."""
+    """Version of the suite that made the round."""
 
     @property
     def text(self) -> str:

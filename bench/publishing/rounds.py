@@ -37,7 +37,7 @@ class RoundError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The published results from which a round is made."""
+    """The published results that a round copies."""
 
     folder: Path
     """Folder of the published results."""
@@ -72,9 +72,15 @@ def require_clean() -> str:
     """
     commit = head()
     if commit is None:
-        raise RoundError("no commit found: rounds are made from a git checkout with at least one commit")
+        raise RoundError(
+            "a round needs a git checkout with a commit, but git reports none: run the command in a clone of the "
+            "repository"
+        )
     if is_modified():
-        raise RoundError("files of this checkout differ from its commit; commit or undo the changes, then try again")
+        raise RoundError(
+            "a round needs committed files, but files of this checkout differ from its commit: commit or undo the "
+            "changes, and repeat the command"
+        )
     return commit
 
 
@@ -175,23 +181,32 @@ def _check_day(day: str, to: Path) -> None:
     except ValueError:
         is_date = False
     if not is_date:
-        raise RoundError(f"expected the date of the round as YYYY-MM-DD, got {day!r}")
+        raise RoundError(f"the date of a round must have the form YYYY-MM-DD, got {day!r}")
     today = datetime.now(UTC).date().isoformat()
     if day > today:
-        raise RoundError(f"round {day} is in the future: give today's date, {today}")
+        raise RoundError(f"the date of a round must not be in the future, got {day}: give today's date, {today}")
     newest = next((path.name for path in rounds(to)), "")
     if day <= newest:
-        raise RoundError(f"round {day}: round {newest} is frozen, and rounds never change; give a later date")
+        raise RoundError(
+            f"the date of a round must be later than the newest round, {newest}, because rounds never change, got "
+            f"{day}: give a later date"
+        )
 
 
 def _check_marks(source: Source) -> None:
-    """Raise an error if a page does not say which core made it, or says it for another checkout."""
+    """Raise an error if a page does not name the core that made it, or has the marks of another core."""
     if not source.files:
-        raise RoundError(f"{source.folder}: holds no committed results; publish a study and commit it first")
+        raise RoundError(
+            f"{source.folder}: a round needs committed results, but the folder contains none; publish a study, and "
+            "commit its results"
+        )
     for page in pages(source.folder):
         text = page.read_text(encoding="utf-8")
         if text != marked(text, core_of(page), source.core):
-            raise RoundError(f"{page}: the mark is of another core; run 'python -m bench.publishing --mark' and commit")
+            raise RoundError(
+                f"{page}: the mark must be of the present core, but is of another core; run 'python -m "
+                "bench.publishing --mark', and commit the page"
+            )
 
 
 def _pages(folder: Path, source: Source) -> Iterator[dict[str, str | None]]:

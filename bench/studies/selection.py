@@ -67,7 +67,7 @@ def selected(study: Study, selection: Selection) -> Study:
 
 
 def installed_part(study: Study) -> tuple[Study, list[str]]:
-    """Return a study of the suite without the optional engines that are not installed, and a reason for each of them.
+    """Return a study of the suite without the missing optional engines, and the reason for each missing engine.
 
     An engine is optional if it is in a dependency group that ``uv sync`` does not install by default.
 

@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Tolerance(BaseModel):
-    """Tolerances of the gates, for all trials of a scenario; a study may set them.
+    """Tolerances of the gates, for all trials of a scenario; a study may set these tolerances.
 
     An engine that repeats bit for bit needs no tolerance on the same machine. Tolerances apply to its next version, to
     another processor, and to engines that do not repeat bit for bit.

@@ -16,7 +16,7 @@ from scenarios.model import Expectation
 
 Item = TypeVar("Item")
 ALONE = "none"
-"""Name of the policy without an extension, with which all other policies are compared."""
+"""Name of the policy without an extension, the reference of all other policies."""
 LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
 """Policies that lists begin with, in this order; other policies follow in order of appearance."""
 

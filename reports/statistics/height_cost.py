@@ -17,7 +17,7 @@ from reports.records.trial import CENSORED, TrialRecord
 from reports.statistics.groups import GroupKey, grouped
 
 LEAST_SET_UPS = 3
-"""Fewest profiles of an engine on a scene for which costs are compared, because other tables compare two profiles."""
+"""Fewest profiles of an engine on a scene for a comparison of costs, because other tables compare two profiles."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The time that an unstable stack takes to fall, from rest to the limit at which the harness records the fall.
 
-The contact forces are those that keep the accelerations nearest to free fall (Gauss's principle), inside the Coulomb
+The contact forces keep the accelerations as near as possible to free fall (Gauss's principle), inside the Coulomb
 cones. With the weights w, the mass matrix M and the map G from contact forces to forces and moments on the bodies,
 
     minimise |M^(-1/2) (w + G f)|  over f in the cones;     a = M^(-1) (w + G f).

@@ -69,7 +69,7 @@ def equilibrium_among(
     """Judge whether some bricks of a plan can rest without the others; see ``equilibrium``.
 
     Args:
-        present: indices of the bricks that are there.
+        present: indices of the bricks that are in place.
         bricks: all bricks of the plan.
         patches: contact patches of all bricks, from ``contact_patch.contact_patches``.
         world: friction and gravity.
@@ -137,7 +137,7 @@ def judge(
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the value of a ball.
-        loading: the result of ``load_from_zero`` for the same arguments, if the caller has it.
+        loading: the result of ``load_from_zero`` for the same arguments, if the caller has this result.
     """
     statics = solve_balance(centers, weights, patches, friction, length)
     if not (statics.verdict == "doubt" and statics.balanced):

@@ -46,7 +46,7 @@ TALL = 3.0
 """Height of a support, over the least edge of the brick on it, above which its loss is visible: with one end on the
 ground, the brick's centre has then sunk by more than half of that edge."""
 RIDGES: tuple[Ridge, ...] = ("bisector", "face")
-"""Conventions of the normal of a ridge; a brick is removed only if the rest falls under both."""
+"""Conventions of the normal of a ridge; a scene removes a brick only if the rest falls under both conventions."""
 _UPWARD = 0.1
 """Vertical component of the normal above which a contact bears load."""
 

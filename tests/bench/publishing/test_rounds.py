@@ -94,7 +94,7 @@ def test_a_round_says_of_each_page_which_core_made_it(frozen: Path) -> None:
 def test_a_frozen_round_is_never_overwritten(source: Source, frozen: Path) -> None:
     before = (frozen / "manifest.json").read_bytes()
     for day in (DAY, "2026-01-30"):
-        with pytest.raises(RoundError, match=f"round {DAY} is frozen, and rounds never change; give a later date"):
+        with pytest.raises(RoundError, match=f"later than the newest round, {DAY}, because rounds never change"):
             freeze(day, replace(source, commit="e" * 40), frozen.parent)
     assert (frozen / "manifest.json").read_bytes() == before
     assert freeze(LATER, source, frozen.parent).name == LATER
@@ -103,19 +103,22 @@ def test_a_frozen_round_is_never_overwritten(source: Source, frozen: Path) -> No
 
 @pytest.mark.parametrize("day", ["today", "2026-1-31", "20260131", "2026-02-30"])
 def test_a_round_has_a_date(source: Source, tmp_path, day: str) -> None:
-    with pytest.raises(RoundError, match="expected the date of the round as YYYY-MM-DD, got"):
+    with pytest.raises(RoundError, match="the date of a round must have the form YYYY-MM-DD, got"):
         freeze(day, source, tmp_path / "rounds")
 
 
 def test_a_round_of_the_future_is_refused(source: Source, tmp_path) -> None:
     tomorrow = (datetime.now(UTC) + timedelta(days=1)).date().isoformat()
-    with pytest.raises(RoundError, match=r"is in the future: give today's date"):
+    with pytest.raises(RoundError, match=r"must not be in the future, got .*: give today's date"):
         freeze(tomorrow, source, tmp_path / "rounds")
 
 
 def test_a_page_whose_mark_is_old_is_refused(source: Source, tmp_path) -> None:
     """The core changed after the page was made, and nobody marked the page."""
-    with pytest.raises(RoundError, match=r"the mark is of another core; run 'python -m bench.publishing --mark'"):
+    with pytest.raises(
+        RoundError,
+        match=r"the mark must be of the present core, but is of another core; run 'python -m bench.publishing --mark'",
+    ):
         freeze(DAY, replace(source, core="f" * 12), tmp_path / "rounds")
     (source.folder / "new" / "tables.md").write_text("# new\n")
     with pytest.raises(MarkError, match="the last line must be 'core: DIGEST'"):
@@ -179,7 +182,7 @@ def test_a_changed_round_or_none_is_not_archived(frozen: Path, tmp_path) -> None
     with pytest.raises(RoundError, match=rf"not a frozen round .*; choose one of {DAY}"):
         write_archive(frozen.parent / LATER, tmp_path)
     (frozen / "LICENSE").write_text("none\n")
-    with pytest.raises(RoundError, match=r"has changed \(LICENSE: changed\); restore it: git checkout --"):
+    with pytest.raises(RoundError, match=r"has changed \(LICENSE: changed\); restore the round with: git checkout --"):
         write_archive(frozen, tmp_path)
     assert list(tmp_path.glob("*.zip")) == []
 
@@ -193,10 +196,10 @@ def test_rounds_are_made_of_committed_files_only(monkeypatch) -> None:
     listed = subprocess.run(["git", "ls-files", "docs/results"], cwd=ROOT, capture_output=True, text=True, check=True)
     assert {f"docs/results/{name}" for name in files} <= set(listed.stdout.splitlines())
     monkeypatch.setattr(rounds_module, "is_modified", lambda: True)
-    with pytest.raises(RoundError, match="differ from its commit; commit or undo the changes"):
+    with pytest.raises(RoundError, match="differ from its commit: commit or undo the changes"):
         require_clean()
     monkeypatch.setattr(rounds_module, "head", lambda: None)
-    with pytest.raises(RoundError, match="no commit found"):
+    with pytest.raises(RoundError, match="a round needs a git checkout with a commit"):
         require_clean()
 
 
