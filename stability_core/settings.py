@@ -167,7 +167,7 @@ class Settings:
         24.0,
         "bodies a frame",
         "24 bodies, because statics of 24 bodies takes some milliseconds: the core defers further candidates to the "
-            "next frame. ``adopt`` has no budget",
+        "next frame. ``adopt`` has no budget",
     )
     longest_calm_s: float = _setting(
         4.0,

@@ -118,11 +118,11 @@ def test_cameras_have_names_and_numbers() -> None:
     [
         ("frnt", "unknown camera 'frnt'; did you mean 'front'?"),
         ("azimut=3", "unknown part of a camera 'azimut'; did you mean 'azimuth'?"),
-        ("azimuth=east", "'east' is not a number: write azimuth=NUMBER in --camera"),
-        ("elevation=91", "give an angle from -90 to 90 degrees"),
-        ("distance=0", "give a distance [m], or leave it out to show everything"),
-        ("azimuth=nan", "azimuth=nan is not finite"),
-        ("front,top", "'top' in the camera 'front,top': write azimuth=NUMBER"),
+        ("azimuth=east", "azimuth of the camera must be a number, got 'east': write azimuth=NUMBER in --camera"),
+        ("elevation=91", "elevation of the camera must be from -90 to 90 degrees, got 91"),
+        ("distance=0", "distance of the camera must be above 0 m, got 0: give a larger distance"),
+        ("azimuth=nan", "azimuth of the camera must be a finite number, got nan"),
+        ("front,top", "each part of the camera 'front,top' after the name must be one of azimuth=NUMBER"),
     ],
 )
 def test_a_camera_that_cannot_be_is_refused_with_the_fix(text, complaint) -> None:
@@ -142,14 +142,12 @@ def test_what_cannot_be_drawn_is_refused_with_the_fix(pair, tmp_path, monkeypatc
     def video(name: str, width: int, **options) -> None:
         write_video(tmp_path / name, pair, Film((width, 180), **options))
 
-    assert "write WIDTHxHEIGHT" in complaint(lambda: parse_size("1920"))
+    assert "must have the form WIDTHxHEIGHT" in complaint(lambda: parse_size("1920"))
     assert "at most 8192" in complaint(lambda: parse_size("9000x10"))
-    assert "give --at a time from 0 to 1 s" in complaint(
-        lambda: write_still(tmp_path / "a.png", pair, (300, 200), at=2)
-    )
-    assert "too small for 6 panels" in complaint(lambda: still([*pair, *pair, *pair]))
-    assert "name the file .mp4 or .gif" in complaint(lambda: video("a.avi", 320))
-    assert "give --speed a factor" in complaint(lambda: video("a.gif", 320, speed=0.0))
+    assert "--at must be from 0 to 1 s" in complaint(lambda: write_still(tmp_path / "a.png", pair, (300, 200), at=2))
+    assert "the size of a picture with 6 panels must be at least" in complaint(lambda: still([*pair, *pair, *pair]))
+    assert "must be .mp4 or .gif: rename the file" in complaint(lambda: video("a.avi", 320))
+    assert "--speed must be above 0, got 0" in complaint(lambda: video("a.gif", 320, speed=0.0))
     pytest.importorskip("av", reason="needs uv sync --group video")
     assert "an even width" in complaint(lambda: video("a.mp4", 321))
     assert "--fps 10, 20, 25 or 50" in complaint(lambda: video("a.gif", 320, fps=30))
