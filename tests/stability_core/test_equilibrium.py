@@ -257,7 +257,7 @@ def test_a_body_listed_twice_is_refused(port):
     column(port, [0.0, 0.0])
     masses = port.masses()
     masses.body[1] = 0
-    with pytest.raises(ValueError, match="masses row 1: body 0 is listed twice"):
+    with pytest.raises(ValueError, match="masses row 1: body 0 must have one row, but is listed twice"):
         solve_equilibrium(port.contacts(), masses)
 
 

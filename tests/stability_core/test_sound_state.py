@@ -71,7 +71,7 @@ SPOILED_CONTACTS = {
 }
 SPOILED_MASSES = {
     "float": (replaced(body=lambda m: m.body.astype(float)), "masses.body must hold integers"),
-    "twice": (lambda m: with_row(m, 0), "body 0 is listed twice"),
+    "twice": (lambda m: with_row(m, 0), "body 0 must have one row, but is listed twice"),
     "removed -1": (replaced(removed=lambda _: [-1]), "ids of at least 0, got -1"),
     "removed 2.0": (replaced(removed=lambda _: [2.0]), "integer ids, got 2.0"),
 }
