@@ -46,7 +46,7 @@ def test_creep_decides_only_whether_what_must_stand_does() -> None:
 
 
 @pytest.mark.parametrize("status", ["completed", "collapsed", "timeout"])
-def test_a_stack_in_neutral_balance_tells_nothing_of_an_engine(status) -> None:
+def test_a_stack_in_neutral_balance_shows_nothing_of_an_engine(status) -> None:
     """A rounding error is enough to move such a stack, and nothing stops it; a fall is a fall without friction too."""
     assert verdict(STANDS, status, 3, "slide", is_neutral=True) == "none"
     assert verdict(FALLS_AT_9, "collapsed", 9, "slide", is_neutral=True) == "right"
