@@ -165,7 +165,9 @@ def step_reply(body: bytes | memoryview, bodies: IntArray, states: int, table: F
             f"{_listed(bodies)}; got {blocks} states of {_listed(words[:listed])}"
         )
     if finding == Finding.POINTS_NOT_FINITE:
-        raise ProtocolError("contact points and forces in the answer must be finite, got NaN or inf: send finite numbers only")
+        raise ProtocolError(
+            "contact points and forces in the answer must be finite, got NaN or inf: send finite numbers only"
+        )
     return StepReply(
         engine_s,
         words[listed:of_points].reshape(blocks, listed, STATE_WIDTH),
