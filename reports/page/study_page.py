@@ -240,7 +240,9 @@ def _problems(records: Sequence[TrialRecord], missing: Sequence[str], without_fr
         found.append(f"{len(earlier)} trials are from before format 3: their verdicts do not consider creep.")
     if missing:
         found.append(f"{len(missing)} planned trials have no record (not yet run, or interrupted): {some(missing)}.")
-    if without_frames:
+    if len(without_frames) == len(records) > 1:
+        found.append("No trial has its frames here (published folders keep none): the page shows no traces of them.")
+    elif without_frames:
         found.append(f"Frames of {len(without_frames)} trials are missing or incomplete: {some(without_frames)}.")
     hosts = {record.host for record in records if record.host is not None}
     if len(hosts) > 1:

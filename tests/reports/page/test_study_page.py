@@ -130,6 +130,14 @@ def test_what_went_wrong_or_is_missing_is_said_first(page) -> None:
         assert words in output
 
 
+def test_a_published_folder_without_frames_is_not_called_incomplete_trial_by_trial(tmp_path) -> None:
+    made = [record(), record(policy="paper")]
+    folder = write_study(tmp_path / "study", made, without_frames=[one.trial for one in made])
+    output = write_page(folder, made).read_text(encoding="utf-8").partition('id="ranking"')[0]
+    assert "No trial has its frames here (published folders keep none)" in output
+    assert made[0].trial not in output
+
+
 def test_the_verdict_is_the_first_words_and_the_ranking_next(page) -> None:
     output = page.read_text(encoding="utf-8")
     sections = re.findall(r'<section id="(\w+)"', output)
@@ -227,7 +235,7 @@ def test_a_row_of_a_public_thread_names_it(tmp_path, open_page) -> None:
     assert flags.all_inner_texts() == [thread.name]
     assert flags.get_attribute("href") == thread.url
     opened.select_option("#filters [name=scene]", "issue_bullet3_3049")
-    assert [row.split("\t")[0] for row in shown(opened)] == [f"issue_bullet3_3049 {thread.name}"]
+    assert [row.split("\t")[0].split() for row in shown(opened)] == [["issue_bullet3_3049", thread.name]]
     opened.locator("#table tr:visible summary").click()
     details = opened.locator("#table details[open]").inner_text()
     assert f"Reported in {thread.name}, of its own engine and settings: {thread.reported}." in details
