@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import webbrowser
 from collections.abc import Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -15,11 +16,21 @@ from reports.records.folder import ResultsFolder
 from reports.records.trial import TrialRecord
 from reports.replays.camera import parse_camera
 from reports.replays.gltf import to_glb
+from reports.replays.margins import margins_of, write_margins
 from reports.replays.pictures import Film, parse_size, write_still, write_video
 from reports.replays.replay import Replayed
 from reports.replays.rerun_export import write_rerun
 from reports.replays.stacks import read_stack, stack_of, write_stack_replay
 from scenarios.lookup import look_up
+
+
+class Colour(StrEnum):
+    """What the colours of bricks show."""
+
+    STATE = "state"
+    LOAD = "load"
+    TILT = "tilt"
+
 
 _CAMERA_HELP = (
     "For pictures and videos: corner, front, side or top, and azimuth, elevation [deg] and distance [m], as in "
@@ -48,6 +59,16 @@ def replay(
     ] = None,
     at: Annotated[float | None, typer.Option(help="Time [s] of the picture [the end].")] = None,
     camera: Annotated[str, typer.Option(help=_CAMERA_HELP)] = "corner",
+    colour: Annotated[
+        Colour,
+        typer.Option(help="Colour of the bricks in pictures and videos: their state, or their load or tilt margin."),
+    ] = Colour.STATE,
+    margins: Annotated[
+        bool, typer.Option("--margins", help="Add the margins of the bricks to the replay in the browser.")
+    ] = False,
+    margins_csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write the margins as numbers instead of a replay.")
+    ] = None,
     beside: Annotated[
         list[str] | None,
         typer.Option(
@@ -67,9 +88,12 @@ def replay(
         if gltf is not None:
             export_gltf(folder, records, trial, gltf)
             note(f"the animation is {relative(gltf)}")
+        if margins_csv is not None:
+            write_margins(margins_csv, margins_of(side_by_side(folder, records, trial, ())[0].recording))
+            note(f"the margins are {relative(margins_csv)}")
         if (rrd, video, still) == (None, None, None):
-            if gltf is None:
-                _show(replay_trial(folder, records, trial), show)
+            if (gltf, margins_csv) == (None, None):
+                _show(replay_trial(folder, records, trial, with_margins=margins), show)
             return
         seen_from = parse_camera(camera)
         shown = side_by_side(folder, records, trial, () if alone else beside)
@@ -78,12 +102,12 @@ def replay(
             note(f"the file for Rerun is {relative(rrd)}; to open it: uv run --group rerun rerun {relative(rrd)}")
         if still is not None:
             picture = output or Path(f"{trial}.png")
-            write_still(picture, shown, parse_size(still), at=at, camera=seen_from)
+            write_still(picture, shown, parse_size(still), at=at, camera=seen_from, colour=colour.value)
             note(f"the picture is {relative(picture)}")
         if video is not None:
             pixels = parse_size(size or ("640x360" if video.suffix.lower() == ".gif" else "1280x720"))
             with ERR.status("drawing") as status:
-                film = Film(pixels, fps, speed, seen_from)
+                film = Film(pixels, fps, speed, seen_from, colour.value)
                 write_video(video, shown, film, lambda done, count: status.update(f"drawing frame {done} of {count}"))
             note(f"the video is {relative(video)}")
 
@@ -94,16 +118,17 @@ def _show(page: Path, show: bool) -> None:
         note("no browser could be opened: open that file in a browser yourself")
 
 
-def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str) -> Path:
+def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str, *, with_margins: bool = False) -> Path:
     """Write the replay of a trial, side by side with the same stack under the other policies; return its path.
 
     Raises:
         UnknownNameError: if there is no such trial.
         RecordingError: if the trial was not recorded, or its recording is incomplete.
+        ExportError: if margins are wanted, and a recording has none.
     """
     wanted, others = _stack(records, trial)
     shown = Replayed(wanted, ResultsFolder(folder).recording(wanted.trial))
-    return write_stack_replay(folder, [shown, *read_stack(folder, others)])
+    return write_stack_replay(folder, [shown, *read_stack(folder, others)], with_margins=with_margins)
 
 
 def side_by_side(

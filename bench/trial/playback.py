@@ -119,7 +119,7 @@ class Playback:
         self.sleep_audit = SleepAudit(scene.must_move) if scene.must_move else None
         self.force_audit = ForceAudit(simulation) if audits_forces and policy is None else None
         self.sleep_stats = SleepStats()
-        self.recorder = Recorder(simulation.info.frame_s, scene.world.fixed)
+        self.recorder = Recorder(simulation.info.frame_s, scene.world)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
         """Stack just before the next level started, by level."""
@@ -184,9 +184,10 @@ class Playback:
         self._hash.update(np.ascontiguousarray(position, np.float64).tobytes())
         self._hash.update(np.ascontiguousarray(quaternion, np.float64).tobytes())
         position, quaternion = position.copy(), quaternion.copy()  # an engine may return views of its memory
-        self.recorder.see(bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
+        world, frozen, bricks = self._simulation.world, self._simulation.frozen, self._simulation.bricks
+        self.recorder.see(bodies, position, quaternion, frozen, bricks, world.gravity)
         if self._on_frame is not None:
-            self._on_frame(now, bodies, position, quaternion, self._simulation.frozen, self._simulation.bricks)
+            self._on_frame(now, bodies, position, quaternion, frozen, bricks)
         builder = self.builder
         self.monitor.see(now, builder.plan, position, quaternion, builder.placed)
         if self.onset is not None:

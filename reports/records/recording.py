@@ -9,8 +9,9 @@ about 0.1 MB.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -20,7 +21,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from reports.records.atomic import write_atomic
-from scenarios.model import Brick, Vector
+from scenarios.model import Brick, Vector, World
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -44,6 +45,28 @@ STATES: tuple[Literal["live", "frozen", "removed"], ...] = ("live", "frozen", "r
 """Names of the states of a body."""
 LIVE, FROZEN, REMOVED = range(3)
 """Indices into ``STATES``."""
+WORLD = World()
+"""World of a recorder that is given none."""
+
+
+_TURN = 1e-3
+"""Least change of gravity, as a share of its strength, that a recording keeps: 0.06 deg."""
+
+
+@dataclass(frozen=True, slots=True)
+class Physics:
+    """What statics needs beside the poses."""
+
+    friction: float
+    """Coulomb coefficient of every pair."""
+    masses: Mapping[int, float]
+    """Mass of each body [kg], by its id; without bodies that only the host moves."""
+    gravity: tuple[tuple[int, Vector], ...]
+    """First frame and gravity [m/s2], in order of time, at least one."""
+
+    def gravity_at(self, frame: int) -> Vector:
+        """Return gravity [m/s2] in a frame."""
+        return next((gravity for since, gravity in reversed(self.gravity) if since <= frame), self.gravity[0][1])
 
 
 class RecordingError(ValueError):
@@ -75,6 +98,8 @@ class Recording:
     """Interval of the kept frames: 1, or ``THINNED`` for a thinned recording."""
     fixed: tuple[Brick, ...] = ()
     """Boxes that never move."""
+    physics: Physics | None = None
+    """Masses, friction and gravity; None in recordings of version 0.1.0."""
 
     def thinned(self) -> Recording:
         """Return a smaller recording: every third frame, every change of state, and the first row of every body."""
@@ -88,15 +113,17 @@ class Recording:
 class Recorder:
     """Recorder of the poses of every frame, which stores only changes."""
 
-    def __init__(self, frame_s: float, fixed: tuple[Brick, ...] = ()) -> None:
+    def __init__(self, frame_s: float, world: World = WORLD) -> None:
         """Start a recording without frames.
 
         Args:
             frame_s: simulated time of a frame [s].
-            fixed: boxes that never move.
+            world: friction, gravity at the start, and the boxes that never move.
         """
         self._frame_s = frame_s
-        self._fixed = fixed
+        self._world = world
+        self._gravity = [(0, world.gravity)]
+        self._masses: dict[int, float] = {}
         self._frames = 0
         self._sizes: dict[int, Vector] = {}
         self._position = np.empty((0, 3))
@@ -113,6 +140,7 @@ class Recorder:
         quaternion: FloatArray,
         frozen: Collection[int],
         bricks: Mapping[int, Brick],
+        gravity: Vector | None = None,
     ) -> None:
         """Record one frame. The cost grows with the number of bodies, and is least if no body moves.
 
@@ -122,14 +150,19 @@ class Recorder:
             quaternion: orientations of the bodies (w, x, y, z), shape (n, 4), world frame.
             frozen: ids of the bodies that the core or the engine has frozen.
             bricks: brick of each body, by id.
+            gravity: gravity in this frame [m/s2]; None if it has not changed.
         """
         self._frames += 1
+        if gravity is not None and math.dist(gravity, self._gravity[-1][1]) > _TURN * math.hypot(*gravity):
+            self._gravity.append((self._frames - 1, gravity))
         latest = bodies, position, quaternion
         if self._latest and all(map(np.array_equal, latest, self._latest)) and self._frozen == set(frozen):
             return  # little work for a stack at rest, so that the engine's memory stays in the caches
         self._latest, self._frozen = tuple(array.copy() for array in latest), set(frozen)
         self._make_room(int(bodies.max(initial=-1)) + 1)
-        self._sizes |= {body: bricks[body].size for body in bricks if body not in self._sizes}
+        new = [body for body in bricks if body not in self._sizes]
+        self._sizes |= {body: bricks[body].size for body in new}
+        self._masses |= {body: bricks[body].mass for body in new if not bricks[body].moved}
         state = np.full(len(self._state), REMOVED, np.int32)
         state[bodies] = LIVE
         state[[body for body in frozen if body < len(state)]] = FROZEN
@@ -162,7 +195,8 @@ class Recorder:
             np.rint(position[order] / LENGTH_STEP).astype(np.int32),
             np.rint(quaternion[order] / QUATERNION_STEP).astype(np.int32),
             state[order],
-            fixed=self._fixed,
+            fixed=self._world.fixed,
+            physics=Physics(self._world.friction, self._masses, tuple(self._gravity)),
         )
 
     def _make_room(self, count: int) -> None:
@@ -211,7 +245,13 @@ def read_recording(path: Path) -> Recording:
         columns["state"],
         header["every"],
         tuple(_fixed_box(box) for box in header.get("fixed", ())),
+        _physics(header["physics"]) if header.get("physics") else None,
     )
+
+
+def _physics(header: Mapping[str, Any]) -> Physics:
+    masses = {int(body): mass for body, mass in header["masses"].items()}
+    return Physics(header["friction"], masses, tuple((since, (x, y, z)) for since, (x, y, z) in header["gravity"]))
 
 
 def _fixed_box(box: Mapping[str, Any]) -> Brick:
@@ -227,6 +267,7 @@ def _packed(recording: Recording) -> bytes:
         "sizes": recording.sizes,
         "every": recording.every,
         "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
+        "physics": None if recording.physics is None else asdict(recording.physics),
     }
     schema = pa.schema([pa.field(name, pa.int32()) for name in _COLUMNS], {"stillstack": json.dumps(header)})
     table = pa.Table.from_arrays([pa.array(value, pa.int32()) for value in values], schema=schema)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -55,8 +55,9 @@ def view_of(
     space: tuple[FloatArray, FloatArray],
     pixels: tuple[int, int],
     camera: Camera = CAMERAS["corner"],
+    colours: Callable[[float], ByteArray] | None = None,
 ) -> View:
-    """Return the view of a recording at several times, with bricks in the colours of their states.
+    """Return the view of a recording at several times.
 
     Args:
         timeline: the recording.
@@ -64,6 +65,8 @@ def view_of(
         space: corners of the visible space [m].
         pixels: width and height of the pictures.
         camera: the camera.
+        colours: function that returns the colour of each brick, shape (n, 3), at a time [s]; None for the colours of
+            the states.
     """
     poses, fixed = [timeline.at(time) for time in times], timeline.recording.fixed
     tints = 1 + _TINT * np.random.default_rng(0).uniform(-1, 1, len(timeline.bodies))
@@ -74,6 +77,7 @@ def view_of(
         rows = still.reshape(-1, width)
         return np.array([np.concatenate([values.reshape(-1, width), rows]) for values in moving])
 
+    paint = [_by_state(pose) for pose in poses] if colours is None else [colours(time) for time in times]
     grey = np.tile(np.array(FIXED_COLOUR, np.uint8), (len(fixed), 1))
     return View(
         pixels,
@@ -81,13 +85,16 @@ def view_of(
         sizes=with_fixed([timeline.sizes], boxes["size"], 3)[0],
         position=with_fixed([pose.position for pose in poses], boxes["position"], 3),
         quaternion=with_fixed([pose.quaternion for pose in poses], boxes["quaternion"], 4),
-        colour=with_fixed([_by_state(pose, tints) for pose in poses], grey, 3),
+        colour=with_fixed([_tinted(painted, tints) for painted in paint], grey, 3),
         shown=with_fixed([pose.present for pose in poses], np.ones(len(fixed), bool), 1)[..., 0],
         camera=camera,
     )
 
 
-def _by_state(poses: Poses, tints: FloatArray) -> ByteArray:
-    colours = np.array([COLOURS[state] for state in poses.states]).reshape(-1, 3)
+def _by_state(poses: Poses) -> ByteArray:
+    return np.array([COLOURS[state] for state in poses.states], np.uint8).reshape(-1, 3)
+
+
+def _tinted(colours: ByteArray, tints: FloatArray) -> ByteArray:
     tinted: ByteArray = np.rint(tints[:, None] * colours).clip(0, 255).astype(np.uint8)
     return tinted

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import Literal, TypeAlias
 
 import numpy as np
 from PIL import Image
@@ -16,7 +17,8 @@ from reports.replays.camera import CAMERAS, Camera
 from reports.replays.drawing import COLOURS, FIXED_COLOUR, view_of, visible_space
 from reports.replays.encoding import encoded
 from reports.replays.errors import ExportError
-from reports.replays.renderer import drawn_frames
+from reports.replays.margins import MARGIN_COLOURS, Margins, Quantity, legend, margins_of
+from reports.replays.renderer import ByteArray, drawn_frames
 from reports.replays.replay import Replayed
 from reports.replays.sheet import Key, Sheet
 from reports.replays.timeline import Timeline
@@ -27,9 +29,13 @@ _ROOM = 0.5
 """Share of its size by which the visible space may grow for fallen bricks."""
 
 
+Colouring: TypeAlias = Literal["state", "load", "tilt"]
+"""What the colours of bricks show: their state, or their margin."""
+
+
 @dataclass(frozen=True, slots=True)
 class Film:
-    """Size, speed and camera of a video."""
+    """Size, speed, camera and colours of a video."""
 
     pixels: tuple[int, int]
     """Width and height."""
@@ -38,6 +44,7 @@ class Film:
     speed: float = 1.0
     """Simulated seconds per second of the video."""
     camera: Camera = CAMERAS["corner"]
+    colour: Colouring = "state"
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -61,6 +68,7 @@ def write_still(
     *,
     at: float | None = None,
     camera: Camera = CAMERAS["corner"],
+    colour: Colouring = "state",
 ) -> None:
     """Write a picture of trials side by side, with titles and legend.
 
@@ -70,6 +78,7 @@ def write_still(
         pixels: width and height of the picture.
         at: simulated time [s]; None for the end.
         camera: the camera.
+        colour: what the colours show.
 
     Raises:
         ExportError: if a trial does not last that long, the picture is too small, or the renderer fails.
@@ -79,7 +88,7 @@ def write_still(
     if not 0 <= time <= max(ends):
         raise ExportError(f"--at must be from 0 to {max(ends):g} s, the end of the recording, got {time:g} s")
     content = BytesIO()
-    [picture] = _frames(trials, [time], pixels, camera)
+    [picture] = _frames(trials, [time], Film(pixels, camera=camera, colour=colour), [time])
     try:
         picture.save(content, Image.registered_extensions()[path.suffix.lower()], optimize=True)
     except (KeyError, OSError):
@@ -95,7 +104,7 @@ def write_video(
     Args:
         path: file of the video, ``.mp4`` or ``.gif``.
         trials: trials to show, at least one.
-        film: size, speed and camera.
+        film: size, speed, camera and colours.
         on_frame: function that receives the number of finished frames and the number of all frames.
 
     Raises:
@@ -108,45 +117,60 @@ def write_video(
     times = np.minimum(np.arange(1, count + 1) * film.speed / film.fps, end).tolist()
 
     def counted() -> Iterator[Image.Image]:
-        for number, picture in enumerate(_frames(trials, times, film.pixels, film.camera), 1):
+        for number, picture in enumerate(_frames(trials, times, film), 1):
             yield picture
             on_frame(number, count)
 
-    colours = [colour for colour, _ in _key(trials).entries]
+    colours = [colour for colour, _ in _key(trials, film.colour).entries]
     write_atomic(path, encoded(path, counted(), film.pixels, film.fps, colours))
 
 
 def _frames(
-    trials: Sequence[Replayed], times: Sequence[float], pixels: tuple[int, int], camera: Camera
+    trials: Sequence[Replayed], times: Sequence[float], film: Film, instants: Sequence[float] | None = None
 ) -> Iterator[Image.Image]:
-    """Yield the whole picture at each time [s]."""
+    """Yield the whole picture at each time [s]; margins are those at ``instants`` [s], by default when bricks rest."""
     space = visible_space([trial.recording for trial in trials], _ROOM)
     if space is None:
         raise ExportError(
             f"a picture needs at least one brick, but the recording of {trials[0].record.trial} has none: choose "
             "another trial"
         )
-    sheet = _sheet(trials, pixels)
-    views = [view_of(Timeline(trial.recording), times, space, sheet.panel, camera) for trial in trials]
+    first = trials[0].record
+    sheet = Sheet(
+        film.pixels,
+        [(_title(trial), trial.end) for trial in trials],
+        f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
+        _key(trials, film.colour),
+    )
+    views = [
+        view_of(
+            Timeline(trial.recording),
+            times,
+            space,
+            sheet.panel,
+            film.camera,
+            None if film.colour == "state" else margin_colours(margins_of(trial.recording, instants), film.colour),
+        )
+        for trial in trials
+    ]
     with drawn_frames(views) as drawn:
         for time, panels in zip(times, drawn, strict=True):
             yield sheet.frame(panels, time)
 
 
-def _sheet(trials: Sequence[Replayed], pixels: tuple[int, int]) -> Sheet:
-    first = trials[0].record
-    return Sheet(
-        pixels,
-        [(_title(trial), trial.end) for trial in trials],
-        f"{first.scene} on {first.engine}, {first.profile}, seed {first.seed}",
-        _key(trials),
-    )
+def margin_colours(margins: Margins, quantity: Quantity) -> Callable[[float], ByteArray]:
+    """Return the function that gives the colour of each brick, shape (n, 3), at a time [s]."""
+    colours = np.array([*MARGIN_COLOURS, FIXED_COLOUR], np.uint8)  # the last for bodies without a margin
+    classes = margins.classes(quantity)
+    return lambda time: colours[classes[margins.row(time)]]
 
 
-def _key(trials: Sequence[Replayed]) -> Key:
-    states = tuple((colour, state) for state, colour in COLOURS.items())
-    has_fixed = any(trial.recording.fixed for trial in trials)
-    return Key((*states, (FIXED_COLOUR, "fixed")) if has_fixed else states)
+def _key(trials: Sequence[Replayed], colour: Colouring) -> Key:
+    fixed = ((FIXED_COLOUR, "fixed"),) if any(trial.recording.fixed for trial in trials) else ()
+    if colour == "state":
+        return Key((*((shown, state) for state, shown in COLOURS.items()), *fixed))
+    title, names = legend(colour)
+    return Key((*zip(MARGIN_COLOURS, names, strict=True), *fixed), title)
 
 
 def _title(trial: Replayed) -> str:

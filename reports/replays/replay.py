@@ -22,6 +22,7 @@ from markupsafe import Markup
 from reports.records.atomic import write_atomic
 from reports.records.recording import FIXED_FIELDS, LENGTH_STEP, QUATERNION_STEP, STATES, Recording
 from reports.records.trial import TrialRecord
+from reports.replays.margins import MARGIN_COLOURS, QUANTITIES, Margins, legend
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _THREE = ("jupyter_threejs_sage", "static/r130/three.min.js")
@@ -44,19 +45,21 @@ class Replayed:
         return f"{record.status}, {record.height_levels} of {record.levels_planned} levels"
 
 
-def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
+def write_replay(folder: Path, name: str, trials: Sequence[Replayed], margins: Sequence[Margins] | None = None) -> Path:
     """Write the replay ``NAME.html``, and the script that it needs, into a folder; return the path of the page.
 
     Args:
         folder: folder of the replays, created if necessary.
         name: file name of the page, without its suffix.
         trials: trials to show side by side at the same simulated time, at least one.
+        margins: margins of each trial, by which the reader may colour the bricks; None without margins.
     """
     folder.mkdir(parents=True, exist_ok=True)
     script = resources.files(_THREE[0]).joinpath(_THREE[1])
     if not (folder / _SCRIPT).exists():
         write_atomic(folder / _SCRIPT, script.read_bytes())
     first = trials[0].record
+    each: Sequence[Margins | None] = margins or [None] * len(trials)
     page = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
     ).get_template("replay.html.j2")
@@ -65,14 +68,16 @@ def write_replay(folder: Path, name: str, trials: Sequence[Replayed]) -> Path:
         theory=str(first.expectation),
         why=first.expectation.theory,
         script=_SCRIPT,
-        trials=[_described(trial) for trial in trials],
+        trials=[_described(trial, shown) for trial, shown in zip(trials, each, strict=True)],
+        legends={} if margins is None else {quantity: legend(quantity) for quantity in QUANTITIES},
+        margin_colours=[f"#{r:02x}{g:02x}{b:02x}" for r, g, b in MARGIN_COLOURS],
         player=Markup((_TEMPLATES / "replay.js").read_text(encoding="utf-8")),
     )
     write_atomic(folder / f"{name}.html", html.encode())
     return folder / f"{name}.html"
 
 
-def _described(trial: Replayed) -> dict[str, Any]:
+def _described(trial: Replayed, margins: Margins | None) -> dict[str, Any]:
     recording = trial.recording
     rows = [recording.body, recording.frame, *recording.position.T, *recording.quaternion.T, recording.state]
     return {
@@ -87,7 +92,13 @@ def _described(trial: Replayed) -> dict[str, Any]:
         "data": _packed(np.array(rows, np.int32)),
         "steps": [LENGTH_STEP, QUATERNION_STEP],
         "states": STATES,
+        "margins": None if margins is None else _margins(margins),
     }
+
+
+def _margins(margins: Margins) -> dict[str, Any]:
+    """Return the instants [s], and for each margin the class of every brick at each instant."""
+    return {"times": margins.times, **{quantity: margins.classes(quantity).tolist() for quantity in QUANTITIES}}
 
 
 def _packed(columns: np.ndarray) -> str:

@@ -108,6 +108,6 @@ def _shortened(text: str, room: float, font: Font) -> str:
     """Return ``text``; replace the end of a text wider than ``room`` [pixels] by an ellipsis."""
     if font.getlength(text) <= room:
         return text
-    while text and font.getlength(text + "…") > room:
+    while text and font.getlength(text + "...") > room:
         text = text[:-1]
-    return text + "…" if text else ""
+    return text + "..." if text else ""

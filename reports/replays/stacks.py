@@ -11,6 +11,7 @@ from pathlib import Path
 from reports.records.folder import ResultsFolder, replay_name, still_of
 from reports.records.recording import RecordingError
 from reports.records.trial import TrialRecord
+from reports.replays.margins import margins_of
 from reports.replays.replay import Replayed, write_replay
 from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import ordered_policies
@@ -48,11 +49,21 @@ def write_replays(folder: Path, stacks: Sequence[Sequence[TrialRecord]]) -> None
             write_stack_replay(folder, trials)
 
 
-def write_stack_replay(folder: Path, trials: Sequence[Replayed]) -> Path:
-    """Write the replay of one stack into the report, with policies in their usual order; return its path."""
+def write_stack_replay(folder: Path, trials: Sequence[Replayed], *, with_margins: bool = False) -> Path:
+    """Write the replay of one stack into the report, with policies in their usual order; return its path.
+
+    Args:
+        folder: a results folder.
+        trials: the trials of the stack.
+        with_margins: True to add the margins of the bricks, which takes seconds to minutes.
+
+    Raises:
+        ExportError: if a recording has no margins.
+    """
     policies = ordered_policies(trial.record.policy for trial in trials)
     trials = sorted(trials, key=lambda trial: policies.index(trial.record.policy))
-    return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials)
+    margins = [margins_of(trial.recording) for trial in trials] if with_margins else None
+    return write_replay(folder / "report" / "replays", replay_name(trials[0].record), trials, margins)
 
 
 def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:

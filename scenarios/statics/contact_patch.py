@@ -38,6 +38,21 @@ RIDGE_GAP = 0.04
 there (0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
 _PARALLEL = 1e-7
 """Sine of the angle below which two directions count as parallel."""
+
+
+class Tolerance(NamedTuple):
+    """How exactly boxes must touch: see ``TOUCH`` and ``_PARALLEL``."""
+
+    touch: float = TOUCH
+    parallel: float = _PARALLEL
+
+
+PLANNED = Tolerance()
+"""Tolerance for planned poses, which are exact."""
+RECORDED = Tolerance(touch=0.04, parallel=0.02)
+"""Tolerance for poses that an engine simulated: 0.3 mm for a plank, because engines leave gaps and overlaps of 0.1 mm
+and recordings have steps of 0.01 mm; and an angle of 1.1 deg, because seeds turn planks by up to 0.9 deg."""
+
 _SIGNS = np.array([-1.0, 1.0])
 
 
@@ -71,13 +86,20 @@ class _Box:
         return float((self.corners @ direction).max())
 
 
-def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, ridge: Ridge = "bisector") -> list[Patch]:
+def contact_patches(
+    bricks: Sequence[Brick],
+    walls: Sequence[Brick] = (),
+    *,
+    ridge: Ridge = "bisector",
+    tolerance: Tolerance = PLANNED,
+) -> list[Patch]:
     """Return all patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
 
     Args:
         bricks: the movable bricks; patches name them by their indices.
         walls: boxes that never move; patches name them ``GROUND``.
         ridge: normal of two parallel edges that meet.
+        tolerance: how exactly boxes must touch.
 
     Raises:
         ValueError: if two bricks overlap, or a brick lies in a wall or below the ground, which a plan must avoid.
@@ -89,14 +111,15 @@ def contact_patches(bricks: Sequence[Brick], walls: Sequence[Brick] = (), *, rid
         _Box(center, half_axes / np.linalg.norm(half_axes, axis=1)[:, None], np.linalg.norm(half_axes, axis=1), corners)
         for center, half_axes, corners in zip(boxes.center, boxes.half_axes, boxes.corners, strict=True)
     ]
-    patches = _on_ground(boxes, thin, len(bricks))
+    patches = _on_ground(boxes, thin, len(bricks), tolerance)
+    widest = max(RIDGE_GAP, tolerance.touch)
     for b in range(1, len(singles)):
         apart = np.abs(boxes.center[:b] - boxes.center[b]) - reach[:b] - reach[b]
-        for a in np.flatnonzero((apart <= RIDGE_GAP * thin[:b, None]).all(axis=1)).tolist():
+        for a in np.flatnonzero((apart <= widest * thin[:b, None]).all(axis=1)).tolist():
             if a >= len(bricks):
                 continue  # two walls
             try:
-                found = touch(singles[a], singles[b], min(thin[a], thin[b]), ridge)
+                found = touch(singles[a], singles[b], min(thin[a], thin[b]), ridge, tolerance)
             except ValueError as error:
                 raise ValueError(f"{_name(a, bricks)} and {_name(b, bricks)}: {error}") from None
             if found and b < len(bricks):
@@ -111,21 +134,23 @@ def _name(index: int, bricks: Sequence[Brick]) -> str:
     return f"brick {index}" if index < len(bricks) else f"wall {index - len(bricks)}"
 
 
-def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int) -> list[Patch]:
+def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int, tolerance: Tolerance) -> list[Patch]:
     patches = []
-    for index in np.flatnonzero(height_above_ground(boxes)[:bricks] <= TOUCH * thin[:bricks]).tolist():
+    for index in np.flatnonzero(height_above_ground(boxes)[:bricks] <= tolerance.touch * thin[:bricks]).tolist():
         heights = boxes.corners[index, :, 2]
-        if heights.min() < -TOUCH * thin[index]:
+        if heights.min() < -tolerance.touch * thin[index]:
             raise ValueError(
                 f"brick {index} must lie at or above z = 0, but is {-heights.min():g} m below the ground: raise the "
                 "brick"
             )
-        points = boxes.corners[index][heights <= TOUCH * thin[index]]
+        points = boxes.corners[index][heights <= tolerance.touch * thin[index]]
         patches.append(Patch(GROUND, index, points, np.array([0.0, 0.0, 1.0])))
     return patches
 
 
-def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatArray, FloatArray] | None:
+def touch(
+    first: _Box, second: _Box, thin: float, ridge: Ridge, tolerance: Tolerance = PLANNED
+) -> tuple[FloatArray, FloatArray] | None:
     """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if the boxes are apart, or only graze.
 
     Two convex bodies are apart exactly if one of fifteen directions separates them: the faces' normals, and the
@@ -136,37 +161,39 @@ def touch(first: _Box, second: _Box, thin: float, ridge: Ridge) -> tuple[FloatAr
     """
     faces = [(first, axis, outward) for axis, outward in first.faces()]
     faces += [(second, axis, -outward) for axis, outward in second.faces()]
-    crossings = _across_edges(first, second)
+    crossings = _across_edges(first, second, tolerance.parallel)
+    gap = tolerance.touch * thin
     normals = np.concatenate([[normal for *_, normal in faces], crossings])
     gaps = (second.corners @ normals.T).min(axis=0) - (first.corners @ normals.T).max(axis=0)
     widest = gaps.max()
-    if widest > RIDGE_GAP * thin:
+    if widest > max(RIDGE_GAP * thin, gap):
         return None
-    if widest < -TOUCH * thin:
+    if widest < -gap:
         raise ValueError(
             f"boxes may touch, but must not overlap, got an overlap of {-widest:g} m: move the boxes apart"
         )
-    separating = gaps >= -TOUCH * thin
-    if widest <= TOUCH * thin:
+    separating = gaps >= -gap
+    if widest <= gap:
         for (box, axis, normal), separates in zip(faces, separating, strict=False):
             if separates:
                 other, outward = (second, normal) if box is first else (first, -normal)
-                points = _shared_with_face(box, axis, outward, other, TOUCH * thin)
+                points = _shared_with_face(box, axis, outward, other, gap)
                 if len(points):
                     return points, normal
         for normal, separates in zip(crossings, separating[len(faces) :], strict=True):
             if separates:
-                point = _crossing_point(first, second, normal, TOUCH * thin)
+                point = _crossing_point(first, second, normal, gap)
                 if point is not None:
                     return point[None], normal
-    return _at_ridge(first, second, [face for face, yes in zip(faces, separating, strict=False) if yes], thin, ridge)
+    separators = [face for face, separates in zip(faces, separating, strict=False) if separates]
+    return _at_ridge(first, second, separators, thin, ridge, tolerance)
 
 
-def _across_edges(first: _Box, second: _Box) -> FloatArray:
+def _across_edges(first: _Box, second: _Box, parallel: float) -> FloatArray:
     """Return unit normals (k, 3), from the first box to the second, of each pair of edges that are not parallel."""
     normals = np.cross(first.axes[:, None], second.axes[None]).reshape(9, 3)
     length = np.linalg.norm(normals, axis=1)
-    crossed = length > _PARALLEL
+    crossed = length > parallel
     normals = normals[crossed] / length[crossed, None]
     away = np.where(normals @ (second.center - first.center) >= 0, 1.0, -1.0)
     oriented: FloatArray = normals * away[:, None]
@@ -231,7 +258,12 @@ def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: fl
 
 
 def _at_ridge(
-    first: _Box, second: _Box, faces: Sequence[tuple[_Box, int, FloatArray]], thin: float, ridge: Ridge
+    first: _Box,
+    second: _Box,
+    faces: Sequence[tuple[_Box, int, FloatArray]],
+    thin: float,
+    ridge: Ridge,
+    tolerance: Tolerance,
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return the segment in which two parallel edges meet, and its normal; None without such edges.
 
@@ -241,22 +273,24 @@ def _at_ridge(
         faces: faces that separate the boxes, with their normals from the first to the second; they bound the range.
         thin: the thinnest edge of both boxes [m].
         ridge: the convention for the normal.
+        tolerance: how exactly boxes must touch.
     """
     cosine = first.axes @ second.axes.T
-    shared = np.argwhere(cosine**2 > 1 - _PARALLEL**2)
+    shared = np.argwhere(cosine**2 > 1 - tolerance.parallel**2)
     if len(shared) != 1 or not faces:
         return None  # no axes parallel, or all three: flush faces, which ``touch`` has handled
     along = first.axes[shared[0, 0]]
     bisector = np.sum([normal for *_, normal in faces], axis=0)
     bisector /= np.linalg.norm(bisector)
-    near = first.corners[first.corners @ bisector >= first.reach_along(bisector) - TOUCH * thin]
-    far = second.corners[-(second.corners @ bisector) >= second.reach_along(-bisector) - TOUCH * thin]
+    near = first.corners[first.corners @ bisector >= first.reach_along(bisector) - tolerance.touch * thin]
+    far = second.corners[-(second.corners @ bisector) >= second.reach_along(-bisector) - tolerance.touch * thin]
     between = far.mean(axis=0) - near.mean(axis=0)
-    if len(near) != 2 or len(far) != 2 or np.linalg.norm(between - along * (along @ between)) > RIDGE_GAP * thin:
+    apart = float(np.linalg.norm(between - along * (along @ between)))
+    if len(near) != 2 or len(far) != 2 or apart > max(RIDGE_GAP, tolerance.touch) * thin:
         return None
     low = max((near @ along).min(), (far @ along).min())
     high = min((near @ along).max(), (far @ along).max())
-    if high - low <= TOUCH * thin:
+    if high - low <= tolerance.touch * thin:
         return None
     middle = (near.mean(axis=0) + far.mean(axis=0)) / 2
     points = middle + np.outer([low, high] - along @ middle, along)

@@ -41,7 +41,8 @@ SIDES = 8
 ROUNDS = 24
 """Number of added sides after which the answer is doubt, because a yawed V takes 12 sides within 1e-6 of its least
 friction, and 16 sides within 1e-8."""
-_SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+"""Options of HiGHS, whose own tolerances are a thousand times larger."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,21 +90,24 @@ class Statics:
 
 
 @dataclass(frozen=True, slots=True)
-class _Solution:
+class Solution:
+    """Solution of an elastic linear program."""
+
     residual: float
+    """Least sum of missing forces and moments, in weights of all bodies."""
     forces: FloatArray
     """Forces on the second bodies, in units of the mean weight, shape (p, 3)."""
     motion: FloatArray
     """Dual solution: virtual motion of each body, shape (n, 6)."""
 
 
-class _Balance:
+class Balance:
     """The linear program in dimensionless quantities: see ``Corners``."""
 
     def __init__(self, corners: Corners) -> None:
         self._corners = corners
 
-    def solve(self, friction: float | FloatArray, angles: FloatArray) -> _Solution:
+    def solve(self, friction: float | FloatArray, angles: FloatArray) -> Solution:
         """Return the least residual with a pyramid at each corner.
 
         Args:
@@ -115,13 +119,13 @@ class _Balance:
         edges = self._corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, self._corners.tangents)
         return self.along(edges)
 
-    def along(self, edges: FloatArray) -> _Solution:
+    def along(self, edges: FloatArray) -> Solution:
         """Return the least residual with forces that are sums of each corner's edges, shape (p, k, 3)."""
         wrenches = hstack([self._corners.wrenches(edges), *self._missing()], format="csc")
         count = edges.shape[0] * edges.shape[1]
         cost = np.ones(wrenches.shape[1])
         cost[:count] = 0.0
-        found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=_SOLVER)
+        found = linprog(cost, A_eq=wrenches, b_eq=-self._corners.load, method="highs", options=SOLVER)
         if found.x is None:
             raise ArithmeticError(
                 f"HiGHS must solve this linear program, which always has a solution, but failed ({found.message}): "
@@ -129,7 +133,7 @@ class _Balance:
             )
         forces = np.einsum("pk,pkd->pd", found.x[:count].reshape(edges.shape[:2]), edges)
         motion = -found.eqlin.marginals.reshape(self._corners.bodies, 6)
-        return _Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
+        return Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
 
     def _missing(self) -> tuple[csc_array, csc_array]:
         """Return the columns of the missing forces and moments, in both directions."""
@@ -159,7 +163,7 @@ def solve_balance(
         length: the length unit [m] in which moments count; a typical edge.
     """
     corners = Corners(centers, weights, patches, length)
-    balance = _Balance(corners)
+    balance = Balance(corners)
 
     smooth = balance.solve(0.0, np.zeros((len(corners.points), 1)))
     if smooth.residual <= BALANCED:
@@ -176,7 +180,7 @@ def solve_balance(
     return _statics(corners, solution, "doubt", "cone", why=why, balanced=is_balanced)
 
 
-def _in_cones(corners: Corners, balance: _Balance, friction: float) -> tuple[bool | None, _Solution]:
+def _in_cones(corners: Corners, balance: Balance, friction: float) -> tuple[bool | None, Solution]:
     """Return whether forces in the Coulomb cones balance the weights, or None if undecided; and the proof."""
     angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
     outer = None
@@ -195,7 +199,7 @@ def _in_cones(corners: Corners, balance: _Balance, friction: float) -> tuple[boo
 
 def _statics(
     corners: Corners,
-    solution: _Solution,
+    solution: Solution,
     verdict: Verdict,
     by: Criterion,
     *,

@@ -2,7 +2,8 @@
 (async () => {
   const COLUMNS = 10, [BODY, FRAME, X, Y, Z, QW, QX, QY, QZ, STATE] = Array(COLUMNS).keys();
   const LIVE = new THREE.Color("#e0a030"), FROZEN = new THREE.Color("#5b9fc9"), FALLEN = new THREE.Color("#a8425a");
-  const FIXED = "#969a9e";
+  const FIXED = "#969a9e", NO_MARGIN = new THREE.Color(FIXED);
+  const MARGINS = JSON.parse(document.getElementById("margin-colours").textContent).map(text => new THREE.Color(text));
 
   // Restore columns of numbers from deflated differences, which are grouped by byte.
   const unpack = async (text, rows) => {
@@ -34,6 +35,7 @@
   const trials = JSON.parse(document.getElementById("trials").textContent);
   const panels = [...document.querySelectorAll(".panel")];
   const clock = document.getElementById("clock"), slider = document.getElementById("time");
+  const shade = document.getElementById("colour");
   const play = document.getElementById("play"), speed = document.getElementById("speed");
   const camera = { turn: -1.2, lift: .3, distance: 1, target: new THREE.Vector3() };
   const shared = new THREE.PerspectiveCamera(30, 1, .01, 100);
@@ -104,8 +106,15 @@
 
   const place = new THREE.Vector3(), turned = new THREE.Quaternion(), next = new THREE.Quaternion();
   const scaled = new THREE.Vector3(), matrix = new THREE.Matrix4(), colour = new THREE.Color(), NOWHERE = new THREE.Matrix4().makeScale(0, 0, 0);
+  // The class of each brick's margin, at the first instant from this time on; null if colours show states.
+  const classesAt = ({ margins }, seconds) => {
+    if (!margins || shade.value === "state") return null;
+    const next = margins.times.findIndex(instant => instant >= seconds - 1e-9);
+    return margins[shade.value][next < 0 ? margins.times.length - 1 : next];
+  };
   const pose = (view, frame) => {
     const { trial, bricks, cursors } = view, { columns, steps } = trial;
+    const classes = classesAt(trial, frame * trial.frame_s);
     trial.bodies.forEach((body, index) => {
       let row = cursors[index];
       if (columns[FRAME][row] > frame) row = body.begin;
@@ -126,7 +135,8 @@
       const first = body.begin;
       const moved = Math.hypot(...[X, Y, Z].map((axis, at) => columns[axis][first] * steps[0] - place.getComponent(at)));
       const state = trial.states[columns[STATE][row]];
-      colour.copy(moved > body.thickness ? FALLEN : state === "frozen" ? FROZEN : LIVE).multiplyScalar(body.tint);
+      const byState = moved > body.thickness ? FALLEN : state === "frozen" ? FROZEN : LIVE;
+      colour.copy(classes ? MARGINS[classes[index]] ?? NO_MARGIN : byState).multiplyScalar(body.tint);
       bricks.setMatrixAt(index, matrix.compose(place, turned, scaled.set(...body.size)));
       bricks.setColorAt(index, colour.convertSRGBToLinear());
     });
@@ -176,6 +186,10 @@
 
   play.addEventListener("click", () => setPlaying(!playing));
   slider.addEventListener("input", () => seek(+slider.value));
+  shade?.addEventListener("change", () => {
+    for (const key of document.querySelectorAll("[data-key]")) key.hidden = key.dataset.key !== shade.value;
+    request();
+  });
   addEventListener("resize", request);
   addEventListener("keydown", event => {
     if (["BUTTON", "SELECT", "INPUT"].includes(event.target.tagName)) return;

@@ -1,5 +1,7 @@
 """A recording holds what happened to within its steps, and little else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ from reports.records.recording import (
     read_recording,
     write_recording,
 )
-from scenarios.model import Brick
+from scenarios.model import Brick, World
 
 PLANK = Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0))
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -120,7 +122,20 @@ def test_a_missing_or_torn_recording_is_named(tmp_path, content) -> None:
 
 def test_fixed_boxes_are_kept(tmp_path) -> None:
     table = Brick((0.4, 0.2, 0.1), 1.0, (0.0, 0.0, 0.05), (0.8, 0.0, 0.6, 0.0))
-    recorder = Recorder(1 / 60, (table,))
+    recorder = Recorder(1 / 60, World(fixed=(table,)))
     see(recorder, {0: (0, 0, 0.1039)})
     write_recording(tmp_path / "one.parquet", recorder.finish())
     assert read_recording(tmp_path / "one.parquet").fixed == (table,)
+
+
+def test_masses_friction_and_turning_gravity_are_kept(tmp_path) -> None:
+    recorder = Recorder(1 / 60, World(friction=0.3))
+    lift = replace(PLANK, moved=True)
+    upright, bodies = np.tile([1.0, 0, 0, 0], (2, 1)), np.arange(2)
+    for gravity in ((0.0, 0.0, -9.81), (1e-4, 0.0, -9.81), (0.5, 0.0, -9.8)):
+        recorder.see(bodies, np.zeros((2, 3)), upright, (), {0: PLANK, 1: lift}, gravity)
+    write_recording(tmp_path / "one.parquet", recorder.finish())
+    physics = read_recording(tmp_path / "one.parquet").physics
+    assert physics is not None
+    assert (physics.friction, physics.masses) == (0.3, {0: PLANK.mass}), "only the host moves the other body"
+    assert [physics.gravity_at(frame)[0] for frame in range(4)] == [0.0, 0.0, 0.5, 0.5]

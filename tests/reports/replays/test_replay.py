@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from reports.records.recording import Recorder
+from reports.replays.margins import margins_of
 from reports.replays.replay import Replayed, write_replay
-from scenarios.model import Brick
+from scenarios.model import Brick, World
 from tests.reports.studies import fallen, record
 
 FRAMES = 120
@@ -16,7 +17,7 @@ TABLE = Brick((0.2, 0.1, 0.05), 1.0, (0.0, 0.2, 0.025))
 
 def recording(falls: bool, fixed: tuple[Brick, ...] = ()):
     """Two bricks on each other; the upper one is frozen, or slides off and comes to lie beside."""
-    recorder = Recorder(1 / 60, fixed)
+    recorder = Recorder(1 / 60, World(fixed=fixed))
     bricks = dict.fromkeys((0, 1), Brick((0.117, 0.0234, 0.0078), 0.0119, (0.0, 0.0, 0.0)))
     for frame in range(FRAMES):
         slid = 0.1 * frame / FRAMES if falls else 0.0
@@ -89,3 +90,21 @@ def test_fixed_boxes_are_grey(tmp_path, open_page) -> None:
 def test_it_is_small_and_its_script_lies_beside_it_once(page) -> None:
     assert page.stat().st_size < 50_000
     assert {path.name for path in page.parent.iterdir()} == {"two.html", "three.min.js"}
+
+
+def test_bricks_are_coloured_by_their_margin_when_the_reader_wants_it(tmp_path, open_page) -> None:
+    """The upper brick lies across the lower one at first, and in the air beside it at the end."""
+    trials = [Replayed(fallen(2), recording(True))]
+    margins = [margins_of(trials[0].recording, [0.1, FRAMES / 60])]
+    assert margins[0].classes("load").tolist() == [[5, 5], [5, 0]]
+    opened = open_page(write_replay(tmp_path / "replays", "one", trials, margins))
+    opened.wait_for_function("document.body.dataset.time !== undefined")
+    key = opened.locator("[data-key=load]")
+    assert not key.is_visible()
+    opened.select_option("#colour", "load")
+    assert key.is_visible()
+    assert key.inner_text().split() == ["load", "margin", "/", "weight", "none", "<1", "<3", "<10", "<30", "30+"]
+    assert "frozen" in colours(opened, 0), "the blue of a brick that bears any load"
+    assert "live" not in colours(opened, 0)
+    opened.select_option("#colour", "state")
+    assert colours(opened, 0) == {"live", "fallen"}

@@ -1,0 +1,219 @@
+"""The margins of each brick of a stack at rest: the load and the tilt that it bears before no equilibrium exists.
+
+Forces f at the corners of contact patches, each in its Coulomb cone |f_t| <= mu f_n, act on the bodies by the map A;
+the weights are w (``contact_wrenches``). A stack has an equilibrium if A f + w = 0 has a solution.
+
+**Load margin** of brick i [N]: the greatest force s along gravity at its centre of mass for which
+
+    A f + w + s d_i = 0,   s >= 0,   f in the cones
+
+has a solution; d_i is a unit force along gravity on brick i. It is infinite if every load finds its way to the ground.
+
+**Tilt margin** of brick i [deg]: gravity of the same strength turns by alpha toward a direction h across it, for all
+bodies. As forces scale with the weights, there is an equilibrium exactly if there is one for
+
+    A f + w + tan(alpha) w_h = 0,   w_h: the weights, turned toward h.
+
+The greatest alpha is the margin of the bricks that move in the mechanism that the program's dual solution gives. They
+are taken away with whatever then has no equilibrium, and the greatest alpha for the rest is sought, which is a brick's
+margin if it is larger than that of the bricks that went before. The margin of a brick is the least over ``DIRECTIONS``
+directions h.
+
+Solutions of both programs form a convex set, so equilibrium exists up to the margin and nowhere beyond it. Each cone is
+replaced by an inscribed pyramid of ``SIDES`` sides: friction is exact along its edges, and at least cos(pi / ``SIDES``)
+= 98 % elsewhere, so no margin is too large. Equilibrium is necessary for rest, not sufficient with friction: a brick
+that is wedged may fall earlier (``truth``). The energy of a drop or a blow is not considered.
+
+A brick that has no equilibrium at all, as in the air, has both margins 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import linprog
+from scipy.sparse import csc_array, hstack
+
+from scenarios.geometry import FloatArray
+from scenarios.statics.contact_patch import GROUND, Patch
+from scenarios.statics.contact_wrenches import Corners
+from scenarios.statics.force_balance import BALANCED, SOLVER, Balance
+
+SIDES = 16
+"""Number of sides of the pyramids in the cones."""
+DIRECTIONS = 8
+"""Number of directions of the tilt, equally far apart. The first is that in which gravity leans already, or x."""
+MOST_TILT = 89.0
+"""Tilt [deg] from which the margin counts as 90, because the tangent grows without bounds."""
+MOST_LOAD = 1e4
+"""Load, in weights of all bricks, from which a brick bears any load."""
+_MOVES = 1e-6
+"""Share of the greatest virtual velocity from which a brick moves, far above the solver's rounding."""
+
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class BrickMargins:
+    """The margins of n bricks."""
+
+    load_n: FloatArray
+    """Greatest additional load at the centre of mass [N], shape (n,); infinite without a limit, 0 without
+    equilibrium."""
+    tilt_deg: FloatArray
+    """Greatest tilt of gravity [deg], at most 90, shape (n,); 0 without equilibrium."""
+
+
+class _Limit(NamedTuple):
+    factor: float
+    """Greatest factor of the additional load; infinite from ``most`` on."""
+    moves: BoolArray
+    """Whether a body moves in the mechanism at the limit, shape (n,)."""
+
+
+class _Pile:
+    """Bodies in equilibrium, with the forces that hold them; quantities are dimensionless (``Corners``)."""
+
+    def __init__(self, corners: Corners, wrenches: csc_array, held: FloatArray) -> None:
+        self.corners, self._wrenches = corners, wrenches
+        self._held = held
+        """Sum of the contact forces on each body, shape (6 n,): balances the weights up to ``BALANCED``."""
+
+    def limit(self, load: FloatArray, most: float) -> _Limit:
+        """Return the greatest factor, up to ``most``, for which forces hold the weights and factor times ``load``.
+
+        Args:
+            load: additional forces and moments, shape (6 n,).
+            most: greatest factor of interest.
+        """
+        count = self._wrenches.shape[1]
+        matrix = hstack([self._wrenches, csc_array(load[:, None])], format="csc")
+        bounds = np.column_stack([np.zeros(count + 1), np.append(np.full(count, np.inf), most)])
+        found = linprog(
+            np.append(np.zeros(count), -1.0),
+            A_eq=matrix,
+            b_eq=self._held,
+            bounds=bounds,
+            method="highs",
+            options=SOLVER,
+        )
+        if found.x is None:  # the limit is zero within the solver's tolerance
+            return _Limit(0.0, np.ones(self.corners.bodies, bool))
+        if found.x[-1] >= most * (1 - 1e-9):
+            return _Limit(np.inf, np.zeros(self.corners.bodies, bool))
+        return _Limit(float(found.x[-1]), _moving(found.eqlin.marginals))
+
+
+def brick_margins(
+    centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
+) -> BrickMargins:
+    """Return the margins of bodies at rest; see the module for their equations.
+
+    The work is one linear program for each brick, and at least one for each direction of the tilt.
+
+    Args:
+        centers: centres of mass [m], shape (n, 3).
+        weights: weight vectors [N], shape (n, 3), all in the direction of gravity.
+        patches: contact patches.
+        friction: Coulomb coefficient of every pair.
+        length: the length unit [m] in which moments count; a typical edge.
+    """
+    stack = _Stack(np.asarray(centers, np.float64), np.asarray(weights, np.float64), patches, friction, length)
+    everything = np.arange(len(centers))
+    if not len(everything):
+        return BrickMargins(np.empty(0), np.empty(0))
+    held, pile = stack.held(everything)
+    margins = BrickMargins(np.zeros(len(centers)), np.zeros(len(centers)))
+    if pile is None:
+        return margins
+    down = stack.weights.sum(axis=0) / np.linalg.norm(stack.weights.sum(axis=0))
+    for row, brick in enumerate(held.tolist()):
+        load = np.zeros((len(held), 6))
+        load[row, :3] = down
+        most = MOST_LOAD * len(held)
+        margins.load_n[brick] = pile.limit(load.ravel(), most).factor * pile.corners.unit
+    margins.tilt_deg[held] = 90.0
+    for direction in _across(down):
+        tilts = _tilts(stack, held, direction)
+        margins.tilt_deg[held] = np.minimum(margins.tilt_deg[held], tilts[held])
+    return margins
+
+
+@dataclass(frozen=True, slots=True)
+class _Stack:
+    centers: FloatArray
+    weights: FloatArray
+    patches: Sequence[Patch]
+    friction: float
+    length: float
+
+    def held(self, present: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], _Pile | None]:
+        """Return the largest part of the bodies ``present`` that is in equilibrium; the pile is None if it is empty.
+
+        Bodies that move in a mechanism are taken away until the rest needs no more forces than contacts give.
+        """
+        while len(present):
+            corners = Corners(self.centers[present], self.weights[present], _among(present, self.patches), self.length)
+            angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
+            solution = Balance(corners).solve(self.friction, angles)
+            if solution.residual <= BALANCED:
+                lean = self.friction * np.array([np.cos(angles), np.sin(angles)])
+                edges = corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, corners.tangents)
+                forces = corners.wrenches(np.tile(np.eye(3), (len(corners.points), 1, 1))) @ solution.forces.ravel()
+                return present, _Pile(corners, corners.wrenches(edges), forces)
+            present = present[~_moving(solution.motion)]
+        return present, None
+
+
+def _tilts(stack: _Stack, held: npt.NDArray[np.int64], direction: FloatArray) -> FloatArray:
+    """Return the tilt [deg] toward ``direction`` at which each brick begins to move, shape (n,); 0 if not ``held``."""
+    tilts = np.zeros(len(stack.centers))
+    reached, most = 0.0, math.tan(math.radians(MOST_TILT))
+    strength = np.linalg.norm(stack.weights, axis=1)
+    while True:
+        present, pile = stack.held(held)
+        tilts[np.setdiff1d(held, present)] = math.degrees(math.atan(reached))
+        if pile is None:
+            return tilts
+        load = np.zeros((len(present), 6))
+        load[:, :3] = strength[present, None] * direction / pile.corners.unit
+        limit = pile.limit(load.ravel(), most)
+        if math.isinf(limit.factor):
+            tilts[present] = 90.0
+            return tilts
+        reached = max(reached, limit.factor)
+        tilts[present[limit.moves]] = math.degrees(math.atan(reached))
+        held = present[~limit.moves]
+
+
+def _across(down: FloatArray) -> FloatArray:
+    """Return unit vectors across gravity, shape (``DIRECTIONS``, 3), the first in the direction in which it leans."""
+    leaning = np.array([down[0], down[1], 0.0])
+    first = leaning if np.linalg.norm(leaning) > _MOVES else np.array([1.0, 0.0, 0.0])
+    first = first - (first @ down) * down
+    first /= np.linalg.norm(first)
+    angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+    directions: FloatArray = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), np.cross(down, first))
+    return directions
+
+
+def _moving(motion: FloatArray) -> BoolArray:
+    """Return whether each body moves in a virtual motion, shape (6 n,) or (n, 6); all do if the motion is zero."""
+    speeds = np.abs(motion.reshape(-1, 6)).max(axis=1)
+    moving: BoolArray = speeds >= _MOVES * speeds.max()
+    return moving
+
+
+def _among(present: npt.NDArray[np.int64], patches: Sequence[Patch]) -> list[Patch]:
+    """Return the patches between the bodies ``present``, with their indices in that list."""
+    place = {body: index for index, body in enumerate(present.tolist())} | {GROUND: GROUND}
+    return [
+        patch._replace(first=place[patch.first], second=place[patch.second])
+        for patch in patches
+        if patch.first in place and patch.second in place
+    ]
