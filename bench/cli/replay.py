@@ -33,7 +33,7 @@ class Colour(StrEnum):
 
 
 _CAMERA_HELP = (
-    "For pictures and videos: corner, front, side or top, and azimuth, elevation [deg] and distance [m], as in "
+    "For pictures and videos: corner, front, side or top, azimuth, elevation (degrees), distance (metres), as in "
     "'front,elevation=20,distance=0.5'."
 )
 
@@ -57,7 +57,7 @@ def replay(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE.png", help="File of the picture [TRIAL.png].")
     ] = None,
-    at: Annotated[float | None, typer.Option(help="Time [s] of the picture [the end].")] = None,
+    at: Annotated[float | None, typer.Option(help="Time of the picture in seconds; by default the end.")] = None,
     camera: Annotated[str, typer.Option(help=_CAMERA_HELP)] = "corner",
     colour: Annotated[
         Colour,
@@ -72,7 +72,7 @@ def replay(
     beside: Annotated[
         list[str] | None,
         typer.Option(
-            help="Also draw the trial of the same stack under this policy; may be repeated [none, if recorded]."
+            help="Also draw the trial of the same stack under this policy; may be repeated (default: none, if any)."
         ),
     ] = None,
     alone: Annotated[bool, typer.Option("--alone", help="Only this trial in pictures, videos and .rrd.")] = False,
