@@ -35,11 +35,12 @@ def fastest_approach(
         b: second bodies, shape (n,).
         point: contact points [m], shape (n, 3).
         normal: unit normals from a to b, shape (n, 3).
-        noise: margin [m/s] by which a later substep must be faster to replace an earlier substep. The margin keeps the
-            first substep of bodies at rest, because their substeps differ only by the solver's noise, and the first
-            substep shows the slip of a support before friction stops it.
+        noise: margin [m/s] by which an approach must be faster to replace the approach of an earlier substep. For
+            bodies at rest, whose approaches differ only by the solver's noise, the margin keeps the first substep,
+            because only the first substep shows the slip of a support before friction stops the slip.
 
-    Returns: Velocities [m/s], shape (n, 3); NaN if the frame has no recorded motions, for example without live bodies.
+    Returns:
+        Velocities [m/s], shape (n, 3); NaN if the frame has no recorded motions, for example without live bodies.
     """
     velocity = np.full(point.shape, np.nan)
     if before is not None and len(before.body):

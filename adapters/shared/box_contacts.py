@@ -14,14 +14,14 @@ from stability_core.port import FloatArray, IntArray
 
 NEAR = 0.1e-3
 """Greatest gap [m] of faces that nearly touch. The value exceeds the gaps below a tilted brick at rest, so that all
-corners of its contact areas count. No such gap is visible."""
+corners of its contact areas count. A gap of this size is not visible."""
 SLACK = 1e-6
 """Greatest sideways gap [m] of edges that meet, because poses in single precision have rounding errors of this size."""
 SAME = 1e-3
 """Distance [m] within which a corner and a point of the engine count as the same point."""
 PLANK = math.sqrt(58.5e-3 * 58.5e-3 + 11.7e-3 * 11.7e-3 + 3.9e-3 * 3.9e-3)
 """Half the diagonal [m] of the plank for which the lengths of this module are chosen. For a pair of boxes the
-kernels multiply a length by the size of the smaller box over the size of the plank, as the core does."""
+kernels multiply a length by the ratio of the smaller box's diagonal to the plank's diagonal, as the core does."""
 
 CENTER, TURN, HALF, REACH = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Columns of a box: centre [m], quaternion (w, x, y, z), half edges [m], and half extents along x, y, z [m]."""
@@ -38,7 +38,7 @@ def half_diagonal(half: FloatArray) -> float:
 
 @numba.njit(cache=True)
 def _pair_size(box_a: FloatArray, box_b: FloatArray) -> float:
-    """Return the size of the smaller of two boxes over the size of the plank, without unit."""
+    """Return the ratio of the smaller of two boxes' diagonals to the diagonal of the plank."""
     return min(half_diagonal(box_a[HALF]), half_diagonal(box_b[HALF])) / PLANK
 
 

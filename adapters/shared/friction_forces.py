@@ -7,10 +7,12 @@ friction t_c of its contacts c across their normals n_c, and the engine's normal
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
     minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
 
+with + if body i is body b of contact c, and - if it is body a.
+
 In a column the balance determines the friction of each joint. For a body on several supports the balance
 does not determine the friction; the minimum then shares friction in proportion to the loads. The module neglects
-torques about the normal. Conjugate gradients (CGLS), started from zero, solve the least squares with the smallest
-solution.
+torques about the normal. Conjugate gradients (CGLS), started from zero, find the least-squares solution
+of smallest norm.
 """
 
 from __future__ import annotations
@@ -23,9 +25,9 @@ import numpy as np
 from stability_core.port import FloatArray, IntArray
 
 MOST_ROUNDS = 100
-"""Greatest number of iterations of the conjugate gradients, because a column of 25 bricks needs half as many."""
+"""Greatest number of iterations of the conjugate gradients, because a column of 25 bricks needs about 50."""
 PRECISION = 1e-4
-"""Norm of the gradient over the norm of the first gradient, at which the iteration ends: 0.01 % of the forces."""
+"""Ratio of the gradient's norm to the norm of the first gradient at which the iteration ends."""
 
 
 def with_friction(

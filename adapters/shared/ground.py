@@ -10,14 +10,15 @@ from scenarios.model import Brick
 MIN_HALF_EDGES = (2.0, 2.0, 0.5)
 """Smallest half edges [m] of the ground, so that any scene of planks fits on it, and no brick falls through it."""
 ROOM_TO_FALL = 2.0
-"""Reach of the ground over the distance of the farthest expected brick, so that falling bricks land on the ground."""
+"""Ratio of the ground's half length and half width to the greatest distance of an expected brick's corner from the
+ground's centre, so that falling bricks land on the ground."""
 
 
 def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Brick:
     """Return a ground for ``bricks``, with half edges of at least ``MIN_HALF_EDGES`` times ``scale``.
 
-    The ground is centred at x = ``middle`` [m], the scene's origin. Its length and width grow with the reach of the
-    bricks, and its thickness does not.
+    The ground is centred at x = ``middle`` [m], the scene's origin. Its length and width grow with the greatest
+    distance of a brick's corner from the centre, and its thickness does not.
     """
     x, y, z = (scale * edge for edge in MIN_HALF_EDGES)
     reach = ROOM_TO_FALL * max((_reach(brick, middle) for brick in bricks), default=0.0)

@@ -26,11 +26,11 @@ HORIZON = 2.0
 that will be struck, and the collision may occur within the next step."""
 FAST = 0.2
 """Least speed [m/s] at which the module sweeps a plank: twice the speed after a fall of 0.5 mm. A sweep is necessary,
-because the plank then moves 3 mm per frame, beyond the gaps that engines list. For other bricks the module multiplies
-the speed by the square root of their size over the size of a plank."""
+because at this speed the plank moves 3 mm per frame, beyond the gaps that engines list. For other bricks the module
+multiplies the speed by the square root of the ratio of their size to the size of a plank."""
 LEVEL = 0.05
-"""Depth of a corner behind the foremost corner, over the smaller box's half diagonal, up to which the corner counts for
-the contact point, so that all corners of a face that strikes flat count."""
+"""Greatest ratio of a corner's depth behind the foremost corner to the smaller box's half diagonal at which the corner
+counts for the contact point, so that all corners of a face that strikes flat count."""
 PARALLEL = 1e-6
 """Squared length of the cross product of two unit edges below which the edges are parallel and define no axis."""
 
