@@ -24,7 +24,7 @@ def carried(
         rows: contact points before the substep: bodies a and b, points on a and b, normal, and force, shape (n, 14).
         bodies: ids of the bodies that may move, in rising order, shape (m,); all other bodies are at rest.
         before: states of ``bodies`` before the substep, shape (m, 13).
-        after: states of ``bodies`` after the substep, shape (m, 13). If it equals ``before``, no point moves.
+        after: states of ``bodies`` after the substep, shape (m, 13); with ``before`` again, no point moves.
     """
     points, normals, separations = np.empty((len(rows), 3)), np.empty((len(rows), 3)), np.empty(len(rows))
     _carry(rows, bodies, before, after, points, normals, separations)
@@ -33,11 +33,11 @@ def carried(
 
 @numba.njit("void(float64[:], float64[:], float64[:], float64[:], float64[:])", cache=True)
 def _turned(first: FloatArray, second: FloatArray, vector: FloatArray, center: FloatArray, out: FloatArray) -> None:
-    """Write into ``out`` the offset of a point from ``center``, turned from the orientation ``first`` to ``second``.
+    """Turn the offset of a point from ``center`` with a body, and write the result into ``out``.
 
     Args:
-        first: quaternion before the turn, shape (4,).
-        second: quaternion after the turn, shape (4,).
+        first: quaternion of the body before the turn, shape (4,).
+        second: quaternion of the body after the turn, shape (4,).
         vector: the point, shape (3,).
         center: centre of the turn, shape (3,).
         out: output, shape (3,).

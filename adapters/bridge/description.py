@@ -27,7 +27,7 @@ class Description:
     iterations: str = ""
     """Name of the knob for the solver's iterations; empty if the engine has no such knob."""
     solver_noise: float = 0.0
-    """Speed [m/s] of the vibration of bodies at rest."""
+    """Greatest speed [m/s] at which bodies at rest vibrate, the margin of ``fastest_approach``."""
 
 
 def described(hello: Mapping[str, Any]) -> Description:

@@ -17,7 +17,7 @@ class ProtocolError(PeerError):
 
 
 class PeerExitError(PeerError):
-    """Error for an engine whose process ended; the message contains its exit status and its last line on stderr."""
+    """Error for an engine whose process ended; the message contains the exit status and the last line on stderr."""
 
     status = "crashed"
 

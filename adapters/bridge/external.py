@@ -67,7 +67,7 @@ class ExternalEntry:
 
     @property
     def remedy(self) -> str:
-        """The fix for an engine that cannot be loaded."""
+        """Text for an error message: how to fix an engine that cannot be loaded."""
         return f"check that its command runs: {list(self.command)}, from {self.source}"
 
     def version(self) -> str:

@@ -24,17 +24,17 @@ PROTOCOL = 1
 HEADER = struct.Struct("<II")
 """Header of a message: length of the body [bytes], kind."""
 MAX_BODY = 2**26
-"""Greatest length of a body [bytes]: 64 MiB, so that the states of 100,000 bodies over five substeps fit. ``Peer``
-rejects a header with a greater length, because the engine has probably printed text to stdout."""
+"""Greatest length of a message's body [bytes]: 64 MiB, so that the states of 100,000 bodies over five substeps fit.
+``Peer`` rejects a header with a greater length, because the engine has probably printed text to stdout."""
 
 COMMAND_WIDTH = 13
-"""Count of numbers in a command: its code, the body, and up to 11 arguments."""
+"""Count of numbers in a command: its code, the id of a body, and up to 11 arguments."""
 STATE_WIDTH = 13
 """Count of numbers in a body's state: position [m], quaternion (w, x, y, z), velocity [m/s], spin [rad/s]."""
 CONTACT_WIDTH = 14
-"""Count of numbers in a contact point: bodies a and b, points on a and b [m], normal from a to b, force on b [N]."""
+"""Count of numbers in a contact point: ids a and b, points on a and b [m], normal from a to b, force on b [N]."""
 FORCE_WIDTH = 6
-"""Count of numbers in a force of an earlier substep: index of the substep, bodies a and b, force on b [N]."""
+"""Count of numbers in a force of an earlier substep: index of the substep, ids a and b, force on b [N]."""
 POSITION, QUATERNION, LINEAR, ANGULAR = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Columns of a state, for each of its four parts."""
 _STEP_HEAD = struct.Struct("<4d")
@@ -56,7 +56,7 @@ class Kind(IntEnum):
 
 
 class Code(IntEnum):
-    """Codes of the commands that precede a step, in the order in which a message contains them."""
+    """Codes of the commands in a step message, which the engine executes before the first substep."""
 
     SPAWN = 1
     SPAWN_MOVED = 2
@@ -76,7 +76,10 @@ class StepReply(NamedTuple):
     engine_s: float
     """Duration [s] of the engine's own steps, measured by the engine."""
     states: FloatArray
-    """States before each substep and after the last substep, shape (n + 1, m, 13); (1, m, 13) without contacts."""
+    """States before each substep and after the last substep, shape (n + 1, m, 13).
+
+    Only the states after the last substep, shape (1, m, 13), if the step message requests no contacts.
+    """
     contacts: FloatArray
     """Contact points of the last substep, shape (k, 14)."""
     forces: FloatArray

@@ -28,12 +28,12 @@ _PIPE_BYTES = 2**20
 """Capacity of the pipes and of the first buffer [bytes], so that one read receives a frame. The system's default of
 64 KiB would hold only the states of 100 bodies over four substeps, without contacts."""
 _LAST_LINES = 2**12
-"""Number of bytes at the end of the engine's stderr in which ``Peer`` searches the last line."""
+"""Number of bytes at the end of the engine's stderr in which ``Peer`` looks for the last line."""
 _LAUNCH = (
     "import ctypes, os, signal, sys; ctypes.CDLL(None).prctl(1, signal.SIGKILL); os.execvp(sys.argv[1], sys.argv[1:])"
 )
-"""Python script that starts a program which the kernel kills when its parent dies (Linux, PR_SET_PDEATHSIG), because an
-engine in an endless computation does not notice that its stdin is closed."""
+"""Python script that starts a program. The kernel kills the program when its parent ends (Linux, PR_SET_PDEATHSIG),
+because an engine in an endless computation does not notice that its stdin is closed."""
 
 
 class Peer:
@@ -118,7 +118,7 @@ class Peer:
                 raise self._exited() from None
 
     def _receive(self, deadline: float) -> tuple[int, memoryview]:
-        """Return the kind and the body of the next message, which one read receives if it fits the pipe."""
+        """Return the kind and the body of the next message; one read receives a message that fits the pipe."""
         have, need = 0, HEADER.size
         while have < need:
             self._await(self._readable, deadline)
@@ -143,7 +143,7 @@ class Peer:
         return HEADER.unpack_from(self._buffer)[1], self._buffer[HEADER.size : need]
 
     def _enlarge(self, size: int, have: int) -> None:
-        """Replace the buffer by one of ``size`` bytes that begins with the ``have`` bytes received so far."""
+        """Replace the buffer by a buffer of ``size`` bytes, and copy the ``have`` bytes received so far."""
         larger = memoryview(bytearray(size))
         larger[:have] = self._buffer[:have]
         self._buffer = larger
@@ -186,7 +186,7 @@ class Peer:
 
 
 def _widen(pipe: int) -> None:
-    """Raise the capacity of a pipe to ``_PIPE_BYTES``, if the system allows it."""
+    """Raise the capacity of a pipe to ``_PIPE_BYTES``, if the system allows this capacity."""
     if hasattr(fcntl, "F_SETPIPE_SZ"):
         with suppress(OSError):  # the capacity exceeds the user's limit
             fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)

@@ -35,7 +35,7 @@ def receive(words: FloatArray, bodies: IntArray, blocks: int, table: FloatArray)
         table: latest states by id, shape (n, w); the rows of ``bodies`` become NaN if any state is not finite.
 
     Returns:
-        A ``Finding``; nothing is stored for ``OTHER_BODIES``.
+        A ``Finding``; for ``OTHER_BODIES`` the function stores nothing.
     """
     count, width = len(bodies), table.shape[1]
     for k in range(count):

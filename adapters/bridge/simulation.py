@@ -1,8 +1,8 @@
 """A world of an engine in a separate process, with one message per frame.
 
 The simulation collects the host's changes between two frames (bodies spawned, frozen, pushed and so on) and sends them
-with the next step. Until then it predicts the states: a pushed body has its new velocity, a moved body its new pose.
-The state of a frozen body is the latest state before its freeze; no message requests it again.
+with the next step. Until then the simulation predicts the states: a pushed body has its new velocity, a moved body its
+new pose. The state of a frozen body is the latest state before its freeze; no message requests it again.
 
 ``find_contacts`` starts a second process, opens a world in it with the same bodies, weightless and at rest, and reads
 the contacts of one very short step, so that the world itself does not change.
@@ -51,7 +51,7 @@ from stability_core.port import Contacts, FloatArray, IntArray
 _INSTANT_S = 1e-6
 """Step [s] in which ``find_contacts`` detects contacts. The step is short, so that no body moves."""
 _CLOCK_S = 1e-3
-"""Tolerance [s] between the clocks of the engine and of the suite over a frame."""
+"""Greatest difference [s] between the durations that the engine's and the suite's clocks measure for one frame."""
 
 
 class BridgeSimulation(Simulation):
