@@ -27,7 +27,7 @@ def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float
         - the gap between cube and plank along x [m];
         - the listed separation [m], NaN if the port does not list the pair;
         - the listed closing speed [m/s], NaN if the port does not list the pair;
-        - True if the cube still has its speed.
+        - True if the cube still has its initial speed.
     """
     simulation = rig.open(gravity=WEIGHTLESS)
     target = simulation.spawn(plank(z=HEIGHT))
@@ -51,7 +51,10 @@ def _fly(rig: Rig, speed: float, above: float) -> list[tuple[float, float, float
 
 
 def lists_what_is_about_to_strike(rig: Rig) -> None:
-    """Check that the port lists a cube at 2 or 10 m/s, across the gap, one frame before it strikes a frozen plank."""
+    """Check that the port lists a cube that flies at 2 or 10 m/s in the last frame before it strikes a frozen plank.
+
+    The listed separation is the gap between cube and plank, and the listed closing speed is the cube's speed.
+    """
     for speed in (2.0, 10.0):
         seen = _fly(rig, speed, 0.0)
         before = [row for row in seen if row[0] > 0.0 and row[3]]

@@ -108,7 +108,9 @@ def reports_a_resting_brick_in_every_frame(rig: Rig) -> None:
 
 
 def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
-    """Check that six frames report both whole contact areas on supports with a height difference of 0.08 mm.
+    """Check that a brick on two supports, one 0.08 mm lower, has both whole contact areas within six frames.
+
+    Each contact area must be complete in the union of the points of these frames.
 
     A brick tilted by micrometres penetrates at some corners only; under load the other corners would bear force too.
     """
@@ -133,7 +135,7 @@ def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
 
 
 def reports_a_support_a_hair_below(rig: Rig) -> None:
-    """Check that a beam on two bricks also has a contact with a third brick between them that is 0.05 mm lower.
+    """Check that a beam on two bricks also has a contact with a third brick, between these two and 0.05 mm lower.
 
     Under load all three bricks would bear the beam. In the same way, a V stands or falls depending on whether a roof
     bears on one of its planks or on both.
@@ -157,7 +159,7 @@ def reports_a_support_a_hair_below(rig: Rig) -> None:
 
 
 def reports_every_pair(rig: Rig) -> None:
-    """Check that the port reports every pair: a live brick on the ground, on a live, a frozen and two frozen bricks."""
+    """Check that the port reports every pair of a live brick on the ground, on a live brick and on frozen bricks."""
     simulation = rig.open()
     left, right = frozen_column(simulation, 1, xs=(-LENGTH / 2 - 1e-3, LENGTH / 2 + 1e-3))
     bridge = place_on(simulation, 1)

@@ -58,7 +58,7 @@ def goes_where_it_is_driven(rig: Rig) -> None:
 
 
 def carries_what_lies_on_it(rig: Rig) -> None:
-    """Check that friction moves a brick with a platform that starts sideways, and that the brick rises with it."""
+    """Check that friction moves a brick sideways with a platform, and that the brick rises with the platform."""
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -78,7 +78,10 @@ def carries_what_lies_on_it(rig: Rig) -> None:
 
 
 def shows_what_it_moves_below_frozen_bricks(rig: Rig) -> None:
-    """Check that a platform that turns below a frozen brick has contacts with the brick, at its surface's speed."""
+    """Check that a platform that turns below a frozen brick has contacts with the brick.
+
+    The relative velocity of the contacts is the velocity of the platform's surface.
+    """
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))
@@ -136,7 +139,10 @@ def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
 
 
 def reports_moved_bodies(rig: Rig) -> None:
-    """Check that masses list a moved body, of infinite mass, even without live bodies; contacts state its speed."""
+    """Check that masses list a moved body with infinite mass, even without live bodies.
+
+    The relative velocities of contacts must contain the body's velocity.
+    """
     simulation = rig.open()
     platform = _platform(simulation)
     body = simulation.spawn(plank(z=TOP + THICKNESS / 2))

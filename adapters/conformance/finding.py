@@ -27,13 +27,13 @@ from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray
 
 NEAR_ENOUGH = 0.1e-3
-"""Greatest distance [m] reported for a pair whose gap is exactly zero."""
+"""Greatest error [m] of a separation, for example at a gap of exactly zero."""
 CORNER = 1e-3
 """Greatest distance [m] of a corner from the nearest point found, and of a point from the contact area."""
 SAME_DIRECTION = math.radians(1.0)
 """Greatest angle [rad] between a normal and the ideal normal."""
 SAME_PLACE = 0.1e-3
-"""Greatest distance [m] between the bricks of a tower with calls of ``find_contacts`` and of a tower without calls."""
+"""Greatest distance [m] of a brick, in a tower with calls of ``find_contacts``, from its place in a tower without."""
 TOP = 0.02
 """Offset along x [m] of the third brick of the tower."""
 
@@ -84,7 +84,7 @@ def _require_normals(contacts: Contacts, normal: Vector, what: str) -> None:
 
 
 def _require_area(contacts: Contacts, low: Vector, high: Vector, what: str, gap: float = 0.0) -> None:
-    """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point beyond it."""
+    """Require all corners of the contact area from ``low`` to ``high`` [m], at ``gap`` [m], and no point outside."""
     error = np.abs(contacts.separation - gap).max(initial=0.0)
     require_between(0.0, error, NEAR_ENOUGH, f"error [m] of the separation found {what}, must be {gap} m")
     for corner in {*itertools.product(*zip(low, high, strict=True))}:
@@ -187,7 +187,10 @@ def finds_contacts_among_moving_and_frozen_bricks(rig: Rig) -> None:
 
 
 def finds_contacts_with_fixed_boxes(rig: Rig) -> None:
-    """Check that ``find_contacts`` finds a fixed table and a fixed wall at a brick as ground, with whole areas."""
+    """Check that ``find_contacts`` finds the whole contact areas of a brick with a fixed table and a fixed wall.
+
+    These contacts name the ground.
+    """
     top, edge = 0.1, LENGTH / 4
     table = Brick((LENGTH, 2 * WIDTH, top), 1.0, (edge - LENGTH / 2, 0.0, top / 2))
     wall = Brick((0.05, 2 * WIDTH, 2 * top), 1.0, (LENGTH / 2 + 0.025, 0.0, top))

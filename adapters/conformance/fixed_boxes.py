@@ -103,8 +103,8 @@ def slides_on_a_fixed_slope_above_the_friction_angle(rig: Rig) -> None:
 def leans_on_a_fixed_wall(rig: Rig) -> None:
     """Check that a brick pulled against a fixed wall stays, and that the port reports the wall and the ground.
 
-    Gravity is inclined by 40 degrees, more than friction holds. Both contacts name the ground, and their normals point
-    from the ground to the brick: away from the wall, and up.
+    Gravity is inclined by 40 degrees, so that friction alone does not hold the brick. Both contacts name the ground,
+    and their normals point from the ground to the brick: away from the wall, and up.
     """
     lean, wall = math.radians(40), _fixed((0.05, DEPTH, 0.1), (LENGTH / 2 + 0.025, 0.0, 0.05))
     gravity = (GRAVITY * math.sin(lean), 0.0, -GRAVITY * math.cos(lean))
@@ -144,7 +144,10 @@ def stops_at_a_fixed_ceiling(rig: Rig) -> None:
 
 
 def freezes_on_a_fixed_box(rig: Rig) -> None:
-    """Check that a brick frozen on a fixed box does not move by a bit, has no ground contact, and supports a brick."""
+    """Check that a brick frozen on a fixed box does not move by a bit, and supports a brick.
+
+    The frozen brick must have no contacts with the fixed box.
+    """
     simulation = rig.open(fixed=(_table(2 * LENGTH),))
     lower = simulation.spawn(plank(z=TABLE + THICKNESS / 2 + CLEARANCE))
     advance(simulation, 0.5)

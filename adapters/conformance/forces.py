@@ -22,11 +22,11 @@ from adapters.shared.force_residuals import cone_excess
 from stability_core.port import GROUND, Contacts, FloatArray
 
 FRAMES = 20
-"""Number of frames of a mean force, because the load may shift among a brick's corners from step to step."""
+"""Number of frames of the mean of a force; one frame is too few, because the load may shift among a brick's corners."""
 CARRYING_GAP = 0.1e-3
 """Greatest gap [m] of a contact that bears load, because bodies of such a contact touch or overlap in all engines."""
 PRECISION = 0.02
-"""Greatest error of a mean force over the weight of a brick, because in a scaled world some solvers err by 1 %."""
+"""Greatest ratio of a force's error to the weight of a brick, because in a scaled world some solvers err by 1 %."""
 
 
 def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
@@ -53,7 +53,7 @@ def _forces(simulation: Simulation) -> tuple[Contacts, FloatArray]:
 
 
 def _mean_force(simulation: Simulation, body: int, other: int) -> FloatArray:
-    """Return the mean force (3,) of ``other`` on ``body`` over the weight of a brick, without unit."""
+    """Return the mean force (3,) of ``other`` on ``body`` in ``FRAMES`` frames, in units of the weight of a brick."""
     total = np.zeros(3)
     for _ in range(FRAMES):
         simulation.step(simulation.info.frame_s)

@@ -68,7 +68,7 @@ def plank(x: float = 0.0, z: float = THICKNESS / 2, lean: float = 0.0) -> Brick:
 
 
 class Rig:
-    """Source of worlds of one engine and profile; ``close`` closes all of them."""
+    """Source of worlds of one engine and profile; ``close`` closes all these worlds."""
 
     def __init__(self, open_world: Callable[[World], Simulation], capabilities: Capabilities) -> None:
         self.capabilities = capabilities
@@ -146,5 +146,5 @@ def frozen_column(simulation: Simulation, levels: int, xs: Iterable[float] = (0.
 
 
 def place_on(simulation: Simulation, levels: int, x: float = 0.0) -> int:
-    """Release a flat plank ``CLEARANCE`` above ``levels`` levels; return its id."""
+    """Spawn a flat plank at a gap of ``CLEARANCE`` above a column of ``levels`` planks; return the plank's id."""
     return simulation.spawn(plank(x, (levels + 0.5) * THICKNESS + CLEARANCE))
