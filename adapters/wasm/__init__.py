@@ -44,6 +44,6 @@ def check_package(engine: str, package: str) -> None:
 
 
 def description(engine: str) -> Description:
-    """Return the description of an engine from a copy of its hello message, so that Node is not needed."""
+    """Return the description of an engine from a stored copy of its hello message, so that Node is not needed."""
     hello = json.loads((FOLDER / f"{engine}.json").read_text(encoding="utf-8"))
     return described({**hello, "version": engine_version(engine)})
