@@ -9,7 +9,7 @@ A file has up to three tables::
     description = "in a few words"
     substeps = 4             # engine steps per frame
     frame_s = 0.02           # length of a frame [s]; 1/60 by default
-    scale = 10               # lengths in the engine's world over lengths in the scene; 1 by default
+    scale = 10               # ratio of lengths in the engine's world to lengths in the scene; 1 by default
     tuned_by = "who, on which scenes"
     shared = ["SET"]
     knobs.KNOB = { value = 60, reason = "...", follows_world = true }
@@ -186,10 +186,12 @@ def _knob(where: str, knob: Any) -> Knob:
 
 
 def _text(where: str, table: Mapping[str, Any], key: str) -> str:
-    text = table.get(key)
-    if not (isinstance(text, str) and text.strip()):
-        why = "why the value differs from the shipped value" if key == "reason" else "what is special, in a few words"
+    why = "why the value differs from the shipped value" if key == "reason" else "what is special, in a few words"
+    if key not in table:
         raise ProfileFileError(f"{where}: the key '{key}' is missing; add this key, and state {why}")
+    text = table[key]
+    if not (isinstance(text, str) and text.strip()):
+        raise ProfileFileError(f"{where}.{key} must be a text that is not empty, got {text!r}: state {why}")
     return text
 
 

@@ -66,8 +66,16 @@ def test_a_file_is_read_with_its_shared_knobs(tmp_path) -> None:
     ("change", "message"),
     [
         (
-            ('reason = "seats in a second"', 'reason = " "'),
+            ('value = 0.4, reason = "seats in a second"', "value = 0.4"),
             "shared.stiff.erp: the key 'reason' is missing; add this key, and state why",
+        ),
+        (
+            ('reason = "seats in a second"', 'reason = " "'),
+            "shared.stiff.erp.reason must be a text that is not empty, got ' ': state why",
+        ),
+        (
+            ('description = "cheap"', "description = 5"),
+            "profiles.game.description must be a text that is not empty, got 5: state what is special",
         ),
         (("value = 0.4, ", ""), "shared.stiff.erp: the key 'value' is missing; write { value = ..., reason = '...' }"),
         (("value = 0.4", "value = [0.4]"), "shared.stiff.erp.value must be a number, a text, true or false, got [0.4]"),
