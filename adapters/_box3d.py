@@ -3,11 +3,11 @@
 Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again has the mass and inertia of
 its shape. Box3D does not collide static bodies with one another.
 
-Contacts: each reading detects them at the present poses, by a step of length 0. That step runs collision detection and
+Contacts: before each reading, the adapter makes a step of length 0, which detects the contacts at the present poses and
 solves nothing, so that later motion does not change by a bit. ``find_contacts`` does the same. Box3D also lists points
 within its prediction distance; the adapter omits points with a gap of more than 0.1 mm. The force of a contact is its
-impulse in the solver's latest iteration over the time of an iteration: exact under a steady load. A contact that only
-the step of length 0 has detected has no force.
+impulse in the solver's latest iteration, divided by the duration of the iteration. Under a steady load this force is
+exact. A contact that only the step of length 0 has detected has no force.
 
 Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
 the world's coefficient. The law is a cone, with one constraint per manifold for sliding and one constraint for twist.
@@ -20,8 +20,8 @@ Traps:
 
 - ``b3SetLengthUnitsPerMeter`` is global in the process. Box3D reads it in every step, when it creates a shape and when
   a body changes its type, so that the adapter sets this unit before each of these calls. Tolerances are multiples of
-      the unit: the slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are
-      recycled (50 mm). These are too large for a plank of 8 mm.
+  the unit: the slop (5 mm), the distance of predicted contacts (20 mm) and the distance within which contacts are
+  recycled (50 mm). With the shipped unit these distances are too large for a plank 8 mm thick.
 - The package's own ``World`` hides most of the API, and ``pybox3d`` is another engine.
 - Box3D only logs a state that is not finite, and its next step never returns. From then on the adapter makes no step
   and reports poses as NaN.
@@ -57,8 +57,8 @@ class Box3dSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "subStepCount"
     solver_noise = 1e-5
-    """Margin [m/s] of ``fastest_approach``, because with 0 profile ``tuned`` reported 13 mm/s between a brick at rest
-    and a platform that moves below the brick at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``. The margin is above 0, because without a margin the profile ``tuned``
+    reported 13 mm/s between a brick at rest and a platform that moved below the brick at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 4 points",
         near_contacts=True,

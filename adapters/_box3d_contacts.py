@@ -67,18 +67,18 @@ class Manifolds:
     pressure: FloatArray
     """Normal impulses [N s] of the solver's latest iteration, shape (n, 4); 0 where there is no point."""
     impulse: FloatArray
-    """Impulses [N s] on body b in the solver's latest iteration: sums over the points, with friction, shape (n, 3)."""
+    """Impulses [N s] of whole contacts on bodies b in the solver's latest iteration, with friction, shape (n, 3)."""
 
     def impulses_at(self, fresh: Manifolds, listed: BoolArray) -> FloatArray:
         """Return the impulses (n, 4, 3) [N s] at the points that a later step of length 0 has detected.
 
-        Box3D drops the impulse of a point whose features have changed, which happens at rest between planks with flush
-        edges. This method divides the impulse of a contact among its points, in proportion to the normal impulse of the
-        nearest solved point.
+        Box3D drops the impulse of a point if other vertices or edges of the boxes meet there, which happens at rest
+        between planks with flush edges. This method divides the impulse of a contact among its points, in proportion to
+        the normal impulse of the nearest solved point.
 
         Args:
             fresh: contacts of the later detection; a contact that was not solved has no impulse.
-            listed: the points that share the impulse of their contact, shape (n, 4).
+            listed: True for each point that gets a part of its contact's impulse, shape (n, 4).
         """
         if not len(self.contact):
             return np.zeros((*listed.shape, 3))

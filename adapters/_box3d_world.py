@@ -1,7 +1,7 @@
 """A world of Box3D with the settings of a profile, and its bodies.
 
-The C API takes definitions by address. A variable holds each definition during the call, because a pointer into a
-temporary object crashes later.
+The C API takes definitions by address. A variable holds each definition during the call, because Python may free a
+temporary object before Box3D reads the object.
 """
 
 from __future__ import annotations
@@ -64,7 +64,10 @@ class Box3dWorld:
         lib.b3DestroyBody(self.handles.pop(body))
 
     def handle(self, body: int) -> Any:
-        """Set the engine's length unit to the unit of this world, and return the handle of a body for a change."""
+        """Return the handle of a body that the caller will change.
+
+        The method sets the engine's length unit first, because a change of the body's type needs this unit.
+        """
         self._set_length_unit()
         return self.handles[body]
 
@@ -105,7 +108,7 @@ class Box3dWorld:
         return engine
 
     def _set_length_unit(self) -> None:
-        """Set the length unit of the engine's tolerances, because all worlds of the process share it."""
+        """Set the length unit of the engine's tolerances, because all worlds of the process share the unit."""
         lib.b3SetLengthUnitsPerMeter(self._knobs["lengthUnitsPerMeter"])
 
     def _add(self, body: int, brick: Brick, kind: int) -> None:
@@ -132,7 +135,7 @@ class Box3dWorld:
 
 
 def set_velocity(handle: Any, linear: Vector = _STILL, angular: Vector = _STILL) -> None:
-    """Set the linear [m/s] and angular [rad/s] velocity of a body; the default stops it."""
+    """Set the linear [m/s] and angular [rad/s] velocity of a body; the defaults stop the body."""
     lib.b3Body_SetLinearVelocity(handle, linear)
     lib.b3Body_SetAngularVelocity(handle, angular)
 

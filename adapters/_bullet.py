@@ -22,9 +22,10 @@ Traps:
 - Bullet reuses the handles of removed bodies.
 - ``numSubSteps`` divides the reported forces, so that the adapter makes the substeps one by one.
 - The engine's own sleep does not end when a support is removed. Its speed threshold (between 0.2 and 0.3 m/s, for 2 s)
-  cannot be set, because ``sleepThreshold`` works on multibodies only. Multibodies are PyBullet's standard and the
-  profile ``default``: they stack worse and have a damping of 0.04.
-- A moved body is heavy, not kinematic, so that it must not collide with the ground, fixed boxes or frozen bodies.
+  cannot be set, because ``sleepThreshold`` works on multibodies only. Multibodies are PyBullet's standard, which
+  the profile ``default`` keeps: they stack worse than rigid bodies and have a damping of 0.04.
+- A moved body is heavy, not kinematic. The adapter disables its collisions with the ground, fixed boxes and frozen
+  bodies, because such a collision would stop it.
 """
 
 from __future__ import annotations

@@ -42,8 +42,8 @@ KNOBS = frozenset(
 MAXIMAL_COORDINATES = "useMaximalCoordinates"
 """Knob for the kind of every body, set at its creation: 1 for a rigid body, 0 for a multibody."""
 HEAVY = 1e6
-"""Mass [kg] of a moved body, because PyBullet cannot make it kinematic. A load of 100 N changes the body's speed by
-0.4 um/s in a step of 1/240 s, and the adapter sets the speed before each step."""
+"""Mass [kg] of a moved body. The mass is large, because PyBullet cannot make a body kinematic. A load of 100 N changes
+the body's speed by 0.4 um/s in a step of 1/240 s, and the adapter sets the speed before each step."""
 
 
 class BulletWorld:

@@ -1,4 +1,4 @@
-"""DART: every brick is a skeleton of one box on a free joint, stepped by a boxed LCP over all contacts.
+"""DART: every brick is a skeleton of one box on a free joint, in a boxed linear complementarity problem.
 
 Mechanisms:
 
@@ -8,28 +8,31 @@ Mechanisms:
 - Contacts: a step of DART collides first, then solves, then moves, so that the contacts belong to the poses before the
   latest substep. DART's normal points from object 2 to object 1, so that object 2 is the suite's body a.
 - Friction: the coefficient of a pair is the smaller of both bodies' coefficients, and every body has the world's
-  coefficient. The law is a box: friction reaches sqrt(2) mu along the diagonal of the two tangents. DART chooses the
-  tangents: no call in Python turns them, but a small tilt of the normal may.
-- Approach speed: DART reports none. The adapter records the velocities before each substep and reports the fastest
-  approach.
-- ``find_contacts`` runs the world's collision group into a separate result. The group keeps nothing between steps, so
-  that the call changes nothing. Later steps agree only to the solver's repeatability (see below).
+  coefficient. The law is a box: along the diagonal of the two tangents, friction reaches sqrt(2) mu times the normal
+  force. DART chooses the tangents: no call in Python turns them, but a small tilt of the normal may turn them.
+- Approach speed: DART reports no approach speed. The adapter records the velocities before each substep and reports the
+  fastest approach.
+- ``find_contacts`` collides the bodies of the world and stores the contacts in a separate result. DART's collision
+  detection stores nothing between steps, so that the call changes nothing. The steps after a call still agree with the
+  steps of a world without the call only within the solver's repeatability (see below).
 
 Traps:
 
-- As shipped DART keeps 1000 contacts, which the pairs share if there are more; ``_dart_limits`` raises the limit.
-- Penetration recovers at 1 mm/s at most, and at 240 Hz by a hundredth of the depth per step below 0.4 mm. No knob in
-  Python changes these rates. Only shorter steps keep a landing brick from sinking.
+- As shipped DART keeps at most 1000 contacts of all pairs together; ``_dart_limits`` raises the limit.
+- A penetration shrinks at a speed of at most 1 mm/s. Below a depth of 0.4 mm, it shrinks by a hundredth of the depth in
+  a step of 1/240 s. No knob in Python changes these rates. Only shorter steps keep a landing brick from sinking.
 - If the matrix-free solver exhausts its iterations, DART starts again with the dense solver, whose time grows with the
-  cube of the number of contacts. For impulses below 1 N s its relative tolerance is in effect absolute [N s].
+  cube of the number of contacts. For impulses below 1 N s the relative tolerance of the matrix-free solver
+  is in effect absolute [N s].
 - With DART's own collision detector the matrix-free solver is not repeatable on tens of bricks: the same contacts in
   the same order give impulses that differ within the tolerance, depending on memory addresses. With FCL's and Bullet's
-  detectors it was repeatable, but a brick on a frozen brick stuck 1 deg above the friction angle (possibly because the
-  friction box was turned).
+  detectors the solver was repeatable, but a brick on a frozen brick stuck 1 deg above the friction angle (possibly
+  because the friction box was turned).
 - DART's own sleeping starts under ``default`` after 0.5 s at rest. Under the matrix-free solver a pile that rested
   below both speed thresholds was still awake after 3 s.
 - The Python wrapper of a collision object is identified by a memory address. DART may reuse the address after the
-  skeleton is removed, so that ``_remove`` first forgets the wrapper and reads the contacts that still refer to it.
+  skeleton is removed, so that ``_remove`` first reads the contacts that still refer to the wrapper, and then deletes
+  the wrapper.
 """
 
 from __future__ import annotations

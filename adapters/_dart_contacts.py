@@ -37,11 +37,11 @@ class CollisionObjects:
         return body
 
     def forget(self, body: int) -> None:
-        """Forget the collision object of a body."""
+        """Delete the collision object of a body from the map."""
         self._body_of = {shape: known for shape, known in self._body_of.items() if known != body}
 
     def clear(self) -> None:
-        """Forget all collision objects."""
+        """Delete all collision objects from the map."""
         self._body_of.clear()
 
 

@@ -1,8 +1,8 @@
 """DART's limit on contacts, which its Python interface can read but not set.
 
 In dartpy 6.20 ``getCollisionOption`` returns a copy, so that an assignment to its fields changes nothing. The C++
-method of the same name is exported and returns the solver's own option; this module writes the field there. The module
-compares the old and the new value with the values in dartpy, so that another memory layout raises an error.
+method of the same name is exported and returns the solver's own option; this module writes the field of that option.
+The module compares the old and the new value with the values in dartpy, so that another memory layout raises an error.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import dartpy
 SHIPPED = 1000
 """DART's shipped limit on the number of contacts of a world."""
 PER_PAIR = 8
-"""Contacts allowed per pair of bodies, because two faces have eight corners."""
+"""Number of contacts allowed per pair of bodies, because the contact area of two faces has at most eight corners."""
 _GETTER = "_ZN4dart10constraint16ConstraintSolver18getCollisionOptionEv"
 """Symbol of ``dart::constraint::ConstraintSolver::getCollisionOption()``."""
 
@@ -27,7 +27,7 @@ class _CollisionOption(ctypes.Structure):
 
 
 def contacts_for(bricks: int) -> int:
-    """Return a limit on contacts that no scene with this number of bricks, and the ground, reaches."""
+    """Return a limit that the number of contacts among ``bricks`` bricks and the ground cannot exceed."""
     return max(SHIPPED, PER_PAIR * bricks * (bricks + 1) // 2)
 
 

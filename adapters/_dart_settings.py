@@ -17,7 +17,7 @@ _MATRIX_FREE_OPTIONS = {
     "matrix_free_delta_tolerance": "mDeltaTolerance",
     "matrix_free_relative_tolerance": "mRelativeDeltaTolerance",
 }
-"""Map from a knob to the field of ``MatrixFreeContactSolverOptions`` that it sets."""
+"""Map from a knob to the field of ``MatrixFreeContactSolverOptions`` that the knob sets."""
 
 _IMPULSE_TOLERANCES = ("matrix_free_delta_tolerance", "matrix_free_relative_tolerance")
 """Knobs that are impulses [N s], chosen for planks; for heavier or lighter bricks ``configure`` scales them with the
@@ -30,7 +30,7 @@ _DEACTIVATION_OPTIONS = {
     "deactivation_linear_speed": "mLinearSpeedThreshold",
     "deactivation_angular_speed": "mAngularSpeedThreshold",
 }
-"""Map from a knob to the field of ``DeactivationOptions``, DART's own sleeping, that it sets."""
+"""Map from a knob of DART's own sleeping to the field of ``DeactivationOptions`` that the knob sets."""
 
 KNOBS = frozenset({"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS, *_DEACTIVATION_OPTIONS})
 """Knobs that a profile may have."""
@@ -61,13 +61,15 @@ def _set_fields(options: Any, fields: Mapping[str, str], knobs: Mapping[str, Kno
 
 
 def _mass_in_planks(bricks: Sequence[Brick]) -> float:
-    """Return the reference mass of the impulse tolerances over the mass of a plank, without unit.
+    """Return the factor on the impulse tolerances: the ratio of a reference mass to the mass of a plank.
 
-    - All expected bricks are heavier than a plank: the lightest brick. With the 1e-7 N s of planks of 12 g, blocks of
-      4 kg take all iterations, and then the dense solver.
-    - All expected bricks are lighter than a plank: the heaviest brick. With 3e-7 N s, planks of 12 mg, whose weight is
-      5e-7 N s per step, fall through the ground.
-    - Otherwise: a plank, because the lightest brick is then a piece of a plank, and few scenes have such pieces.
+    The reference mass is the mass of
+
+    - the lightest expected brick, if all are heavier than a plank. With the tolerance of planks of 12 g, 1e-7 N s, the
+      solver exhausts its iterations on blocks of 4 kg, and the dense solver starts;
+    - the heaviest expected brick, if all are lighter than a plank. With a tolerance of 3e-7 N s, planks of 12 mg, whose
+      weight is 5e-7 N s per step, fall through the ground;
+    - a plank otherwise, because the lightest brick is then a piece of a plank, and few scenes have pieces of planks.
     """
     masses = [brick.mass for brick in bricks if not brick.moved] or [_PLANK_MASS]
     return max(1.0, min(masses) / _PLANK_MASS) * min(1.0, max(masses) / _PLANK_MASS)

@@ -4,13 +4,14 @@ Freezing: the adapter stops the body and makes it static. When it makes the body
 inertia and keeps the body active. Havok does not collide static bodies with one another.
 
 Contacts: each step emits one event per point, with positions and normals at the start of the step. The bridge moves
-them with the bodies to the poses after the step. Havok guarantees no points at a positive gap, so that the port adds
-the corners from the bricks' geometry. Havok reports no forces.
+positions and normals with the bodies to the poses after the step. Havok guarantees no points at a positive gap, so that
+the port adds the corners from the bricks' geometry. Havok reports no forces.
 
 Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
 the world's coefficient. The first step in which bodies touch has no friction: with one step per frame, as shipped, a
 plank 1 deg above the friction angle slides 82 mm instead of 52 mm, and four conformance checks fail. With four steps
-all pass. The API has no forces, so that the adapter applies a steady force as an impulse before each substep.
+per frame all checks pass. The API has no forces, so that the adapter applies a steady force as an impulse before each
+substep.
 
 Ridges: where two bricks touch edge on edge, Havok reports the normal across both edges, as Jolt does.
 
@@ -20,8 +21,9 @@ Traps:
   inside its edges. It does not round a convex hull of the eight corners.
 - ``HP_World_SetIdealStepTime`` is 1/60 s as shipped: contacts in shorter steps are then as soft as in a step of 1/60 s.
   The value 0 disables this.
-- In a world of scale 1 slow slides stick (a plank slides 4 mm instead of 52 mm), so that all profiles have scale 10.
-- Havok expects the inertia for a mass of 1.
+- In a world of scale 1 a slowly sliding brick stops (a plank slides 4 mm instead of 52 mm), so that all profiles have
+  scale 10.
+- Havok expects the inertia of a body as if its mass were 1 kg.
 - All events share one block of memory, and the peer can read an event only once. The peer reads the fields from memory
   and compares the memory layout with the API's functions at each start of the process.
 """

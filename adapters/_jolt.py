@@ -3,8 +3,8 @@
 Freezing: the adapter stops the body and makes it static. A body that becomes dynamic again keeps its mass and inertia.
 Jolt does not collide static bodies with one another.
 
-Contacts: a listener, set only while contacts are read, receives them with the poses at the start of each step. The
-bridge moves the points with the bodies to the poses after the step. Jolt also lists points within its speculative
+Contacts: a listener, set only while contacts are read, receives the contacts at the start of each step, with the poses.
+The bridge moves the points with the bodies to the poses after the step. Jolt also lists points within its speculative
 distance; the bridge omits points with a gap of more than 0.1 mm. Jolt reports no forces here.
 
 Friction: the coefficient of a pair is the geometric mean of both bodies' coefficients (as shipped), and every body has
@@ -19,8 +19,8 @@ Traps:
 - As shipped Jolt rounds a box by a convex radius of 50 mm, more than a plank's thickness: the adapter sets it to 0.
 - As shipped Jolt never resolves an overlap of less than the slop, 20 mm.
 - No body wakes when its support is removed or gravity changes, so that the peer wakes all bodies.
-- The peer reads the fields of Jolt's objects from memory, ten times as fast as by its functions. It compares the memory
-  layout with the functions at each start of the process.
+- The peer reads the fields of Jolt's objects from memory, ten times as fast as by Jolt's functions. The peer compares
+  the memory layout with the functions at each start of the process.
 """
 
 from __future__ import annotations

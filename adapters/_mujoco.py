@@ -6,8 +6,8 @@ no free slot fits a brick, the adapter compiles a new model with more slots and 
 
 Freezing: MuJoCo cannot make a body static, so that each slot has a second body, a mocap body with the same box (its
 "ghost"). The adapter parks a frozen brick, and the ghost collides at the brick's pose. Nothing moves a mocap body: the
-drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because a ghost belongs
-to its world body. A world without a port has no ghosts.
+drift is exactly zero. MuJoCo lists no contacts of ghosts with one another or with the ground, because MuJoCo
+counts a ghost as a part of the world body, like the ground. A world without a port has no ghosts.
 
 Contacts: MuJoCo lists the contacts at the start of the latest substep, and ``cvel`` holds the velocities at that time.
 Together they give the approach speed before the solver stops the bodies.
@@ -21,7 +21,7 @@ coefficient.
 Traps:
 
 - Divergence silently resets the world unless ``autoreset`` is off.
-- A speculative contact has an invented distance; the adapter reports it as unknown (NaN).
+- MuJoCo does not measure the distance of a speculative contact; the adapter reports this distance as unknown (NaN).
 - MuJoCo does not wake a sleeping brick whose support was removed.
 - Without a handler MuJoCo writes its warnings to a file in the working directory.
 """

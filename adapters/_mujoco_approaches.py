@@ -21,7 +21,7 @@ class Approaches:
         self._substeps.clear()
 
     def add(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> None:
-        """Record the contacts of one substep.
+        """Record the approach velocities of one substep.
 
         Args:
             geoms: both geoms of each contact, shape (n, 2).
@@ -31,9 +31,10 @@ class Approaches:
         self._substeps.append((_pairs(geoms), dot(velocity, normals), velocity))
 
     def fastest(self, geoms: IntArray, normals: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Replace velocities by the velocities of an earlier substep in which the pair approached faster; return all.
+        """Return the velocity of each contact's pair in the substep in which the pair approached fastest.
 
-        The arguments have the same meaning as in ``add``, for the last substep.
+        The method overwrites ``velocity`` by the result. The arguments have the same meaning as in ``add``, for the
+        last substep.
         """
         pairs, speed = _pairs(geoms), dot(velocity, normals)
         for earlier_pairs, earlier_speed, earlier_velocity in self._substeps:
@@ -48,5 +49,5 @@ class Approaches:
 
 
 def _pairs(geoms: IntArray) -> IntArray:
-    """Return a number (n,) for each ordered pair of geoms (n, 2)."""
+    """Return a number for each ordered pair of geoms (n, 2), shape (n,): equal pairs have equal numbers."""
     return geoms[:, 0] * _MAX_GEOMS + geoms[:, 1]

@@ -73,8 +73,10 @@ class Geoms:
     def forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
         """Return the forces of the given rows of MuJoCo's contacts in the latest substep, between ``geoms`` (n, 2).
 
+        The constraint forces of a contact depend on the model's friction cone:
+
         - Elliptic cone: a contact has three constraint forces, along the normal n and the two tangents t.
-        - Pyramid: a contact has a pair of edges for each tangent, n + mu t and n - mu t.
+        - Pyramid: a contact has a constraint force along each edge: n + mu t and n - mu t for each tangent.
         """
         data = self._world.data
         found = data.contact

@@ -22,12 +22,15 @@ CONTACT_STEPS = "contact_steps"
 
 _COLLIDES = 'contype="1" conaffinity="1"'
 HEAVY = 1e3
-"""Mass [kg] of a moved body, because MuJoCo's mocap bodies have no velocity in contacts. With 1e6 kg a tower of planks
-on the body sank at one step per frame. The adapter sets the body's pose before each step, so that no load shifts it."""
+"""Mass [kg] of a moved body. The body is a heavy free body, because MuJoCo's mocap bodies have no velocity in contacts.
+With 1e6 kg a tower of planks on the body sank at one step per frame. The adapter sets the body's pose before each step,
+so that no load shifts the body."""
 
 _NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
-"""Collision masks ``contype`` and ``conaffinity``. Two geoms collide if the type of one geom and the affinity of the
-other share a bit. Moved bodies collide with live bricks only."""
+"""Collision masks (``contype``, ``conaffinity``) of a parked body, a ghost, a live brick and a moved body.
+
+Two geoms collide if the type of one geom and the affinity of the other share a bit, so that moved bodies collide with
+live bricks only."""
 _SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
 _SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
 _SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
@@ -42,7 +45,7 @@ def shape_of(brick: Brick) -> Shape:
 class SlotModel:
     """Compiled model of the ground, a slot per shape, the fixed boxes and, with ``ghosts``, a ghost per slot.
 
-    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same box, which nothing moves.
+    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same box, and nothing moves it.
     MuJoCo's geom and body ids coincide: 0 is the ground, followed by the slots, their ghosts and the fixed boxes.
     """
 

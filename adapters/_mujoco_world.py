@@ -147,7 +147,7 @@ class MujocoWorld:
         return slot
 
     def _take_slot(self, shape: Shape) -> int:
-        """Return a free slot; if no slot is free, add as many slots as there are bodies, to compile few models."""
+        """Return a free slot; if no slot is free, add one slot per body of the world first."""
         if not self._free[shape]:
             first, more = len(self._shapes), max(1, len(self.slot_of))
             self._shapes += [shape] * more

@@ -21,17 +21,17 @@ Friction: each contact has the world's coefficient. The law is a pyramid (``dCon
 ODE chooses. On level faces these directions are the world's axes, so that along a diagonal friction holds up to 41 %
 more.
 
-Stiffness: a step corrects the share ``ERP`` of a penetration, and the speed of the correction remains. ODE predicts no
-contacts, so that a falling brick penetrates by its way in one step before ODE stops the brick.
+Stiffness: a step corrects the fraction ``ERP`` of a penetration, and the bodies keep the speed of the correction. ODE
+predicts no contacts, so that a falling brick penetrates by up to its travel in one step before ODE stops the brick.
 
 Traps:
 
-- QuickStep orders constraints by a random number whose seed all worlds of the process share. Each world sets its own
-  seed before a step and keeps the seed after the step.
+- QuickStep shuffles the constraints by a random generator that all worlds of the process share. Each world sets the
+  generator's seed to its own before a step, and stores the seed after the step.
 - As shipped, ODE pushes points apart until they no longer touch (``ContactSurfaceLayer`` 0), and the bodies then fall
   back.
-- A state that is not finite ends the process by an assertion. If the square of a state is not finite in single
-  precision, the adapter makes no step and reports poses as NaN.
+- A state that is not finite ends the process by an assertion. If the square of a position, speed or spin is not
+  finite in single precision, the adapter makes no step and reports poses as NaN.
 - The engine's own sleep does not end when a support is removed.
 - The default friction (without ``dContactApprox1``) has a force as its bound, not a multiple of the normal force.
 """
@@ -64,8 +64,8 @@ class OdeSimulation(SubstepSimulation):
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "QuickStepNumIterations"
     solver_noise = 1e-4
-    """Margin [m/s] of ``fastest_approach``, because with 0 profile ``tuned`` reported 13 mm/s between a brick at rest
-    and a platform that moves below the brick at 50 mm/s."""
+    """Margin [m/s] of ``fastest_approach``. The margin is above 0, because without a margin the profile ``tuned``
+    reported 13 mm/s between a brick at rest and a platform that moved below the brick at 50 mm/s."""
     capabilities = Capabilities(
         contact_points="up to 8 points",
         near_contacts=False,

@@ -17,7 +17,8 @@ from adapters._ode_library import CONTACT, FEEDBACK, address_of, c_call, lib
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 MOST_POINTS = 8
-"""Greatest number of contact points of two boxes, because ODE clips a face of four corners by another face."""
+"""Greatest number of contact points of two boxes, because ODE clips one face by the four edges of another face, and
+each cut adds at most one corner to the first four corners."""
 _APPROX_1 = 0x7000
 """Flag ``dContactApprox1``: the bound of friction is mu times the normal force, not mu [N]."""
 _HEAD = 2
@@ -85,8 +86,8 @@ def _collide_pairs(
         lowest: the lowest id, which belongs to the ground or a fixed box.
         address: address of the first contact's geometry.
         stride: size of a contact [bytes].
-        body_a: output, the first body of each point, which has the lower id.
-        body_b: output, the second body of each point.
+        body_a: output, the first body of each point, which has the lower id; one row for each possible point.
+        body_b: output, the second body of each point; one row for each possible point.
     """
     span = len(is_live) - lowest
     keys, kept = np.empty(pairs[0], np.int64), np.empty((pairs[0], 2), np.int64)
@@ -141,7 +142,7 @@ def _join_bodies(
     feedback: int,
     feedback_stride: int,
 ) -> None:
-    """Create a contact joint at each contact point, (n,).
+    """Create a contact joint at each of n contact points.
 
     Args:
         create: address of ``dJointCreateContact``.

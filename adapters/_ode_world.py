@@ -20,8 +20,8 @@ _POSITION, _QUATERNION, _LINEAR, _ANGULAR = slice(0, 3), slice(16, 20), slice(20
 _STATE = 28
 """Count of numbers in a body's state."""
 _MOST = 1e12
-"""Position, speed or spin [m, m/s, rad/s] from which a world has diverged, so that its square stays finite in single
-precision."""
+"""Value of a position [m], speed [m/s] or spin [rad/s] from which a world counts as diverged. Squares of smaller values
+are finite in single precision."""
 
 
 class OdeWorld:

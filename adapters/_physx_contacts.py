@@ -22,7 +22,7 @@ def touching_points(listed: Iterable[Listed], scale: float) -> tuple[tuple[IntAr
 
     Args:
         listed: pairs with their points.
-        scale: lengths in the engine's world over lengths in the scene.
+        scale: ratio of lengths in the engine's world to lengths in the scene.
 
     Returns:
         Bodies a and b, each of shape (n,), and an array of shape (n, 10) with the columns:
@@ -61,7 +61,7 @@ def all_impulses(listed: Iterable[Listed]) -> tuple[tuple[IntArray, IntArray], F
 
 
 def _separation(separation: float, scale: float, *, is_pressed: bool) -> float | None:
-    """Return the separation [m] of a point: 0 for an impulse across a gap, None if the gap is too large."""
+    """Return the separation [m] of a point: 0 if the point presses across a gap, None if the gap is too large."""
     if separation <= 0.0:
         return separation
     if is_pressed:

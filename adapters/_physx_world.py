@@ -43,7 +43,7 @@ class PhysxWorld:
         self.components: dict[int, Any] = {}
         """Component of each body."""
         self.body_of: dict[Any, int] = {}
-        """Body, ground or fixed box of each component; SAPIEN returns the same object for a component in this map."""
+        """Body, ground or fixed box of each component. SAPIEN returns the same object again while the map holds it."""
         self._removed_components: list[Any] = []  # removed after the latest step
         self.states = BodyStates(self.system, self.components, self.body_of)
 
@@ -125,6 +125,6 @@ class PhysxWorld:
 
 
 def stop(component: Any) -> None:
-    """Set both velocities of a dynamic body to zero, and wake it."""
+    """Set both velocities of a dynamic body to zero, and wake the body."""
     component.linear_velocity = component.angular_velocity = (0.0, 0.0, 0.0)
     component.wake_up()

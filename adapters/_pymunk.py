@@ -12,11 +12,11 @@ that the adapter sets both. A static body also keeps the pending correction of i
 move the body after it is unfrozen; the adapter clears the correction by an integration over a time of 0.
 
 Contacts: Chipmunk lists overlapping pairs, with at most two points, and no pair across a gap. A brick at rest overlaps
-its support by the slop, so that its contacts stay listed. Chipmunk keeps the arbiters of two static bodies for ever,
-with points in memory that other contacts soon reuse; the adapter removes and adds the shape of a newly frozen body
-again, which deletes its arbiters. The order of arbiters and of ``Body.id`` depends on memory addresses: the adapter
-sorts both, so that runs repeat. A point in the plane represents a line across the bricks' depth, and the adapter
-reports both ends of that line.
+its support by the slop, so that its contacts stay listed. Chipmunk's record of a pair is an arbiter. Chipmunk keeps the
+arbiters of two static bodies for ever, with points in memory that other contacts soon reuse; the adapter removes and
+adds the shape of a newly frozen body again, which deletes the body's arbiters. The order of arbiters and of ``Body.id``
+depends on memory addresses: the adapter sorts both, so that runs repeat. A point in the plane represents a line across
+the bricks' depth, and the adapter reports both ends of that line.
 
 ``find_contacts`` runs Chipmunk's shape query for each live brick: the collision of a step, without arbiters, which
 changes nothing. Between corners that meet, rounding determines the query's normals, with errors of up to 90 degrees;

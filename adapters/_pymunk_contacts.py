@@ -1,4 +1,4 @@
-"""Kernels that sort Chipmunk's contacts by the suite's ids and lift them from its plane to three dimensions.
+"""Kernels that sort Chipmunk's contacts by the suite's ids and lift them from the plane to three dimensions.
 
 The functions are compiled, because a few dozen NumPy calls take ten times as long as Chipmunk's step of a frozen stack
 (some microseconds). Lengths are in engine units unless a docstring states another unit.
@@ -40,7 +40,7 @@ def lift_contacts(
         numbers: the numbers of each arbiter, shape (m, 12), with the columns of ``_pymunk_reader.Arbiters``.
         is_live: whether each body is live, by the suite's id, shape (n + fixed,).
         fixed: number of rows of the ground and the fixed boxes.
-        state: states by the suite's id, the centre first, shape (n + fixed, 6).
+        state: states by the suite's id, with the columns of ``SpaceReader.state``, shape (n + fixed, 6).
         before: velocity and spin before each substep, by the suite's id, shape (substeps, n + fixed, 3).
         depths: extents along y [m] by the suite's id, shape (n + fixed,).
         units_per_metre: engine units per metre.

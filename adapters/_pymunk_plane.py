@@ -39,7 +39,7 @@ def lift(planar: FloatArray) -> FloatArray:
 
 
 def halt(planar: pymunk.Body) -> None:
-    """Stop a body, and clear the pending correction of its overlap, which would move it in its next step."""
+    """Stop a body, and clear the pending correction of its overlap, which would move the body in its next step."""
     planar.velocity = 0.0, 0.0
     planar.angular_velocity = 0.0
     pymunk.Body.update_position(planar, 0.0)

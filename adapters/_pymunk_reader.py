@@ -1,4 +1,4 @@
-"""Reader of Chipmunk's bodies and contacts, by its batch arrays and with the suite's ids.
+"""Reader of Chipmunk's bodies and contacts in batch arrays, with the suite's ids.
 
 The row of a body in an array is its id in the suite. The ground has the last row, -1, and the fixed boxes have the rows
 before it, so that their negative ids select these rows.

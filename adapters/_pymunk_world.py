@@ -15,7 +15,7 @@ from stability_core.port import GROUND, FloatArray
 
 MIN_GROUND_WIDTH = 20.0
 """Least width [m] of the ground, so that all scenes but the largest have the same ground. The width matters, because
-Chipmunk clips a brick by the ends of the ground, so that the last bits of all contacts depend on it."""
+Chipmunk clips a brick by the ends of the ground, so that the last bits of all contacts depend on the width."""
 
 
 class PymunkWorld:
@@ -29,7 +29,7 @@ class PymunkWorld:
         self.bodies: dict[int, pymunk.Body] = {}
         """Chipmunk's object of each body, without the ground and the fixed boxes."""
         self.fixed_rows = 1 + len(world.fixed)
-        """Number of rows of the ground and the fixed boxes, the last rows, which negative ids select."""
+        """Number of rows of the ground and the fixed boxes. These rows come last, so that negative ids select them."""
         self.reader = SpaceReader(self.space, self.fixed_rows)
         self.depths = np.full(self.fixed_rows, np.inf)
         """Extents along y [m], by the rows of ``reader``."""

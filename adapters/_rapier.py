@@ -11,7 +11,7 @@ with the bodies to the poses after the step, and measures the separation there. 
 prediction distance; the adapter omits points with a gap of more than 0.1 mm.
 
 ``find_contacts`` runs ``detect_collisions`` in a copy of the world, restored from a snapshot, and does not change the
-world itself. In the world itself this call changed later poses, and once the next step panicked.
+world itself. In the world itself this call changed later poses, and once made the next step crash.
 
 Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), and every collider has the
 world's coefficient. The law is a cone, with one constraint per manifold for sliding and one constraint for twist.
@@ -26,9 +26,9 @@ Traps:
 - While two bodies turn together, Rapier keeps the normal of their contacts in the world's frame: on a tilting platform
   a brick stuck at 30 deg, with mu = 0.45. The adapter makes Rapier detect the contacts of a turning moved body again in
   each step. Between live bricks that turn together the normals stay outdated.
-- Tolerances are multiples of ``length_unit``: among them the distance of predicted contacts and the greatest speed.
-- Parry keeps a pair's points while they move by less than 1 mm. This constant cannot be set: planks of 0.78 mm topple
-  from the second level on, and stand with ``scale=10``.
+- Many limits are multiples of ``length_unit``, for example the distance of predicted contacts and the greatest speed.
+- Parry keeps a pair's points while they move by less than 1 mm. This constant cannot be set: planks 0.78 mm thick
+  topple from the second level on, and stand with ``scale=10``.
 - Rapier silently resets a state that is not finite and disables the body; the adapter then reports poses as NaN.
 """
 

@@ -1,4 +1,4 @@
-"""A quaternion that Rapier's scaling to unit length does not change, so that a frozen body does not turn by a bit."""
+"""Search for a quaternion that Rapier's scaling to unit length keeps, so that a frozen body does not turn by a bit."""
 
 from __future__ import annotations
 

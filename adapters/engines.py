@@ -22,7 +22,7 @@ class EngineEntry(Protocol):
 
     @property
     def remedy(self) -> str:
-        """The fix if the engine cannot be loaded."""
+        """Text for an error message: how to fix an engine that cannot be loaded."""
         ...
 
     @property
@@ -51,7 +51,7 @@ class Entry:
 
     @property
     def remedy(self) -> str:
-        """The fix if the engine cannot be loaded."""
+        """Text for an error message: how to fix an engine that cannot be loaded."""
         return f"install '{self.package}' with: uv sync --group engines"
 
     def version(self) -> str:
@@ -86,7 +86,7 @@ class WasmEntry:
 
     @property
     def remedy(self) -> str:
-        """The fix if the engine cannot be opened."""
+        """Text for an error message: how to fix an engine whose worlds cannot be opened."""
         return "install it with: uv run --group wasm -m adapters.wasm"
 
     def version(self) -> str:
@@ -101,7 +101,7 @@ class WasmEntry:
 
 @dataclass(frozen=True, slots=True)
 class LibraryEntry:
-    """An engine in a shared library, which has several sources. The adapter can be loaded without the library."""
+    """An engine in a shared library, which several packages provide. The adapter can be loaded without the library."""
 
     module: str
     simulation: str
@@ -110,12 +110,12 @@ class LibraryEntry:
     library: str
     """Module that loads the library and defines ``VERSION``."""
     group: str
-    """Dependency group that contains one source of the library."""
+    """Dependency group with one of the packages that provide the library."""
     is_optional: bool = True
 
     @property
     def remedy(self) -> str:
-        """The fix if the engine cannot be opened."""
+        """Text for an error message: how to fix an engine whose worlds cannot be opened."""
         return f"install it with: uv sync --group {self.group}"
 
     def version(self) -> str:

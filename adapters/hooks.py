@@ -137,7 +137,10 @@ class EngineHooks(ABC):
         """Return positions (k, 3) [m] and quaternions (k, 4) of any bodies, also frozen; k may be 0."""
 
     def _positions(self, bodies: IntArray) -> FloatArray:
-        """Return the positions (k, 3) [m] of live or moved bodies. Override this hook if positions cost less."""
+        """Return the positions (k, 3) [m] of live or moved bodies.
+
+        Override this hook if the engine returns positions alone in less time.
+        """
         return self._poses(bodies)[0]
 
     @abstractmethod
@@ -190,11 +193,14 @@ class EngineHooks(ABC):
     # -- for adapters and the port -----------------------------------------------------------------
 
     def velocities_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return linear [m/s] and angular [rad/s] velocities (k, 3) of bodies (k,), for moved bodies from the host."""
+        """Return linear [m/s] and angular [rad/s] velocities (k, 3) of bodies (k,).
+
+        The velocities of moved bodies are the host's values.
+        """
         return self.as_driven(bodies, *self._velocities(bodies))
 
     def as_driven(self, bodies: IntArray, linear: FloatArray, angular: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Overwrite the velocities (k, 3) of moved bodies among ``bodies`` (k,) by the host's values; return both."""
+        """Overwrite the velocities (k, 3) of moved bodies among ``bodies`` (k,) by the host's; return both arrays."""
         if self.bodies.moved:
             for row, body in enumerate(bodies.tolist()):
                 if body in self.bodies.moved:

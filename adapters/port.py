@@ -36,7 +36,7 @@ NO_CONTACTS, NOWHERE = Contacts.empty(), np.empty((0, 3))
 
 
 class EnginePort:
-    """The core's view of a simulation: it reads contacts and masses, and freezes and unfreezes bodies."""
+    """The core's view of a simulation: contacts and masses, and methods that freeze and unfreeze bodies."""
 
     def __init__(self, engine: EngineHooks) -> None:
         self._engine = engine

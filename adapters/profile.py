@@ -1,4 +1,4 @@
-"""Descriptions of an engine: its settings (``Profile``), its API (``Capabilities``) and its record (``EngineInfo``)."""
+"""Description of an engine: settings (``Profile``), API (``Capabilities``) and identity (``EngineInfo``)."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from scenarios.model import Brick
 PLANK_SIZE = math.hypot(117.0e-3, 23.4e-3, 7.8e-3)
 """Diagonal [m] of the plank for which the profiles' lengths were chosen."""
 MAX_SMALL_SIZE = 0.25
-"""Greatest size of the largest brick, over the size of a plank, at which a profile's lengths shrink with the bricks.
-For larger bricks the lengths keep their values for a plank."""
+"""Greatest ratio of the largest brick's diagonal to a plank's diagonal at which a profile's lengths shrink with the
+bricks. At greater ratios the lengths keep their values for a plank."""
 REACH_OF_SMALL = 0.5
-"""Lengths of a profile for small bricks, over lengths in proportion to the bricks. The value is below 1, because PhysX,
-which detects contacts from a gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm. With
-half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of 0.105 mm, and fell with 0.09 mm.
+"""Ratio of a profile's lengths for small bricks to lengths in proportion to the bricks. The value is below 1, because
+PhysX, which detects contacts from a gap of twice 1 mm, held unsupported planks of 0.78 mm between neighbours at 0.2 mm.
+With half of this gap the planks fall. In trials a plank stayed with a ``contact_offset`` of 0.105 mm, and fell with
+0.09 mm.
 """
 
 AS_SHIPPED = "as shipped"
@@ -54,11 +55,12 @@ class Profile:
     knobs: Mapping[str, Knob] = field(default_factory=dict)
     tuned_by: str = AS_SHIPPED
     scale: float = 1.0
-    """Lengths in the engine's world over lengths in the scene: see ``adapters.scaled``."""
+    """Ratio of lengths in the engine's world to lengths in the scene: see ``adapters.scaled``."""
     offset: float = 0.0
-    """Distance [m] along x of the scene from the origin of the engine's world: see ``adapters.scaled``."""
+    """Distance [m] along x of the scene's origin from the origin of the engine's world: see ``adapters.scaled``."""
     forces: bool = True
-    """True if ``Contacts.force`` holds the contact forces of the engine. With False ``Contacts.force`` is None."""
+    """True to report the engine's contact forces in ``Contacts.force``, if the engine has forces. If False,
+    ``Contacts.force`` is None."""
 
     @property
     def values(self) -> dict[str, KnobValue]:
@@ -99,7 +101,8 @@ class Capabilities:
     """
     separation: bool
     relative_velocity: str
-    """"reported", or the origin of the value, such as "from the velocities before the step"."""
+    """Origin of relative velocities: "reported" by the engine, or a text such as "from the velocities before the step".
+    """
     forces: str
     """Parts of a contact force that the adapter reports: "no", "normal and friction", or a text with the origin of
     friction."""

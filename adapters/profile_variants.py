@@ -1,8 +1,8 @@
 """Profiles by name, unchanged or varied: ``game``, ``game@scale=10``, ``tuned@substeps=8,forces=0``.
 
-Besides the variations below, a name can vary every knob of the engine: ``game@contactERP=0.2``.
+Besides the variations in ``_VARIATIONS``, a name can vary every knob of the engine: ``game@contactERP=0.2``.
 
-The variation is a part of the name, so that studies, trials and records contain it.
+The variation is a part of the name, so that studies, trials and records contain the variation.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def varied_name(profile: str, changes: Mapping[str, float | int]) -> str:
 
 
 def profile_of(simulation: type[Simulation], name: str) -> Profile:
-    """Return the profile ``name`` of an engine, with the variation in the name.
+    """Return the profile ``name`` of an engine, varied if the name states a variation.
 
     Raises:
         UnknownNameError: if the engine has no profile of this name, or a variation is unknown.

@@ -2,7 +2,7 @@
 
 The profile's scale multiplies all lengths, velocities, impulses and forces, and gravity. Times, masses, angles and
 friction do not change, so that the motion is the same in larger units. This is the recipe of Bullet's wiki ("Scaling
-The World"), which sees no need to change masses. The engine's absolute constants (slops, margins, tolerances and speed
+The World"), which does not change masses. The engine's absolute constants (slops, margins, tolerances and speed
 thresholds) keep their values in the engine's units, so that their ratio to the bricks changes. Only two kinds of length
 grow with the bricks: lengths of a profile chosen for the bricks' size (``Knob.follows_world``), and an adapter's own
 lengths (``Simulation.scale``).
@@ -30,7 +30,7 @@ from stability_core.port import Contacts, FloatArray, IntArray
 
 
 class _ScaledSimulation(Simulation):
-    """Simulation that drives a larger world of an engine. A body has the same id in both simulations."""
+    """Simulation of the scene that drives a larger simulation. A body has the same id in both simulations."""
 
     unscaled: ClassVar[type[Simulation]]
 

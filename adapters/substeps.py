@@ -60,12 +60,15 @@ class SubstepSimulation(Simulation):
     # -- hooks, in the order in which a frame calls them -------------------------------------------
 
     def _begin_frame(self, substep_s: float) -> None:
-        """Prepare a frame of substeps of ``substep_s`` seconds. ``_step`` calls it once, before the first substep."""
+        """Prepare a frame of substeps of ``substep_s`` seconds.
+
+        ``_step`` calls this hook once, before the first substep.
+        """
 
     def _record_ended_substep(self) -> None:
         """Record the data of the ended substep for ``_contacts``.
 
-        ``_step`` calls it after each substep except the last, if the port is in use and a body is live.
+        ``_step`` calls this hook after each substep except the last, if the port is in use and a body is live.
         """
         if self.reads_forces:
             self._earlier_forces.append(self._forces_of_substep())
@@ -86,7 +89,10 @@ class SubstepSimulation(Simulation):
         self._recorded.append(self._motions_now(bodies))
 
     def _motions_now(self, bodies: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return positions [m], velocities [m/s] and spins [rad/s], each (k, 3); override for engines with one call."""
+        """Return positions [m], velocities [m/s] and spins [rad/s], each (k, 3).
+
+        Override this hook for an engine that returns all three in one call.
+        """
         return self._positions(bodies), *self.velocities_now(bodies)
 
     @abstractmethod
@@ -94,7 +100,7 @@ class SubstepSimulation(Simulation):
         """Make one step of ``_substep_s`` seconds. The forces and the velocities of moved bodies are already set."""
 
     def _end_frame(self) -> None:
-        """Finish a frame. ``_step`` calls it once, after the last substep, when ``_before`` is set."""
+        """Finish a frame. ``_step`` calls this hook once, after the last substep and after it has set ``_before``."""
 
     # -- for _contacts -----------------------------------------------------------------------------
 
