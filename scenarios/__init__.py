@@ -1,1 +1,1 @@
-"""Scenes: bricks, the time at which each is placed, and the outcome that theory demands."""
+"""Scenes: bricks, timed actions on the bricks, and the outcome that theory demands."""

@@ -1,9 +1,9 @@
-"""Bisection of a threshold: the value of a parameter at which an answer changes from "stands" to "falls".
+"""Bisection of a threshold: the value of a parameter at which a scene's outcome changes between standing and falling.
 
-The search tries both ends first. If their answers agree, or an end has no answer, the search reports the reason why
-there is no threshold, instead of a number. Otherwise the search tries the middle of the bracket until the bracket is no
-wider than the tolerance. The search keeps no state: each step follows from the answers so far, so that a caller can
-resume a search.
+The search tries both ends of the parameter's interval first. If their outcomes agree, or a tried value has no outcome,
+the search reports the reason why there is no threshold, instead of a number. Otherwise the search halves the bracket,
+the interval that contains the threshold, until the bracket is no wider than the tolerance. The search keeps no state:
+each step follows from the answers so far, so that a caller can resume a search.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ class Bracket(NamedTuple):
     """The state of a search for a threshold."""
 
     low: float
-    """Lower end: the answer changes between ``low`` and ``high``."""
+    """Lower end of the interval in which the answer changes, if there is a threshold."""
     high: float
-    """Upper end."""
+    """Upper end of the same interval."""
     next: tuple[float, ...]
     """Values to try next; empty when the search has ended."""
     why: str
     """Reason why there is no threshold, in words; empty if there is a threshold, or if the search goes on."""
     low_stands: bool | None
-    """Answer at the lower end; None without an answer."""
+    """True if the scene stands at the lower end, False if it falls there; None if there is no answer."""
 
     @property
     def is_found(self) -> bool:
@@ -90,7 +90,7 @@ class Bisection:
         return Bracket(low, high, (), "", stands)
 
     def search(self, stands: Callable[[float], bool]) -> Bracket:
-        """Call ``stands`` until the search has ended; return the final bracket."""
+        """Call ``stands`` with each value to try until the search has ended; return the final bracket."""
         answers: dict[float, bool | None] = {}
         while (bracket := self.bracket(answers)).next:
             answers |= {value: stands(value) for value in bracket.next}

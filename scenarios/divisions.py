@@ -7,10 +7,11 @@ only on the scenes on which it was tuned.
 from __future__ import annotations
 
 TUNED_ON = ("four_stack", "card_house", "leaning_tower", "plank_tower")
-"""Scenarios on which a profile of some engine was tuned, as ``tuned_by`` in ``adapters/profiles`` says. An inverted V
-is a card house of one storey. ``plank_tower`` and ``four_stack`` are the columns and ladders of planks."""
+"""Names of the scenarios on which a profile of some engine was tuned. The key ``tuned_by`` of the profiles in
+``adapters/profiles`` describes these scenarios in words: "inverted V" means ``card_house`` with one storey, and
+"columns and ladders of planks" means ``plank_tower`` and ``four_stack``."""
 
 
 def is_held_out(scenario: str) -> bool:
-    """Return True if no profile was tuned on a scenario."""
+    """Return True if no profile was tuned on ``scenario``."""
     return scenario not in TUNED_ON

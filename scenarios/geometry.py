@@ -1,10 +1,10 @@
 """Oriented boxes: the height of a box above another, and the shift that lowers a rigid group onto its support.
 
-A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The smallest such h is
-the distance by which the upper box can sink. All differences a - b fill a zonotope: the difference of the centres plus
-the six half axes of both boxes, each times a factor from -1 to 1. Its facets are normal to the cross products of two
-half axes (a face on a corner, or an edge on an edge). So h is the height at which the z axis enters the zonotope: the
-highest crossing with fifteen planes.
+A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The smallest height h of
+all such pairs is the distance by which the upper box can sink. All differences a - b fill a zonotope: the difference of
+the centres plus the six half axes of both boxes, each times a factor from -1 to 1. The zonotope's facets are normal to
+the cross products of two half axes (a face on a corner, or an edge on an edge). So the smallest h is the height at
+which the z axis enters the zonotope: the highest point in which the axis meets the planes of the fifteen lower facets.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _SIGNS = np.array([[i, j, k] for i in (-1.0, 1.0) for j in (-1.0, 1.0) for k in 
 _PARALLEL = 1e-9
 """Sine of the angle below which two directions count as parallel, because rounding leaves about 1e-16."""
 _GRAZE = 1e-9
-"""Overlap [m] below which boxes only graze each other, because flush planks do not stand on each other."""
+"""Overlap [m] below which two boxes count as flush, not overlapping, because flush planks do not carry each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,12 +102,15 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
 
 
 def overlap_in_plan(first: Boxes, second: Boxes) -> BoolArray:
-    """Return whether the boxes overlap when seen from above, shape (m, n)."""
+    """Return the mask of the pairs of boxes that overlap in plan (seen from above), shape (m, n)."""
     return np.isfinite(vertical_clearance(first, second))
 
 
 def side_by_side(first: Boxes, second: Boxes) -> BoolArray:
-    """Return which boxes are neighbours: apart in plan or flush, and partly at the same height, shape (m, n)."""
+    """Return the mask of the pairs of boxes that are neighbours, shape (m, n).
+
+    Two boxes are neighbours if they are apart or flush in plan, and their heights overlap.
+    """
     between = np.abs(first.center[:, None, 2] - second.center[None, :, 2])
     shares_height = between < first.reach[:, None, 2] + second.reach[None, :, 2] - _GRAZE
     return shares_height & ~overlap_in_plan(first, second)
@@ -122,11 +125,12 @@ def resting_shift(
 
     Args:
         group: the boxes that are released together, in their planned poses; in a prebuilt stack they touch each other.
-        below: the boxes that may carry the group, in their actual poses: boxes of lower levels only, because a slightly
-            overlapped neighbour of the same level would lift a plank on top of itself. The ground always counts.
-        neighbours: mask of pairs, shape (m, n): True if a box ``below`` is planned beside a box of the group, so that
-            it does not carry that box.
-        fixed: boxes that never move. They carry boxes planned above them, but not boxes beside or below them.
+        below: the boxes that may carry the group, in their actual poses. These must be boxes of lower levels only,
+            because a neighbour of the same level that overlaps a plank slightly would count as the plank's support. The
+            ground is always a support.
+        neighbours: mask of the pairs, shape (m, n): True where the box of ``below`` is planned beside the box of the
+            group, and therefore does not carry it.
+        fixed: boxes that never move. Fixed boxes carry boxes planned above them, but not boxes beside or below them.
     """
     clearance = vertical_clearance(group, below)
     if neighbours is not None:
@@ -140,8 +144,9 @@ def resting_shift(
 def room_above_fixed(group: Boxes, fixed: Boxes) -> float:
     """Return the distance [m] by which a rigid group can sink to a fixed box below it; infinite without such a box.
 
-    A box that must be raised by more than half its own height to come free counts as below the fixed box, as under a
-    ceiling. Overlaps by placement noise on a slope are smaller than 1 mm.
+    A box of the group counts as below a fixed box, as under a ceiling, if the box must be raised by more than half its
+    own height to come free of the fixed box. A smaller overlap does not count, because placement noise on a slope makes
+    boxes overlap by up to 1 mm.
     """
     clearance = vertical_clearance(group, fixed)
     is_above = clearance > -group.reach[:, None, 2]
@@ -186,7 +191,7 @@ def rotation(quaternion: FloatArray) -> FloatArray:
 
 
 def turned(quaternion: Quaternion, turn: float) -> Quaternion:
-    """Return the orientation turned about the world's z by ``turn`` [rad]."""
+    """Return the orientation ``quaternion`` turned about the world's z axis by ``turn`` [rad]."""
     c, s = math.cos(turn / 2), math.sin(turn / 2)
     w, x, y, z = quaternion
     return (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)

@@ -10,11 +10,11 @@ Item = TypeVar("Item")
 
 
 class UnknownNameError(LookupError):
-    """A name that is in no table; the message lists the allowed names."""
+    """Error for a name that a table does not contain; the message lists the allowed names."""
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> UnknownNameError:
-    """Return the error for ``name``, which is not a known ``kind``: nearest match first, then all allowed names."""
+    """Return the error for an unknown ``name`` of a ``kind``; the message gives the nearest match and all names."""
     names = list(allowed)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."

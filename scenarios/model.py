@@ -30,8 +30,8 @@ class World:
     gravity: Vector = (0.0, 0.0, -9.81)
     """Gravitational acceleration [m/s2]."""
     fixed: tuple[Brick, ...] = ()
-    """Boxes that never move: walls, tables, ceilings. They may touch each other and the ground; their mass and level
-    have no effect. In contacts they are part of the ground."""
+    """Boxes that never move: walls, tables, ceilings. Fixed boxes may touch each other and the ground; their mass and
+    level have no effect. In contacts, fixed boxes count as part of the ground."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Brick:
     """Centre [m]. Its height is only planned: see ``Place``."""
     quaternion: Quaternion = UPRIGHT
     level: int = 1
-    """Level of the stack that the brick belongs to, from 1."""
+    """Level of the brick in the stack; the lowest level is 1."""
     moved: bool = False
     """True for a body that only the host moves: a lift, a belt, a door. The body carries bricks. It must not touch the
     ground, fixed boxes or other moved bodies. Its mass has no effect."""
@@ -54,24 +54,24 @@ class Brick:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Release bricks together, as one rigid group, a little above their actual support.
+    """Action that releases bricks together, as one rigid group, a little above their actual support.
 
-    The group keeps its planned x, y, orientation and relative heights. The harness lowers the group until its first
-    brick is ``height`` above the body that is actually below the brick.
+    The group keeps its planned x, y, orientation and relative heights. The harness shifts the group along z so that the
+    least gap between a brick of the group and the body that is actually below this brick is ``height``.
     """
 
     time: float
     """Start of the action [s], from the start of the trial."""
     bricks: tuple[Brick, ...]
     height: float = CLEARANCE
-    """Release height [m] above the actual support. With zero, the harness places the group without a gap, as a
-    prebuilt stack, which may have several levels, and lets a stability extension judge the stack before the next engine
-    step."""
+    """Release height [m] above the actual support. With 0, the group is a prebuilt stack, which may have several
+    levels: the harness places the group without a gap, and a stability extension judges the stack before the next
+    engine step."""
 
 
 @dataclass(frozen=True, slots=True)
 class Remove:
-    """Take a brick out of the world."""
+    """Action that takes a brick out of the world."""
 
     time: float
     brick: int
@@ -80,7 +80,7 @@ class Remove:
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """Strike a brick at its centre of mass."""
+    """Action that strikes a brick at its centre of mass."""
 
     time: float
     brick: int
@@ -91,9 +91,10 @@ class Push:
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """Pull a brick sideways by its centre of mass at a given velocity, with any force, then remove it.
+    """Action that pulls a brick sideways by its centre of mass at a given velocity, then removes the brick.
 
-    The manipulator holds the brick from the start, so a monitor counts the brick as intact at any position.
+    The force is as large as the velocity requires. Monitors count the brick as intact at any position, because the
+    manipulator holds the brick from the start of the action.
     """
 
     time: float
@@ -112,7 +113,7 @@ class Pull:
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """Press on a brick at its centre of mass with a steady force, then release it."""
+    """Action that presses on a brick at its centre of mass with a steady force, then releases the brick."""
 
     time: float
     brick: int
@@ -130,9 +131,9 @@ class Press:
 
 @dataclass(frozen=True, slots=True)
 class Tilt:
-    """Turn gravity about a horizontal axis, which is equivalent to tilting the ground.
+    """Action that turns gravity about a horizontal axis, which is equivalent to tilting the ground.
 
-    Every frame turns gravity by one step; after ``seconds`` the angle is ``speed`` times ``seconds``.
+    Every frame turns gravity by one step; after ``seconds`` gravity has turned by ``speed`` times ``seconds``.
     """
 
     time: float
@@ -152,21 +153,21 @@ class Tilt:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Accelerate a moved brick to a velocity, which it keeps until the next ``Drive``."""
+    """Action that accelerates a moved brick to a velocity, which the brick keeps until the next ``Drive``."""
 
     time: float
     brick: int
-    """The brick's index in the order of placement, from 0; the brick must have ``moved``."""
+    """The brick's index in the order of placement, from 0; the brick's ``moved`` must be True."""
     velocity: Vector
-    """Velocity of its centre [m/s]."""
+    """Velocity of the brick's centre [m/s]."""
     spin: Vector = (0.0, 0.0, 0.0)
     """Angular velocity [rad/s]."""
     seconds: float = 0.0
-    """Duration [s] of the acceleration, which is uniform from the present velocities; with 0 the velocity changes at
-    once."""
+    """Duration [s] of the acceleration, which is uniform and begins at the present velocities. With 0, the velocities
+    change at once."""
     carries: bool = False
-    """True if monitors expect bricks of higher levels to travel with the platform; False if monitors expect
-    these bricks to stay in place."""
+    """True if monitors expect bricks of higher levels to travel with the moved brick; False if monitors expect bricks
+    of higher levels to stay in place."""
 
     @property
     def until(self) -> float:
@@ -176,14 +177,14 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class MustMove:
-    """A brick that must move by theory, from a given time until it has moved a given distance."""
+    """A brick that must move according to theory, from a given time until its centre has moved a given distance."""
 
     brick: int
     """The brick's index in the order of placement, from 0."""
     from_s: float
     """Start of the motion [s]."""
     way_m: float
-    """Distance [m] that the brick's centre must move, in a straight line."""
+    """Straight-line distance [m] that the brick's centre must move."""
     takes_s: float | None
     """Duration [s] of the motion by theory; None if theory gives no duration."""
 
@@ -219,7 +220,7 @@ class Scene:
     scenario: str
     """Registry name, such as ``four_stack``."""
     variant: str
-    """Id of this variant, unique over its parameters, such as ``card_house-2``."""
+    """Id of this variant, different for every choice of the parameters, such as ``card_house-2``."""
     parameters: Mapping[str, float | int | str]
     world: World
     actions: tuple[Action, ...]
@@ -245,7 +246,7 @@ class Scene:
     bricks: tuple[Brick, ...] = field(init=False)
     """All bricks in the order of placement."""
     levels: int = field(init=False)
-    """Number of levels when everything is built."""
+    """Highest level of all bricks."""
 
     def __post_init__(self) -> None:
         placed = tuple(brick for action in self.actions if isinstance(action, Place) for brick in action.bricks)

@@ -1,7 +1,8 @@
 """Parameters of scenes: the ranges that a builder declares, and the id of the variant with given values.
 
-A builder annotates each parameter with its range, ``courses: Annotated[int, Whole(1, 200)] = 8``. The decorator
-``scenarios.scenario.scenario`` reads the ranges and checks every value before the builder runs.
+A builder is the function that plans a scene. It annotates each parameter with its range, as in
+``courses: Annotated[int, Whole(1, 200)] = 8``. The decorator ``scenarios.scenario.scenario`` makes a scenario of the
+builder: the scenario checks every value before the builder runs.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ Value: TypeAlias = float | int | str
 
 
 class Range(Protocol):
-    """The values that a parameter may take. ``str`` of a range is its text for users."""
+    """The values that a parameter may take. ``str`` of a range gives its text for users."""
 
     def check(self, name: str, value: object) -> Value:
         """Return ``value`` in the parameter's type.
@@ -107,8 +108,8 @@ Friction: TypeAlias = Annotated[float, Real(0, 2)]
 def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str, Value]) -> str:
     """Return the id of a variant: the scenario's name, then every value that differs from its default.
 
-    The id gives the first parameter without its name, ``card_house-2``, and each other parameter after its name,
-    ``card_house-2-theta75``. So no two variants share an id, and an id is a valid file name.
+    The first parameter stands without its name, as in ``card_house-2``, and every other parameter after its name, as in
+    ``card_house-2-theta75``. No two variants share an id, and every id is a valid file name.
     """
     parts = [name]
     for index, (parameter, default) in enumerate(defaults.items()):
@@ -118,7 +119,7 @@ def variant_of(name: str, defaults: Mapping[str, Value], parameters: Mapping[str
 
 
 def short(value: Value) -> str:
-    """Return the shortest text that distinguishes a value from any other."""
+    """Return the shortest text that distinguishes a value from all other values."""
     if isinstance(value, float) and math.isfinite(value) and value.is_integer():
         return str(int(value))
     return str(value)

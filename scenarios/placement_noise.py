@@ -1,14 +1,16 @@
 """Placement noise: seed 0 is exact, every other seed perturbs each pose.
 
-The perturbation is a normal deviate, 0.3 mm in x and y (times the scene's ``size``) and 0.3 deg in yaw, cut at three
-standard deviations. A draw depends on the scene's variant, the seed and the brick's index only, and not on the engine,
-the order of trials or earlier falls. The module computes each draw from a hash through the inverse of the normal
+A draw consists of three normal deviates, for x, y and yaw, which are cut at three standard deviations. One standard
+deviation is 0.3 mm in x and in y (times the scene's ``size``) and 0.3 deg in yaw. A draw depends on the scene's
+variant, the seed, the brick's index and the number of earlier draws for this brick only, and not on the engine, the
+order of trials or earlier falls. The module computes each draw from a hash through the inverse of the normal
 distribution, so that the draw is the same on every machine, with any library.
 
-The module repeats a draw that pushes a brick into a neighbour or a fixed box. So noise can only open a joint between
+If a draw pushes a brick into a neighbour or a fixed box, the module draws again. So noise can only open a joint between
 planned neighbours that touch, and only seed 0 builds the joint closed. In a row of touching bricks the errors add up,
-and a brick may need more than three standard deviations to find room; therefore the shift grows with the number of
-draws. A brick that fits exactly between two fixed walls has no room for noise: every seed but 0 raises ``NoRoomError``.
+and a brick may need more than three standard deviations to find room; therefore the standard deviation of the shift
+grows with the number of draws. A brick that fits exactly between two fixed walls has no room for noise, so every seed
+except 0 raises ``NoRoomError``.
 """
 
 from __future__ import annotations
@@ -25,28 +27,28 @@ from scenarios.geometry import BoolArray, Boxes, overlap_in_plan, side_by_side, 
 from scenarios.model import Brick, Place, Scene
 
 SHIFT = 0.3e-3
-"""Standard deviation [m] in x and in y, for a scene of size 1."""
+"""Standard deviation [m] of the shift in x and in y, for a scene of size 1."""
 TURN = math.radians(0.3)
 """Standard deviation [rad] of the yaw."""
 CUT = 3.0
-"""Cut of the distributions [standard deviations]."""
+"""Greatest absolute value of a deviate [standard deviations]."""
 _DRAWS = 500
 """Number of draws after which placement fails, because between planks 2 mm apart the first draw nearly always succeeds.
 """
 _WIDENED = 25
-"""Number of draws between two increases of the shift, each by ``SHIFT``."""
+"""Number of draws after which the standard deviation of the shift grows by ``SHIFT`` again."""
 
 
 class NoRoomError(ValueError):
-    """Placement noise leaves no room for a brick beside its neighbours; the message names the fix."""
+    """Error for a brick that finds no room for placement noise beside its neighbours; the message names the fix."""
 
 
 def with_placement_noise(scene: Scene, seed: int) -> Scene:
     """Return the scene with placement noise; the scene itself for seed 0.
 
-    A group moves as one rigid body, turning about its centroid. In a planar scene the group moves along x only. The
-    function repeats a draw if the group would overlap an earlier brick of the same level, or a brick or fixed box that
-    is planned beside the group.
+    The bricks of one ``Place`` action move as one rigid group, which turns about its centroid. In a planar scene the
+    group moves along x only. The function draws again if the group would overlap an earlier brick of the same level, or
+    a brick or fixed box that is planned beside the group.
 
     Raises:
         ValueError: if the seed is negative.
@@ -86,8 +88,11 @@ def _perturbed(scene: Scene, seed: int, group: Sequence[Brick], laid: Sequence[B
 def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> BoolArray:
     """Return the mask of the laid bricks and fixed boxes that each brick of a group must not overlap, shape (m, n).
 
-    Bricks of the same level count, and bricks and fixed boxes planned beside the brick. In a poured scene only the
-    level counts, because bricks do not lie where they were planned.
+    The mask is True for
+
+    - laid bricks of a level that occurs in the group;
+    - laid bricks and fixed boxes planned beside the brick of the group, except in a poured scene, because poured bricks
+      do not lie where they were planned.
     """
     levels = {brick.level for brick in group}
     same_level = [brick.level in levels for brick in laid] + [False] * len(scene.world.fixed)
@@ -99,7 +104,14 @@ def _beside(scene: Scene, group: Sequence[Brick], laid: Sequence[Brick]) -> Bool
 
 
 def deviates(variant: str, seed: int, brick: int, draw: int = 0) -> tuple[float, float, float]:
-    """Return three independent standard normal deviates, cut at ``CUT``, for one brick of one scene and seed."""
+    """Return three independent standard normal deviates, cut at ``CUT``, for one brick of one scene and seed.
+
+    Args:
+        variant: id of the scene's variant.
+        seed: seed of the placement noise.
+        brick: index of the brick in the order of placement, from 0.
+        draw: number of earlier draws for this brick.
+    """
     digest = hashlib.blake2b(f"{variant}/{seed}/{brick}/{draw}".encode(), digest_size=24).digest()
     first, second, third = (_deviate(digest[start : start + 8]) for start in (0, 8, 16))
     return first, second, third

@@ -25,17 +25,17 @@ MU = 0.45
 0.45, because only near the upper end does a card house stand with any normal that an engine reports at its ridge (see
 ``card_house``)."""
 GRAVITY = 9.81
-"""Strength [m/s2] of the gravity of ``World``."""
+"""Magnitude [m/s2] of the default gravity of ``World``."""
 DENSITY = MASS / (LENGTH * WIDTH * THICKNESS)
 """Mean density [kg/m3]."""
 GAP = 2.0e-3
-"""Gap [m] between neighbours of a level, because with 0.5 mm placement noise would push a plank into its neighbour."""
+"""Gap [m] between neighbours of a level, because placement noise would push planks 0.5 mm apart into each other."""
 
 
 def lay(
     x: float, y: float = 0.0, *, level: int, yaw: float = 0.0, bottom: float | None = None, length: float = LENGTH
 ) -> Brick:
-    """Return a plank lying flat, its length along x before the turn ``yaw``.
+    """Return a plank that lies flat, with its length turned from the x axis by ``yaw``.
 
     Args:
         x: centre along x [m].
@@ -51,14 +51,14 @@ def lay(
 
 
 def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, bottom: float = 0.0) -> Brick:
-    """Return a plank on its short edge, leaning in the x-z plane.
+    """Return a plank that stands on its lower short edge and leans in the x-z plane.
 
     Args:
-        foot: position of the edge along x [m].
+        foot: position of this edge along x [m].
         theta: angle [rad] between the plank and the ground.
-        toward: 1 if it leans toward +x, -1 toward -x.
+        toward: 1 if the plank leans toward +x, -1 if it leans toward -x.
         level: level of the brick, from 1.
-        bottom: height of the edge [m].
+        bottom: height of this edge [m].
     """
     along, across = (math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))
     x = foot + toward * (LENGTH * along[0] + THICKNESS * across[0]) / 2
@@ -70,8 +70,9 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
 def plank_of(scale: float) -> tuple[float, float, float, float]:
     """Return length, width and thickness [m] and mass [kg] of a plank ``scale`` times as large, of the same wood.
 
-    A tipping test needs size: the energy [J] of a landing brick grows with its mass only, because the harness always
-    releases the brick ``CLEARANCE`` above its support; the energy that tips a stack grows with its size as well.
+    A stack that must not tip needs large planks: the energy [J] of a landing brick grows with the brick's mass only,
+    because the harness releases each brick ``CLEARANCE`` above its support, but the energy that tips the stack grows
+    with its mass and its size.
     """
     return scale * LENGTH, scale * WIDTH, scale * THICKNESS, scale**3 * MASS
 
@@ -102,5 +103,5 @@ def box(
 
 
 def one_a_second(groups: Iterable[Sequence[Brick]]) -> tuple[Place, ...]:
-    """Place one group of bricks each second, from time 0: the pace of the paper's stacks."""
+    """Return actions that place one group of bricks each second from time 0, as the paper does."""
     return tuple(Place(float(second), tuple(group)) for second, group in enumerate(groups))

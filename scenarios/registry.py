@@ -138,7 +138,7 @@ def _prebuilt(scenario: Scenario[...], built: str, **parameters: Value) -> Scene
 def with_defaults(name: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
     """Return recorded parameters, completed by the defaults of parameters that were added later.
 
-    With its default, a new parameter does not change the scene, so that old records can be compared with new records.
+    At its default, a new parameter does not change the scene, so that old records remain comparable with new records.
     """
     scenario = SCENARIOS.get(name)
     return {**(scenario.parameters if scenario else {}), **parameters}

@@ -3,9 +3,9 @@
     @scenario
     def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan: ...
 
-The builder's name is the scenario's id. Its signature gives the parameters with defaults and ranges. The first line of
-its docstring is the description. The scenario checks the values, calls the builder and adds ids and parameters to its
-plan.
+The builder's name is the scenario's id. The builder's signature gives the parameters with defaults and ranges. The
+first line of the builder's docstring is the description. A call of the scenario checks the values, calls the builder,
+and adds ids and parameters to the returned plan.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scenarios.parameters import Choice, Range, Real, Value, variant_of
 ONE_BY_ONE, AT_ONCE, AT_ONCE_BELOW = BUILT = ("one_by_one", "at_once", "at_once_below")
 """Ways to build a scene of statics: see ``scenarios.scenes.shared.prebuilt``."""
 SIZE = Real(0.01, 1000.0)
-"""Factor on all lengths of a scene of statics: planks from 1 mm to 117 m long."""
+"""Range of the factor on all lengths of a scene of statics: planks from 1.17 mm to 117 m long."""
 OF_STATICS: Mapping[str, tuple[Value, Range]] = {"built": (ONE_BY_ONE, Choice(*BUILT)), "size": (1.0, SIZE)}
 """Defaults and ranges of the parameters that all scenes of statics share."""
 
@@ -37,8 +37,8 @@ class Plan:
     expectation: Expectation
     look_for: str
     partner: Mapping[str, Value] | None = None
-    """Parameters that differ in the partner, which is the scene that must stand and shares the id ``Scene.pair``; None
-    if the scene has no partner."""
+    """Values of the parameters in which the two scenes of a pair differ. The variant with these values gives the pair
+    its id, ``Scene.pair``. None if the scene has no partner."""
     planar: bool = False
     poured: bool = False
     watch_s: float = 5.0
@@ -47,17 +47,18 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario(Generic[P]):
-    """A family of scenes, one for each choice of its parameters. Call a scenario with parameters by name."""
+    """A family of scenes, one for each choice of its parameters; a call with keyword arguments builds a scene."""
 
     builder: Callable[P, Plan | Scene]
-    """The builder. A builder that returns a ``Scene`` sets the ids itself."""
+    """Function that returns the plan of a scene. A builder that returns a ``Scene`` sets the ids itself."""
     defaults: Mapping[str, Value]
     """Defaults of the builder's own parameters, in the order of their declaration."""
     declared: Mapping[str, Range]
-    """The ranges that the builder declares. The builder checks parameters without a range."""
+    """Ranges that the builder declares, by the names of their parameters. The builder itself checks parameters without
+    a range."""
     is_static: bool = True
-    """True if its scenes can be prebuilt and resized (parameters ``built`` and ``size``): bricks are only placed and
-    removed, not poured, pushed or dropped."""
+    """True if the scenario has the parameters ``built`` and ``size``, which prebuild and resize its scenes, because
+    bricks are only placed and removed, not poured, pushed or dropped."""
 
     @property
     def name(self) -> str:
@@ -71,12 +72,12 @@ class Scenario(Generic[P]):
 
     @property
     def parameters(self) -> Mapping[str, Value]:
-        """The parameters' names and defaults."""
+        """Defaults of all parameters, by name."""
         return {**self.defaults, **{name: default for name, (default, _) in self._shared().items()}}
 
     @property
     def ranges(self) -> Mapping[str, Range]:
-        """The parameters' names and ranges."""
+        """Ranges of all parameters that have a range, by name."""
         return {**self.declared, **{name: allowed for name, (_, allowed) in self._shared().items()}}
 
     def variant(self, parameters: Mapping[str, Value]) -> str:
@@ -130,12 +131,12 @@ def _check_planar(planned: Plan) -> None:
 
 
 def scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario of statics: bricks are only placed and removed."""
+    """Make a scenario of statics of a builder that only places and removes bricks."""
     return _scenario(builder, is_static=True)
 
 
 def dynamic_scenario(builder: Callable[P, Plan | Scene]) -> Scenario[P]:
-    """Make a scenario of dynamics: bricks are poured, dropped, pushed, pulled or moved."""
+    """Make a scenario of dynamics of a builder that pours, drops, pushes, pulls or moves bricks."""
     return _scenario(builder, is_static=False)
 
 

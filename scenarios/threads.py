@@ -1,4 +1,4 @@
-"""Public threads behind scenes of ``scenarios/examples``: the source of each scene, and the reported behaviour."""
+"""Public threads about stacks that scenes of ``scenarios/examples`` reproduce: addresses and reported behaviour."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FILE = Path(__file__).with_suffix(".toml")
 
 @dataclass(frozen=True, slots=True)
 class Thread:
-    """A thread on a public tracker."""
+    """A thread on a public issue tracker."""
 
     name: str
     """Repository and number, such as ``bulletphysics/bullet3#3049``."""
@@ -24,13 +24,16 @@ class Thread:
 
 @cache
 def threads() -> Mapping[str, Thread]:
-    """Return the thread behind each scene, by the stem of the scene's file."""
+    """Return the threads, each by the stem of the file of the scene that reproduces its stack."""
     content = tomllib.loads(FILE.read_text(encoding="utf-8"))
     return {stem: Thread(one["thread"], one["url"], one["reported"]) for stem, one in content.items()}
 
 
 def thread_of(parameters: Mapping[str, object]) -> Thread | None:
-    """Return the thread behind the scene with these parameters; None if there is no thread or the scene is changed."""
+    """Return the thread about the stack of a scene with ``parameters``.
+
+    Return None if the scene has no thread, or if its size, mass or yaw is changed.
+    """
     changed = [parameters.get(name, usual) != usual for name, usual in (("size", 1.0), ("mass", 1.0), ("yaw", 0.0))]
     file = parameters.get("file")
     return threads().get(Path(str(file)).stem) if file is not None and not any(changed) else None
