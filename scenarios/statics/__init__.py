@@ -1,1 +1,1 @@
-"""The judge: exact statics that decides whether a stack can stand, independent of the core that it judges."""
+"""The judge: exact statics that decides whether a stack can stand, independent of ``stability_core``."""

@@ -1,30 +1,35 @@
-"""The margins of each brick of a stack at rest: the load and the tilt that it bears before no equilibrium exists.
+"""The margins of each brick of a stack at rest: the additional load and the tilt up to which an equilibrium exists.
 
 Forces f at the corners of contact patches, each in its Coulomb cone |f_t| <= mu f_n, act on the bodies by the map A;
 the weights are w (``contact_wrenches``). A stack has an equilibrium if A f + w = 0 has a solution.
 
-**Load margin** of brick i [N]: the greatest force s along gravity at its centre of mass for which
+**Load margin** of brick i [N]: the greatest force s along gravity at the brick's centre of mass for which
 
     A f + w + s d_i = 0,   s >= 0,   f in the cones
 
-has a solution; d_i is a unit force along gravity on brick i. It is infinite if every load finds its way to the ground.
+has a solution; d_i is a unit force along gravity on brick i. The margin is infinite if every s has a solution.
 
-**Tilt margin** of brick i [deg]: gravity of the same strength turns by alpha toward a direction h across it, for all
-bodies. As forces scale with the weights, there is an equilibrium exactly if there is one for
+**Tilt margin** of brick i [deg]: gravity, of constant strength, turns by alpha toward a direction h that is
+perpendicular to it, for all bodies. Because forces scale with the weights, an equilibrium exists exactly if
 
-    A f + w + tan(alpha) w_h = 0,   w_h: the weights, turned toward h.
+    A f + w + tan(alpha) w_h = 0,   w_h: forces of the size of the weights, along h
 
-The greatest alpha is the margin of the bricks that move in the mechanism that the program's dual solution gives. They
-are taken away with whatever then has no equilibrium, and the greatest alpha for the rest is sought, which is a brick's
-margin if it is larger than that of the bricks that went before. The margin of a brick is the least over ``DIRECTIONS``
-directions h.
+has a solution. For each direction h, the method finds the margins in rising order:
 
-Solutions of both programs form a convex set, so equilibrium exists up to the margin and nowhere beyond it. Each cone is
-replaced by an inscribed pyramid of ``SIDES`` sides: friction is exact along its edges, and at least cos(pi / ``SIDES``)
-= 98 % elsewhere, so no margin is too large. Equilibrium is necessary for rest, not sufficient with friction: a brick
-that is wedged may fall earlier (``truth``). The energy of a drop or a blow is not considered.
+1. The greatest alpha that has a solution is the margin of the bricks that move in the mechanism, which is the dual
+   solution of the linear program.
+2. The method removes these bricks. If other bricks have no equilibrium without them, alpha is their margin too, and the
+   method removes them as well.
+3. The method repeats the steps with the remaining bricks. No margin is less than a margin found before.
 
-A brick that has no equilibrium at all, as in the air, has both margins 0.
+The margin of a brick is the least over ``DIRECTIONS`` directions h.
+
+Solutions of both programs form a convex set, so an equilibrium exists up to the margin and nowhere beyond it. An
+inscribed pyramid of ``SIDES`` sides replaces each cone: friction is exact along the pyramid's edges, and at least
+cos(pi / ``SIDES``) = 98 % elsewhere, so no margin is too large. Equilibrium is necessary for rest, but with friction it
+is not sufficient: a wedged brick may fall earlier (``truth``). The margins ignore the energy of a drop or a blow.
+
+A brick that has no equilibrium at all, for example a brick in the air, has both margins 0.
 """
 
 from __future__ import annotations
@@ -45,15 +50,17 @@ from scenarios.statics.contact_wrenches import Corners
 from scenarios.statics.force_balance import BALANCED, SOLVER, Balance
 
 SIDES = 16
-"""Number of sides of the pyramids in the cones."""
+"""Number of sides of the pyramid inscribed in each cone."""
 DIRECTIONS = 8
-"""Number of directions of the tilt, equally far apart. The first is that in which gravity leans already, or x."""
+"""Number of directions of the tilt, at equal angles. The first direction is that of gravity's horizontal part, or x if
+gravity has no horizontal part."""
 MOST_TILT = 89.0
 """Tilt [deg] from which the margin counts as 90, because the tangent grows without bounds."""
 MOST_LOAD = 1e4
-"""Load, in weights of all bricks, from which a brick bears any load."""
+"""Load, in weights of all bricks, from which the load margin counts as infinite."""
 _MOVES = 1e-6
-"""Share of the greatest virtual velocity from which a brick moves, far above the solver's rounding."""
+"""Ratio of a brick's virtual velocity to the greatest virtual velocity from which the brick counts as moving; the value
+is far above the solver's rounding."""
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -71,9 +78,9 @@ class BrickMargins:
 
 class _Limit(NamedTuple):
     factor: float
-    """Greatest factor of the additional load; infinite from ``most`` on."""
+    """Greatest factor of the additional load; infinite if the factor reaches ``most``."""
     moves: BoolArray
-    """Whether a body moves in the mechanism at the limit, shape (n,)."""
+    """True for each body that moves in the mechanism at the limit, shape (n,)."""
 
 
 class _Pile:
@@ -82,14 +89,15 @@ class _Pile:
     def __init__(self, corners: Corners, wrenches: csc_array, held: FloatArray) -> None:
         self.corners, self._wrenches = corners, wrenches
         self._held = held
-        """Sum of the contact forces on each body, shape (6 n,): balances the weights up to ``BALANCED``."""
+        """Sums of the contact forces and of their moments on each body, shape (6 n,), which balance the weights up to
+        ``BALANCED``."""
 
     def limit(self, load: FloatArray, most: float) -> _Limit:
-        """Return the greatest factor, up to ``most``, for which forces hold the weights and factor times ``load``.
+        """Return the greatest factor for which contact forces hold the weights and factor times ``load``.
 
         Args:
             load: additional forces and moments, shape (6 n,).
-            most: greatest factor of interest.
+            most: factor from which the result is infinite.
         """
         count = self._wrenches.shape[1]
         matrix = hstack([self._wrenches, csc_array(load[:, None])], format="csc")
@@ -112,7 +120,7 @@ class _Pile:
 def brick_margins(
     centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], friction: float, length: float
 ) -> BrickMargins:
-    """Return the margins of bodies at rest; see the module for their equations.
+    """Return the margins of bodies at rest; see the module docstring for the equations.
 
     The work is one linear program for each brick, and at least one for each direction of the tilt.
 
@@ -153,9 +161,10 @@ class _Stack:
     length: float
 
     def held(self, present: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.int64], _Pile | None]:
-        """Return the largest part of the bodies ``present`` that is in equilibrium; the pile is None if it is empty.
+        """Return the bodies of ``present`` that can stay in equilibrium, and their pile.
 
-        Bodies that move in a mechanism are taken away until the rest needs no more forces than contacts give.
+        The method removes the bodies that move in a mechanism until contact forces hold all other bodies. The pile is
+        None if no body stays.
         """
         while len(present):
             corners = Corners(self.centers[present], self.weights[present], _among(present, self.patches), self.length)
@@ -192,7 +201,7 @@ def _tilts(stack: _Stack, held: npt.NDArray[np.int64], direction: FloatArray) ->
 
 
 def _across(down: FloatArray) -> FloatArray:
-    """Return unit vectors across gravity, shape (``DIRECTIONS``, 3), the first in the direction in which it leans."""
+    """Return unit vectors perpendicular to gravity, shape (``DIRECTIONS``, 3); ``DIRECTIONS`` describes the first."""
     leaning = np.array([down[0], down[1], 0.0])
     first = leaning if np.linalg.norm(leaning) > _MOVES else np.array([1.0, 0.0, 0.0])
     first = first - (first @ down) * down
@@ -203,14 +212,14 @@ def _across(down: FloatArray) -> FloatArray:
 
 
 def _moving(motion: FloatArray) -> BoolArray:
-    """Return whether each body moves in a virtual motion, shape (6 n,) or (n, 6); all do if the motion is zero."""
+    """Return the mask (n,) of the bodies that move in ``motion``, shape (6 n,) or (n, 6); all True without motion."""
     speeds = np.abs(motion.reshape(-1, 6)).max(axis=1)
     moving: BoolArray = speeds >= _MOVES * speeds.max()
     return moving
 
 
 def _among(present: npt.NDArray[np.int64], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between the bodies ``present``, with their indices in that list."""
+    """Return the patches between the bodies ``present``, with the bodies' indices in ``present``."""
     place = {body: index for index, body in enumerate(present.tolist())} | {GROUND: GROUND}
     return [
         patch._replace(first=place[patch.first], second=place[patch.second])

@@ -1,27 +1,28 @@
-"""Solve the displacements of bodies on compliant contacts under their weights, or their remaining accelerations.
+"""Find the displacements, or the remaining accelerations, of bodies on compliant contacts under their weights.
 
     (1 / kappa) M u = w + J^T f(v),    v = J u     u: displacements, v: relative motion at the corners, M: masses
-    f_n = k max(0, -v_n)                           k: stiffness of a corner, w: weights
-    f_t = Proj_{|f_t| <= mu f_n} (-r k v_t)        r: tangential over normal stiffness
+    f_n = k max(0, -v_n)                           k: stiffness of a corner, w: weights, kappa: time squared over two
+    f_t = Proj_{|f_t| <= mu f_n} (-r k v_t)        r: tangential over normal stiffness, mu: coefficient of friction
 
 The module multiplies the rows of J by sqrt(k) and divides forces by sqrt(k), which gives k = 1 and keeps all cones.
 
 A solution exists for every kappa: contact forces do no positive work, f . v <= 0, so u . M u / kappa <= w . u bounds u,
-and Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)). Without friction it is the minimum of a convex
-function and unique; with friction it need not be unique. The problem is homogeneous: weights t w lead to displacements
-t u, so one solution gives the whole history of a load that grows in proportion, and sliding never reverses.
+and Brouwer's theorem applies to u -> kappa M^-1 (w + J^T f(J u)). Without friction the solution is the minimum of a
+convex function and unique; with friction the solution need not be unique. The problem is homogeneous: weights t w lead
+to displacements t u, so one solution gives the whole history of a load that grows in proportion, and sliding never
+reverses.
 
-Newton's method takes the derivative of f where it exists and a one-sided derivative elsewhere. Three stages follow each
-other until one converges:
+Newton's method takes the derivative of f where f has a derivative, and a one-sided derivative elsewhere. The search has
+three stages, and ends with the first stage that converges:
 
-1. Newton with steps that are halved until the imbalance shrinks;
-2. Newton with whole steps, which can leave a local minimum of the imbalance;
-3. friction bounds b = mu f_n fixed by the last iterate (Tresca's friction, the minimum of a convex energy, to which
-   Newton's method with shortened steps leads from anywhere). After each round the method renews the bounds and tries
-   the result as a start for stage 1.
+1. Newton's method, which halves each step until the imbalance shrinks;
+2. Newton's method with whole steps, which can leave a local minimum of the imbalance;
+3. rounds of Newton's method with fixed friction bounds b = mu f_n of the last iterate (Tresca's friction). With fixed
+   bounds the solution is the minimum of a convex energy, to which shortened steps lead from any start. After each round
+   the search renews the bounds, and tries the result of the round as a start for stage 1.
 
-Of 11,630 searches in tight courses, 81 needed stage 3. Of these 81 searches, 61 needed a single round, and 1 found no
-solution.
+A tight course is a row of bricks whose faces touch. Of 11,630 searches in tight courses, 81 needed stage 3. Of these 81
+searches, 61 needed a single round, and 1 found no solution.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ from scenarios.statics.contact_wrenches import Corners
 IntArray: TypeAlias = npt.NDArray[np.int64]
 
 PRECISION = 1e-8
-"""Imbalance of a body up to which it counts as balanced, over its weight, so that an acceleration of 1e-4 g is exact to
-1e-4 of its value."""
+"""Imbalance of a body, over the body's weight, up to which the body counts as balanced, so that an acceleration of
+1e-4 g is exact to 1e-4 of its value."""
 ROUNDING = 1e-15
 """Rounding error of forces that cancel, as a share of the forces."""
 STEPS = 40
@@ -54,29 +55,30 @@ ROUNDS = 20
 """Greatest number of rounds of fixed friction bounds, because tight courses take up to 10 rounds, and arches and logs
 up to 18."""
 _DECREASE = 1e-4
-"""Least decrease by a step, over the predicted decrease: of the imbalance or, with fixed bounds, of the energy."""
+"""Least ratio of the decrease by a step to the predicted decrease: of the imbalance or, with fixed bounds, of the
+energy."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Iterate:
     displacement: FloatArray
     opening: FloatArray
-    """v_n at each corner, shape (p,)."""
+    """Normal part v_n of the relative motion at each corner, shape (p,)."""
     pull: FloatArray
-    """-r v_t, the friction force if the corner sticks, shape (p, 2)."""
+    """Friction force -r v_t that each corner has if it sticks, shape (p, 2)."""
     pulled: FloatArray
-    """Length of the pull, shape (p,)."""
+    """Length of ``pull`` at each corner, shape (p,)."""
     sticks: BoolArray
     share: FloatArray
-    """Part of the pull that friction provides, shape (p,)."""
+    """Ratio of the friction force to ``pull`` at each corner, from 0 to 1, shape (p,)."""
     forces: FloatArray
-    """Normal and tangential forces, shape (p, 3)."""
+    """Normal and tangential forces at each corner, shape (p, 3)."""
     imbalance: FloatArray
-    """Left side minus right side of the first equation of the module, shape (6 n,)."""
+    """Left side minus right side of the first equation of the module docstring, shape (6 n,)."""
     size: float
     """Euclidean norm of the imbalance."""
     energy: float
-    """Energy that the solution minimises with fixed friction bounds."""
+    """Energy whose minimum is the solution with fixed friction bounds."""
 
 
 class CompliantPile:
@@ -91,7 +93,7 @@ class CompliantPile:
             block[:3, :3], block[3:, 3:] = mass * np.eye(3), mass * squared
         self._masses = csr_array(block_diag(blocks))
         self._inertia = self._masses.copy()
-        """Masses over kappa, whose values each Newton step replaces."""
+        """Matrix M / kappa; each Newton step replaces its values."""
         self._load, self._friction, self._ratio = load, friction, r
         self._corners = wrenches.shape[1] // 3
         self._precision = PRECISION * np.repeat(masses, 6)
@@ -100,24 +102,25 @@ class CompliantPile:
         columns = np.tile(np.arange(3 * self._corners).reshape(-1, 3), (1, 3)).ravel()
         starts = 3 * np.arange(3 * self._corners + 1)
         self._stiffness = csr_array((np.zeros(len(columns)), columns, starts), shape=(3 * self._corners,) * 2)
-        """Stiffness of the corners, whose values each Newton step replaces."""
+        """Matrix of the stiffness of all corners; each Newton step replaces its values."""
 
     def relative_motion(self, displacement: FloatArray) -> FloatArray:
-        """Return the relative motion of the surfaces at each corner, shape (p,), times sqrt(k)."""
+        """Return the length of the relative motion of the surfaces at each corner, times sqrt(k), shape (p,)."""
         motion: FloatArray = np.linalg.norm((self._motions @ displacement).reshape(-1, 3), axis=1)
         return motion
 
     def bonded(self, kappa: float) -> FloatArray:
-        """Return the displacements with contacts that neither open nor slide."""
+        """Return the displacements with contacts that neither open nor slide, shape (6 n,)."""
         stiffness = diags_array(np.tile([1.0, self._ratio, self._ratio], self._corners))
         matrix = self._masses / kappa + self._wrenches @ stiffness @ self._motions
         displacement: FloatArray = splu(csc_array(matrix)).solve(self._load)
         return displacement
 
     def moved(self, start: FloatArray, kappa: float) -> FloatArray | None:
-        """Return the displacements for ``kappa``, searched from the better of two starts; None without convergence.
+        """Search for the displacements for ``kappa``, shape (6 n,), from the better of two starts.
 
-        The starts are ``start``, which suits bodies at rest, and sqrt(10) times ``start``, which keeps accelerations.
+        The starts are ``start``, which suits bodies at rest, and sqrt(10) times ``start``, which suits accelerating
+        bodies. Return None without convergence.
         """
         starts = [self._iterate(scale * start, kappa) for scale in (1.0, np.sqrt(10.0))]
         first = min(starts, key=lambda iterate: iterate.size)
@@ -155,8 +158,8 @@ class CompliantPile:
         """Return the solution near ``first``, or the last iterate without convergence.
 
         Args:
-            first: the iterate to begin with, of the same ``kappa`` and ``bounds``.
-            kappa: see the module docstring.
+            first: the first iterate, computed with the same ``kappa`` and ``bounds``.
+            kappa: time squared over two (see the module docstring).
             bounds: fixed friction bounds, shape (p,); None for bounds that follow the normal forces.
             halvings: greatest number of halvings of a step; with 0 the method takes a step even if the imbalance grows.
         """
@@ -179,11 +182,11 @@ class CompliantPile:
     def _step(self, iterate: _Iterate, kappa: float, *, are_fixed: bool) -> FloatArray | None:
         """Return Newton's step; None if the matrix is singular.
 
-        With the pull q and e = q / |q|, -df/dv at a corner has the blocks
+        Let q be the ``pull`` of a corner, e = q / |q|, and b its friction bound. Then -df/dv has the blocks
 
         - normal, normal: 1 if the corner is closed;
-        - tangential, tangential: r I if it sticks, else r b / |q| (I - e e^T);
-        - tangential, normal: mu e if it slides and b = mu f_n.
+        - tangential, tangential: r I if the corner sticks, else r b / |q| (I - e e^T);
+        - tangential, normal: mu e if the corner slides and b = mu f_n.
         """
         closed = iterate.opening < 0
         along = iterate.pull / np.where(iterate.pulled > 0, iterate.pulled, 1.0)[:, None]
@@ -223,10 +226,10 @@ class CompliantPile:
 def pile_of(
     corners: Corners, gyration: FloatArray, friction: float, ratio: float, stiffness: FloatArray
 ) -> CompliantPile:
-    """Build the compliant pile.
+    """Build a compliant pile from the corners of its contact patches.
 
     Args:
-        corners: corners of the contact patches.
+        corners: corners of the contact patches, with the bodies' loads.
         gyration: inertia over mass, in squares of the length unit, shape (n, 3, 3).
         friction: Coulomb coefficient.
         ratio: tangential over normal stiffness.
@@ -243,10 +246,10 @@ def even_stiffness(corners: Corners) -> FloatArray:
 
 
 def stiffness_by_weight(corners: Corners) -> FloatArray:
-    """Return a stiffness in proportion to the reduced weight of the two bodies, 1 / (1 / a + 1 / b), shape (p,).
+    """Return the stiffness of each corner, in proportion to the reduced weight of its two bodies, shape (p,).
 
-    With this stiffness every single body sinks by the same amount, so that a heavy neighbour does not press on others
-    by its own compression.
+    The reduced weight of two bodies with weights a and b is 1 / (1 / a + 1 / b). With this stiffness bodies sink by the
+    same amount under their own weights, so that a heavy body that sinks does not press on its neighbours.
     """
     compliance = 1.0 / np.append(_masses(corners), np.inf)  # the last entry is for GROUND, -1
     stiffness: FloatArray = 1.0 / (compliance[corners.first] + compliance[corners.second])
@@ -261,7 +264,8 @@ def _masses(corners: Corners) -> FloatArray:
 def ball_gyration(centers: FloatArray, patches: Sequence[Patch], length: float) -> FloatArray:
     """Return inertia over mass [m2] for bodies of unknown shape, shape (n, 3, 3).
 
-    Each body counts as a ball whose inertia over mass is a third of the squared distance to its farthest corner.
+    Each body counts as a ball whose inertia over mass is a third of the squared distance from its centre of mass to the
+    farthest corner of its contact patches.
     """
     reach = np.full(len(centers), 1e-3 * length)
     for patch in patches:

@@ -1,16 +1,16 @@
 """The contact patch of two ideal boxes: its corners and its normal.
 
-Two boxes touch if a direction separates them with a gap of zero. If that direction is unique, it is the contact's
+Two boxes touch if a direction separates them with a gap of zero. If only one direction does, it is the contact's
 normal, and the patch is the common part of both surfaces: a polygon (face on face), a segment (edge on face) or a point
 (corner on face, edge across edge). If two parallel edges meet, as at the ridge of two planks that lean against each
 other, a whole range of directions separates the boxes, and physics does not determine the normal. A convention gives
 the normal:
 
-- ``bisector``: the middle of that range, which is horizontal for two planks that lean alike;
-- ``face``: the face of the first box that bounds the range, as physics engines report it.
+- ``bisector``: the middle of that range, which is horizontal for two planks that lean at the same angle;
+- ``face``: the normal of the first box's face that bounds the range, as most physics engines report.
 
-Statics needs only the corners of a patch: a force inside that obeys Coulomb's law is the sum of parallel shares at the
-corners, so each share obeys the law as well.
+Statics needs only the corners of a patch, because a force at any point of the patch has the same effect as parallel
+forces at the corners. If the force obeys Coulomb's law, so do the forces at the corners.
 """
 
 from __future__ import annotations
@@ -31,17 +31,19 @@ GROUND = -1
 """Id of everything that never moves: the ground, and walls."""
 
 TOUCH = 1e-6
-"""Gap or overlap of boxes in contact, as a share of their thinnest edge. The value is far above rounding and far below
-the gaps of plans. The value is a share, not a length, so that the verdict is the same at 8 mm and at 8 m."""
+"""Greatest gap or overlap of two boxes that count as touching, as a share of their thinnest edge. The value is far
+above rounding and far below the gaps of plans. The value is a share, not a length, so that the verdict is the same at
+8 mm and at 8 m."""
 RIDGE_GAP = 0.04
-"""Gap between two parallel edges that meet at a ridge, as a share of the thinnest edge, because the scenes leave 0.2 mm
-there (0.026 of a plank's thickness), and 2 mm between bricks that must not touch."""
+"""Greatest gap between two parallel edges that count as meeting at a ridge, as a share of the thinnest edge of both
+boxes, because the scenes leave 0.2 mm at ridges (0.026 of a plank's thickness), and 2 mm (0.26) between bricks that
+must not touch."""
 _PARALLEL = 1e-7
 """Sine of the angle below which two directions count as parallel."""
 
 
 class Tolerance(NamedTuple):
-    """How exactly boxes must touch: see ``TOUCH`` and ``_PARALLEL``."""
+    """Tolerances with which boxes touch: a gap or overlap as ``TOUCH``, and a sine as ``_PARALLEL``."""
 
     touch: float = TOUCH
     parallel: float = _PARALLEL
@@ -60,9 +62,9 @@ class Patch(NamedTuple):
     """The contact patch of two bodies."""
 
     first: int
-    """Index of the body on the near side, or ``GROUND``."""
+    """Index of the body from which the normal points, or ``GROUND``."""
     second: int
-    """Index of the body on the far side."""
+    """Index of the body to which the normal points."""
     points: FloatArray
     """The patch's corners [m], shape (k, 3)."""
     normal: FloatArray
@@ -78,11 +80,11 @@ class _Box:
     corners: FloatArray
 
     def faces(self) -> list[tuple[int, FloatArray]]:
-        """Return the six faces: axis and outward normal."""
+        """Return the axis (0, 1 or 2) and the outward normal of each of the six faces."""
         return [(axis, sign * self.axes[axis]) for axis, sign in product(range(3), _SIGNS)]
 
     def reach_along(self, direction: FloatArray) -> float:
-        """Return the distance [m] by which the box extends along ``direction``, from the origin."""
+        """Return the greatest coordinate [m] of the box along the unit vector ``direction``."""
         return float((self.corners @ direction).max())
 
 
@@ -96,13 +98,13 @@ def contact_patches(
     """Return all patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
 
     Args:
-        bricks: the movable bricks; patches name them by their indices.
-        walls: boxes that never move; patches name them ``GROUND``.
-        ridge: normal of two parallel edges that meet.
-        tolerance: how exactly boxes must touch.
+        bricks: the movable bricks; patches refer to bricks by their indices.
+        walls: boxes that never move; patches refer to walls as ``GROUND``.
+        ridge: convention for the normal where two parallel edges meet (see the module docstring).
+        tolerance: tolerances with which boxes touch.
 
     Raises:
-        ValueError: if two bricks overlap, or a brick lies in a wall or below the ground, which a plan must avoid.
+        ValueError: if two bricks overlap, or a brick overlaps a wall or the ground.
     """
     boxes = Boxes.of([*bricks, *walls])
     reach = boxes.reach
@@ -151,10 +153,11 @@ def _on_ground(boxes: Boxes, thin: FloatArray, bricks: int, tolerance: Tolerance
 def touch(
     first: _Box, second: _Box, thin: float, ridge: Ridge, tolerance: Tolerance = PLANNED
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if the boxes are apart, or only graze.
+    """Return corners (k, 3) [m] and normal (3,) of two boxes' patch; None if the boxes are apart.
 
-    Two convex bodies are apart exactly if one of fifteen directions separates them: the faces' normals, and the
-    directions across an edge of each.
+    Boxes that only graze count as apart: they touch only at the borders of their faces, so no normal is determined. Two
+    boxes are apart exactly if one of fifteen directions separates them: six normals of faces, and nine cross products
+    of an edge of each box.
 
     Raises:
         ValueError: if the boxes overlap.
@@ -190,7 +193,10 @@ def touch(
 
 
 def _across_edges(first: _Box, second: _Box, parallel: float) -> FloatArray:
-    """Return unit normals (k, 3), from the first box to the second, of each pair of edges that are not parallel."""
+    """Return the unit vectors across the pairs of edges that are not parallel, shape (k, 3).
+
+    Each vector is perpendicular to one edge of each box, and points from the first box to the second.
+    """
     normals = np.cross(first.axes[:, None], second.axes[None]).reshape(9, 3)
     length = np.linalg.norm(normals, axis=1)
     crossed = length > parallel
@@ -201,7 +207,10 @@ def _across_edges(first: _Box, second: _Box, parallel: float) -> FloatArray:
 
 
 def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, tolerance: float) -> FloatArray:
-    """Return the corners (k, 3) shared by ``other`` and a separating face of ``box``; empty if they only graze."""
+    """Return the corners (k, 3) [m] of the common part of ``other`` and a separating face of ``box``.
+
+    The result is empty if ``other`` only grazes the face, that is, touches only its border.
+    """
     u, v = (axis + 1) % 3, (axis + 2) % 3
     height = (other.corners - box.center) @ outward - box.half[axis]
     feature = other.corners[height <= tolerance] - box.center
@@ -223,10 +232,10 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
 
 
 def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
-    """Return the part (m, 2) of a polygon, segment or point (k, 2) where the linear ``outside`` (k,) is not positive.
+    """Return the part (m, 2) of a polygon, segment or point (k, 2) where a linear function is not positive.
 
-    The method is Sutherland and Hodgman's. A segment counts as a polygon that runs forth and back, so the result
-    may contain a corner twice, which does no harm.
+    The array ``outside`` (k,) contains the function's values at the corners. The method is Sutherland and Hodgman's. A
+    segment counts as a polygon that runs forth and back, so the result may contain a corner twice.
     """
     if (outside <= 0.0).all():
         return polygon
@@ -242,7 +251,7 @@ def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
-    """Return the point, shape (3,), where an edge of one box crosses an edge of the other; None if no edges cross."""
+    """Return the point (3,) [m] where an edge of one box crosses an edge of the other; None if no edges cross."""
     start = first.corners[first.corners @ normal >= first.reach_along(normal) - tolerance]
     end = second.corners[-(second.corners @ normal) >= second.reach_along(-normal) - tolerance]
     if len(start) != 2 or len(end) != 2:
@@ -265,15 +274,16 @@ def _at_ridge(
     ridge: Ridge,
     tolerance: Tolerance,
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the segment in which two parallel edges meet, and its normal; None without such edges.
+    """Return the segment (2, 3) [m] in which two parallel edges meet, and its normal (3,); None if no edges meet so.
 
     Args:
         first: the box from which the normal points.
         second: the other box.
-        faces: faces that separate the boxes, with their normals from the first to the second; they bound the range.
+        faces: faces that separate the boxes, each with its normal from the first box to the second. These normals bound
+            the range of directions that separate the boxes.
         thin: the thinnest edge of both boxes [m].
         ridge: the convention for the normal.
-        tolerance: how exactly boxes must touch.
+        tolerance: tolerances with which boxes touch.
     """
     cosine = first.axes @ second.axes.T
     shared = np.argwhere(cosine**2 > 1 - tolerance.parallel**2)

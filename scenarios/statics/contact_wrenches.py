@@ -1,8 +1,8 @@
 """Map forces at the corners of contact patches to forces and moments on bodies.
 
-A unit force d at a corner x pushes the second body by d and the first body by -d; its moment about the centre of mass c
-of a body is ((x - c) / length) x d, up to the sign. The transposed map gives the relative velocity of the two surfaces
-at each corner from the velocities of the bodies.
+A unit force d at a corner acts on the second body as d and on the first body as -d. Its moment about a body's centre of
+mass is the cross product of the arm from this centre to the corner, over ``length``, and the force on the body. The
+transposed map gives the relative velocity of the two surfaces at each corner from the velocities of the bodies.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenarios.statics.contact_patch import GROUND, Patch
 
 
 class Corners:
-    """The corners of all patches, dimensionless: forces over the mean weight, lengths over ``length``."""
+    """The corners of all patches. Forces are over the mean weight, and arms over ``length``; positions are in m."""
 
     def __init__(self, centers: FloatArray, weights: FloatArray, patches: Sequence[Patch], length: float) -> None:
         corners = [len(patch.points) for patch in patches]
@@ -28,17 +28,21 @@ class Corners:
         self.first = np.repeat(np.array([patch.first for patch in patches], np.int64), corners)
         self.second = np.repeat(np.array([patch.second for patch in patches], np.int64), corners)
         self.tangents = _tangents(self.normals)
-        """Two unit vectors across each normal, shape (2, p, 3)."""
+        """Two unit vectors perpendicular to each normal and to each other, shape (2, p, 3)."""
         self.unit = float(np.linalg.norm(weights, axis=1).mean())
         """The mean weight [N]."""
         self.bodies = len(centers)
         self.load = np.hstack([weights / self.unit, np.zeros_like(weights)]).ravel()
-        """Weights as forces and moments, shape (6 n,)."""
+        """Weights as forces and moments on the bodies, over the mean weight, shape (6 n,)."""
         self.centers, self.length = centers, length
         """Centres of mass [m], shape (n, 3), and the length unit [m]."""
 
     def wrenches(self, directions: FloatArray) -> csc_array:
-        """Return the force and moment on every body, shape (6 n, p k), of a unit force along each (p, k, 3)."""
+        """Return the matrix (6 n, p k) whose columns are the forces and moments of each direction.
+
+        Args:
+            directions: k directions of a force at each corner, shape (p, k, 3); a force is as large as its vector.
+        """
         p, k, _ = directions.shape
         rows, columns, values = [], [], []
         for body, sign in ((self.first, -1.0), (self.second, 1.0)):
@@ -55,7 +59,7 @@ class Corners:
 
 
 def _tangents(normals: FloatArray) -> FloatArray:
-    """Return two unit vectors across each normal (p, 3), shape (2, p, 3)."""
+    """Return two unit vectors perpendicular to each normal (p, 3) and to each other, shape (2, p, 3)."""
     least = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first = np.cross(least, normals)
     first /= np.linalg.norm(first, axis=1)[:, None]

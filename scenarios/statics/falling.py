@@ -14,8 +14,9 @@ The bodies move along q a from q = 0 at rest. With v and o the linear and the an
     time       t = acosh(1 + s^2 q) / s                     (sqrt(2 q) without rotation, s = 0)
 
 A block whose centre of mass lies e beyond an edge and h above it has s^2 = m g h / I (I: inertia about the edge) and
-reaches the angle phi at acosh(1 + phi h / e) / s. The forces are projected on the cones, so that a sliding contact
-dilates: on a slope of 15 to 25 degrees the horizontal acceleration is off by 5 % at most.
+reaches the angle phi at acosh(1 + phi h / e) / s. The minimisation projects the forces on the cones, so that the two
+surfaces of a sliding contact also move apart: on a slope of 15 to 25 degrees the horizontal acceleration is off by 5 %
+at most.
 """
 
 from __future__ import annotations
@@ -36,18 +37,19 @@ TILT_LIMIT = math.radians(15)
 """Angle [rad] from which a brick has toppled, because a plank that leans this far off its plan no longer carries the
 bricks planned on it."""
 SLIDE_LIMIT = 1.0
-"""Distance from which a brick has slid or dropped, over its least edge."""
+"""Ratio of a brick's displacement to its least edge from which the brick has slid or dropped."""
 SIDES = 16
 """Number of sides of the pyramids inscribed into the Coulomb cones, so that friction is too small by at most 2 %."""
 _STILL = 1e-6
-"""Speed up to which a body counts as still because of rounding, as a share of the fastest body's speed."""
+"""Speed up to which a body counts as still, as a share of the fastest body's speed, because rounding leaves small
+speeds."""
 
 
 def fall_time(bricks: Sequence[Brick], world: World) -> float:
     """Return the time [s] from rest in the planned poses until the first brick has toppled, slid or dropped.
 
     Raises:
-        ValueError: if nothing moves.
+        ValueError: if no brick moves.
     """
     boxes = Boxes.of(bricks)
     mass = np.array([brick.mass for brick in bricks])
@@ -87,13 +89,16 @@ def _first_accelerations(
 
 
 def _inverse_roots(mass: float, gyration: FloatArray, length: float) -> tuple[FloatArray, FloatArray]:
-    """Return M^(-1/2) of one body: of its mass [kg], and of its inertia in units of ``length`` [m]."""
+    """Return both blocks (3, 3) of M^(-1/2) of one body: for the mass [kg], and for the inertia over length^2 [kg]."""
     values, axes = np.linalg.eigh(mass * gyration / length**2)
     return np.eye(3) / math.sqrt(mass), (axes / np.sqrt(values)) @ axes.T
 
 
 def _way_to_the_limit(bricks: Sequence[Brick], linear: FloatArray, angular: FloatArray) -> float:
-    """Return the least q at which q times the motion topples or slides a brick, or else drops a brick."""
+    """Return the least q at which the displacements q a reach the limit of a brick.
+
+    A brick topples or slides at its limit. Only if no brick topples or slides, the limit is that of dropping.
+    """
     thickness = np.array([min(brick.size) for brick in bricks])
     fastest = float(np.linalg.norm(linear, axis=1).max())
     turning = np.hypot(angular[:, 0], angular[:, 1])

@@ -9,8 +9,8 @@ known. The sums of forces and moments must vanish on every body. A cone is no po
   works never cancel.
 
 As long as neither pyramid gives a proof, the pyramids get one more side at each corner, in the direction of the
-circumscribed pyramid's force. There the error falls fourfold with each side, until the true cone decides. A case that
-stays open is in doubt.
+circumscribed pyramid's force. In this direction the error falls fourfold with each added side. A case without a proof
+after ``ROUNDS`` added sides is in doubt.
 
 Each program is elastic: it minimises the sum of missing forces and moments. So each program always has a solution, the
 two pyramids bracket the true cone's residual, and no verdict depends on a solver's exit status.
@@ -34,15 +34,16 @@ Verdict = Literal["stable", "unstable", "doubt"]
 Criterion = Literal["normal forces", "vertical forces", "loading", "cone"]
 
 BALANCED = 1e-9
-"""Residual below which forces balance, in weights of all bodies (moments: times the length unit), because the solver's
-own tolerance could hide 6e-10, and a harmonic overhang of 300 bricks that is too long by 1e-5 leaves 3e-7."""
+"""Greatest residual of forces that balance, in weights of all bodies (for moments: weights times the length unit). The
+value lies between two residuals, because the solver's own tolerance could hide 6e-10, and a harmonic overhang of 300
+bricks that is too long by 1e-5 leaves 3e-7."""
 SIDES = 8
-"""Number of sides of the first pyramids with friction."""
+"""Number of sides of the first pyramids at each corner."""
 ROUNDS = 24
 """Number of added sides after which the answer is doubt, because a yawed V takes 12 sides within 1e-6 of its least
 friction, and 16 sides within 1e-8."""
 SOLVER = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-"""Options of HiGHS, whose own tolerances are a thousand times larger."""
+"""Options of HiGHS, because its default tolerances are a thousand times larger."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,23 +51,33 @@ class Statics:
     """Result of statics: whether bodies can rest, with the proof."""
 
     verdict: Verdict
-    """``stable``: forces that hold all bodies exist, and arise; ``unstable``: no such forces exist; ``doubt``: neither
-    is proven.
+    """Verdict on the bodies:
 
-    The existence of forces is necessary for rest. This existence is sufficient if normal forces alone hold the bodies,
-    but not with friction: bodies wedged against each other may stress themselves in theory and fall in reality (Kao et
-    al. 2022).
+    - ``stable``: contact forces that hold all bodies exist and arise;
+    - ``unstable``: no contact forces can hold all bodies;
+    - ``doubt``: neither is proven.
+
+    Bodies can rest only if forces that hold them exist. If normal forces alone hold the bodies, this condition is also
+    sufficient. With friction it is not: bodies wedged against each other may stress themselves in theory and fall in
+    reality (Kao et al. 2022).
     """
     by: Criterion
-    """The criterion that decided. ``normal forces``, ``vertical forces``: such forces exist; ``loading``: the motion as
-    the weights grow from zero; ``cone``: whether any forces obey Coulomb's law and balance the weights."""
+    """Criterion that decided the verdict:
+
+    - ``normal forces``: normal forces alone hold all bodies;
+    - ``vertical forces``: vertical forces at load-bearing contacts hold all bodies;
+    - ``loading``: the bodies come to rest, or do not, while their weights grow from zero;
+    - ``cone``: forces that obey Coulomb's law and balance the weights exist, or do not.
+    """
     why: str
     """Reason of a doubt, in words; empty without doubt."""
     balanced: bool | None
-    """Whether contact forces exist that obey Coulomb's law and hold all bodies; None if neither pyramid proves it."""
+    """True if contact forces that obey Coulomb's law and hold all bodies exist, False if none exist, None without a
+    proof."""
     residual: float
-    """Least missing force, in weights of all bodies: proven negligible if balanced, proven too large if not. The
-    residual does not measure the distance of a stable stack from its limit."""
+    """Least sum of missing forces and moments, in weights of all bodies. The residual is at most ``BALANCED`` if
+    ``balanced`` is True, and above if ``balanced`` is False. It does not measure the distance of a stable stack from
+    its limit."""
     frictionless: bool
     """True if normal forces alone hold all bodies."""
     points: FloatArray
@@ -76,12 +87,12 @@ class Statics:
     bodies: tuple[tuple[int, int], ...]
     """First and second body of each corner."""
     forces: FloatArray
-    """Force [N] on the second body at each corner, shape (p, 3): the proof that forces exist, if they do. Other such
-    forces may exist, and the forces that arise generally differ from these."""
+    """Force [N] on the second body at each corner, shape (p, 3). If ``balanced`` is True, these forces prove it. Other
+    forces may also hold the bodies, and the forces that arise in reality generally differ from these forces."""
     mechanism: FloatArray
     """Virtual velocity of each body, shape (n, 6): linear, then angular times the length unit, at most 1 in any
-    component. The mechanism is the proof if unstable, else zero. Bodies that do not move in the mechanism need not
-    fall."""
+    component. The mechanism proves the verdict ``unstable``, and is zero with any other verdict. Bodies that do not
+    move in the mechanism need not fall."""
 
     @property
     def stable(self) -> bool:
@@ -108,7 +119,7 @@ class Balance:
         self._corners = corners
 
     def solve(self, friction: float | FloatArray, angles: FloatArray) -> Solution:
-        """Return the least residual with a pyramid at each corner.
+        """Return the solution of least residual with a pyramid of forces at each corner.
 
         Args:
             friction: tangent of the angle between the pyramid's edges and the normal, shape (p, k), or one number for
@@ -120,7 +131,7 @@ class Balance:
         return self.along(edges)
 
     def along(self, edges: FloatArray) -> Solution:
-        """Return the least residual with forces that are sums of each corner's edges, shape (p, k, 3)."""
+        """Return the solution of least residual with forces that are positive sums of each corner's edges (p, k, 3)."""
         wrenches = hstack([self._corners.wrenches(edges), *self._missing()], format="csc")
         count = edges.shape[0] * edges.shape[1]
         cost = np.ones(wrenches.shape[1])
@@ -136,7 +147,7 @@ class Balance:
         return Solution(max(0.0, float(found.fun)) / self._corners.bodies, forces, motion)
 
     def _missing(self) -> tuple[csc_array, csc_array]:
-        """Return the columns of the missing forces and moments, in both directions."""
+        """Return the columns of the program for missing forces and moments, in both directions."""
         diagonal = np.arange(6 * self._corners.bodies)
         push = csc_array((np.ones(len(diagonal)), (diagonal, diagonal)))
         return push, -push
@@ -147,13 +158,14 @@ def solve_balance(
 ) -> Statics:
     """Find contact forces that hold all bodies, or prove that no such forces exist.
 
-    The verdict is ``stable`` only if existence of forces suffices for rest: if normal forces alone hold the bodies, or
-    vertical forces at load-bearing contacts. If other friction is needed, forces may exist (``balanced``) but not
-    arise; ``truth.judge`` examines such cases further.
+    The verdict is ``stable`` only if the existence of forces suffices for rest: if normal forces alone hold the bodies,
+    or vertical forces at load-bearing contacts. If the bodies need other friction, forces may exist (``balanced``) but
+    not arise; ``truth.judge`` examines these cases further.
 
     Proof that normal forces p >= 0 suffice: they balance the weights w, so w . a = -p . J_n a <= 0 for every motion a
-    without overlap, while contact forces do no positive work; rest is the only solution (``strong_stability``). For
-    vertical forces there is no such proof: by experience, nothing slides where the whole load acts straight down.
+    without overlap. Contact forces do no positive work, so a . M a <= w . a for every solution a (``strong_stability``)
+    with the masses M, and a = 0 is the only solution. For vertical forces there is no proof, only experience: nothing
+    slides where the whole load acts straight down.
 
     Args:
         centers: centres of mass [m], shape (n, 3).
@@ -232,6 +244,10 @@ def _vertical(corners: Corners, friction: float) -> FloatArray:
 
 
 def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return length and direction (p, k) of the edges of pyramids that touch the cones at ``angles`` (p, k), rising."""
+    """Return the edges of the pyramids that touch the cones at ``angles`` (p, k), which must rise.
+
+    The edges are given as in ``_Balance.solve``: by the tangents of their angles to the normal, and by their directions
+    [rad], each of shape (p, k).
+    """
     half = np.diff(angles, axis=1, append=angles[:, :1] + 2 * np.pi) / 2
     return friction / np.cos(half), angles + half

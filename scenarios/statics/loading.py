@@ -28,12 +28,12 @@ f . f / kappa are at most w . a: accelerations are bounded, and contacts close a
 tend to limits, no contact closes in the limit, forces are in their cones, forces of opening contacts are zero, and a
 corner that slides has all its friction against the motion. So the limit of a pile that "falls" is an acceleration,
 other than zero, which rigid bodies with Coulomb friction may take from rest: the pile is not strongly stable in the
-sense of Pang and Trinkle. A pile that "stands" has an equilibrium that is reached without prestress, for each of six
-kinds of contacts. That is not strong stability: other solutions may exist beside it.
+sense of Pang and Trinkle. A pile that "stands" reaches an equilibrium without prestress, for each of six kinds of
+contacts. That is not strong stability: other solutions may exist beside this equilibrium.
 
-**Limits.** Displacements are infinitesimal, gaps zero: compression alone decides about a contact that exactly grazes
-its neighbour's motion. All contacts belong to the plan; the motion makes no new contacts. Solutions need not be unique;
-the method finds the solution that continues the solution of soft contacts.
+**Limits.** Displacements are infinitesimal and gaps are zero, so compression alone decides about a contact whose
+surfaces move exactly parallel to each other. All contacts belong to the plan; the motion makes no new contacts.
+Solutions need not be unique; the method finds the solution that continues the solution of soft contacts.
 
 References:
     J.-S. Pang and J. C. Trinkle, "Stability characterizations of rigid body contact problems with Coulomb friction",
@@ -63,28 +63,33 @@ from scenarios.statics.contact_patch import GROUND, Patch
 from scenarios.statics.contact_wrenches import Corners
 
 RATIOS = (1.0, 0.1, 10.0)
-"""Tangential over normal stiffness: three ratios, because elastic spheres have 0.7 to 1, and rough faces and grains may
-have far less."""
+"""Ratios of tangential to normal stiffness. There are three, because elastic spheres have 0.7 to 1, and rough faces and
+grains may have far less."""
 DISTRIBUTIONS = (stiffness_by_weight, even_stiffness)
 """Distributions of normal stiffness over the corners."""
 MOST_SAG = 100.0
-"""Sag up to which a pile counts as standing, because the sag is 1 to 6 in card houses, logs, balls and planks at walls
-that stand, 12 / 24 / 49 in arches of 50 / 100 / 200 voussoirs at their limit, and up to 70 in tight courses that two
-engines let stand. Contacts that press only because they are off by 0.001 / 0.01 / 0.03 rad sag by 600-9,000 / 300-900 /
-100-270."""
+"""Sag up to which a pile counts as standing, because these sags were computed:
+
+- 1 to 6 in card houses, logs, balls and planks at walls that stand;
+- 12, 24 and 49 in arches of 50, 100 and 200 voussoirs at their limit;
+- up to 70 in tight courses that two engines let stand;
+- 600 to 9,000, 300 to 900 and 100 to 270 at contacts that press only because their normals are off by 0.001, 0.01 and
+  0.03 rad.
+"""
 STANDS = 0.02
-"""Ratio of accelerations at kappa and kappa / 100 below which a pile stands, because a pile at rest has a ratio of
-0.01."""
+"""Greatest ratio of the acceleration at kappa to the acceleration at kappa / 100 with which a pile stands, because a
+pile at rest has a ratio of 0.01."""
 FALLS = 0.5
-"""Ratio of these accelerations from which a pile falls, because a free fall has a ratio of 1. Of 450 tight courses none
-lay between both limits at the highest kappa; arches within 0.1 % of their limit do."""
+"""Least ratio of the acceleration at kappa to the acceleration at kappa / 100 with which a pile falls, because a free
+fall has a ratio of 1. Of 450 tight courses none had a ratio between ``STANDS`` and ``FALLS`` at the highest kappa, but
+arches within 0.1 % of their limit have."""
 MOST_FAILURES = 3
 """Number of kappas without a solution after which the search ends, because a search may recover after two failures in a
 row."""
 _DECADE = 2
-"""Steps of kappa in a decade."""
+"""Number of steps of kappa in a decade."""
 _FIRST, _LAST = 4 * _DECADE, 8 * _DECADE
-"""First and last step at which a verdict is sought: kappa = 1e4 and 1e8."""
+"""First and last step at which the method seeks a verdict: kappa = 1e4 and 1e8."""
 
 Answer = Literal["stands", "falls", "doubt"]
 
@@ -133,7 +138,7 @@ def load_from_zero(
 
 
 def _agreed(loadings: Iterator[Loading]) -> Loading:
-    """Return the common verdict of all loadings; doubt at the first loading that is in doubt or disagrees."""
+    """Return the common verdict of all loadings, or doubt at the first loading that is in doubt or disagrees."""
     worst = next(loadings)
     for loading in loadings:
         if worst.verdict == "doubt":
@@ -147,7 +152,7 @@ def _agreed(loadings: Iterator[Loading]) -> Loading:
 
 
 def load_pile(pile: CompliantPile, corners: Corners) -> Loading:
-    """Load one compliant pile, with kappa from 1 until a verdict is found."""
+    """Load one compliant pile: increase kappa from 1 until the accelerations give a verdict."""
     displacement = np.zeros(6 * corners.bodies)
     accelerations: dict[int, float] = {}
     failures = 0
@@ -186,7 +191,13 @@ def _is_at_rest_bonded(pile: CompliantPile, kappa: float) -> bool:
 
 
 def _sag(corners: Corners, motion: FloatArray, bonded: FloatArray) -> float:
-    """Return the greatest ratio over all bodies of relative motions (p,) at their corners; infinite without corners."""
+    """Return the greatest sag of all bodies; infinite if a body has no corner that moves.
+
+    Args:
+        corners: corners of the contact patches.
+        motion: relative motion at each corner, shape (p,).
+        bonded: relative motion at each corner with all contacts bonded, shape (p,).
+    """
     greatest = np.zeros((2, corners.bodies))
     for body in (corners.first, corners.second):
         moving = body != GROUND

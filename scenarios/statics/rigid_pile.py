@@ -1,9 +1,11 @@
 """Rigid bodies and Coulomb's law at their corners, as ``strong_stability`` needs them: in space, or in a plane.
 
-A corner that sticks, or slides in some sector of directions, has forces in a polyhedral cone. In the plane that is
-exact. In space the cones contain Coulomb's cones: the pyramid circumscribed about the cone for corners that
-stick; for a sector, the triangle between the chord of the sector's arc on Coulomb's circle and the tangents at its
-ends.
+A corner that sticks, or slides in some sector of directions, has forces in a polyhedral cone. In the plane these cones
+are exact. In space they contain all forces that Coulomb's law allows:
+
+- for a corner that sticks: the pyramid circumscribed about Coulomb's cone;
+- for a corner that slides in a sector: the cone over a triangle in the plane f_n = 1. The triangle's sides are the
+  chord of the sector's arc on Coulomb's circle, and the tangents to the circle at both ends of the arc.
 """
 
 from __future__ import annotations
@@ -22,11 +24,15 @@ SECTORS = 8
 """Number of sectors of sliding directions in space. The friction of a corner that slides is cos(22.5 deg) = 0.92 to
 1 / cos(22.5 deg) = 1.08 times mu f_n, and the friction of a corner that sticks is at most 1.08 mu f_n."""
 _SAME = 1e-6
-"""Difference, in length units, below which points of a planar pile count as lying behind each other."""
+"""Difference of two coordinates, in length units, below which both coordinates count as equal."""
 
 
 class RigidPile(NamedTuple):
-    """A dimensionless pile: weights over the weight of the lightest body, lengths over the length unit."""
+    """A dimensionless pile: weights over the weight of the lightest body, lengths over the length unit.
+
+    The shapes contain the numbers of bodies n, of their degrees of freedom d, of corners p, and of tangents t: 2 in
+    space, 1 in a plane.
+    """
 
     masses: FloatArray
     """Masses and inertia, shape (d, d)."""
@@ -46,13 +52,18 @@ class Law(NamedTuple):
     modes: IntArray
     """Mode of each generator: 0 sticks, j slides in sector j; shape (g,)."""
     borders: FloatArray
-    """Directions c with c . v >= 0 for velocities in a sector, shape (b, t)."""
+    """Normals c of the borders of all sectors, shape (b, t): c . v >= 0 for a sliding velocity v in the sector."""
     sectors: IntArray
-    """Mode of each border, from 1; shape (b,)."""
+    """Number of the sector that each border bounds, from 1; shape (b,)."""
 
 
 def spatial_pile(corners: Corners, gyration: FloatArray) -> RigidPile:
-    """Return the problem in space; ``gyration`` in squares of the length unit."""
+    """Return the pile in space.
+
+    Args:
+        corners: corners of the contact patches, with the bodies' loads.
+        gyration: inertia over mass, in squares of the length unit, shape (n, 3, 3).
+    """
     weights = corners.load.reshape(-1, 6)
     masses = np.linalg.norm(weights[:, :3], axis=1)
     size, scale = 6 * corners.bodies, 1.0 / masses.min()
@@ -69,9 +80,9 @@ def spatial_pile(corners: Corners, gyration: FloatArray) -> RigidPile:
 
 
 def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
-    """Return the problem in the plane x-z, if the pile is its own mirror image in a plane y = const, else None.
+    """Return the pile in the plane x-z if the pile is its own mirror image in a plane y = const, else None.
 
-    Bodies and corners that lie behind each other move as one.
+    Bodies, or corners, that lie behind each other (same x and z, different y) become one.
     """
     points, centers = corners.points / corners.length, corners.centers / corners.length
     bodies = _groups(np.column_stack([centers[:, [0, 2]], spatial.weights.reshape(-1, 6)[:, [0, 2]]]))
@@ -98,7 +109,7 @@ def planar_pile(corners: Corners, spatial: RigidPile) -> RigidPile | None:
 
 
 def _groups(rows: FloatArray) -> IntArray:
-    """Assign numbers to rows (m, q) such that equal rows share a number, shape (m,)."""
+    """Return a number for each row of ``rows`` (m, q), shape (m,); equal rows have the same number."""
     groups: IntArray = np.unique(np.round(rows / _SAME), axis=0, return_inverse=True)[1].reshape(-1)
     return groups
 

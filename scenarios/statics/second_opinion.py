@@ -3,7 +3,7 @@
 The first criterion is loading from zero (``loading``). A stack that comes to rest must be stable for the judge
 (``truth``), and the first applicable criterion of these must confirm it:
 
-1. ``normal forces``: these alone hold the stack, which excludes every other solution (proof in ``force_balance``);
+1. ``normal forces``: normal forces alone hold the stack, so rest is the only solution (proof in ``force_balance``);
 2. ``strong stability``: rest is the only solution of rigid bodies (``strong_stability``, small piles);
 3. ``other stiffness``: the stack comes to rest with ``DRAWS`` random stiffnesses too, each corner up to three times
    softer or stiffer. This is the weakest of the three criteria, for piles that are too large for the second criterion.
@@ -34,9 +34,9 @@ from scenarios.statics.strong_stability import strong_stability
 from scenarios.statics.truth import judge
 
 DRAWS = 5
-"""Number of random stiffnesses."""
+"""Number of random draws of the stiffness of all corners."""
 SPREAD = 3.0
-"""Factor by which a corner may be softer or stiffer."""
+"""Greatest factor by which a corner is softer or stiffer in a random draw."""
 MOST_CHOICES = 40
 """Greatest number of binary variables up to which the module computes strong stability, which takes about 3 s."""
 
@@ -65,7 +65,7 @@ def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bis
     """Return the verdict on which loading and a second criterion agree, for bricks in their planned poses.
 
     Args:
-        bricks: at least one brick; the bricks must touch, not overlap.
+        bricks: at least one brick; bricks may touch, but must not overlap.
         world: friction, gravity and fixed boxes.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
     """

@@ -7,20 +7,20 @@ Rigid bodies that start from rest under their weights w take accelerations a wit
     J_t a = 0 and |f_t| <= mu f_n, or f_t = -mu f_n J_t a / |J_t a|        where J_n a = 0
 
 A pile is *strongly stable* if a = 0 is the only solution. Contact forces do no positive work, so 0 <= a . M a <= w . a:
-in every other solution some body goes down along its weight. Each corner is open, sticks, or slides in one of k sectors
-of directions. A binary variable z for each mode but the first makes this linear:
+in every other solution some body goes down along its weight. Each corner has one of these modes: it is open, sticks, or
+slides in one of k sectors of directions. One binary variable z for each mode except "open" makes the problem linear:
 
-    sum z <= 1,    0 <= J_n a <= A (1 - sum z)
-    f = sum of generators of the mode's cone, sum of f_n <= F z
-    c . J_t a >= -A (1 - z_stick - z_j)        c: the normals of the borders of sector j
+    sum z <= 1,    0 <= J_n a <= A (1 - sum z)                     A: bound of accelerations
+    f = sum of generators of the mode's cone, sum of f_n <= F z    F: bound of forces
+    c . J_t a >= -A (1 - z_stick - z_j)                            c: the normals of the borders of sector j
 
 The program searches for a solution in which the centre of mass of any body, chosen by more binary variables, falls with
-``LEAST_FALL`` or more. If there is none, the pile is strongly stable, within these limits:
+``LEAST_FALL`` or more. If no solution exists, the pile is strongly stable, within these limits:
 
-- Piles that are their own mirror image have a solution in their plane, with two directions to slide. This is exact,
-  except for motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie anywhere in a
-  triangle around its arc of Coulomb's circle, and corners that stick have the circumscribed pyramid. So the program's
-  solutions include all true solutions.
+- For a pile that is its own mirror image, the program works in the plane of symmetry, with two sliding directions. This
+  is exact, except for motions out of the plane. Other piles have ``SECTORS`` sectors, in which friction may lie
+  anywhere in a triangle around the sector's arc of Coulomb's circle, and corners that stick have the circumscribed
+  pyramid. So the program's solutions include all true solutions.
 - Forces are at most ``MOST_FORCE`` times all weight. A solution with larger, self-stressing forces also exists with
   smaller forces in the same modes, unless a slow motion needs a large self-stress. In the piles that were tried, forces
   stayed below the weight of all bodies.
@@ -71,8 +71,13 @@ class Strength:
     """Result of strong stability: whether zero is the only acceleration that rigid bodies may take from rest."""
 
     verdict: Literal["strong", "weak", "doubt"]
-    """``weak``: another solution exists (outside the plane: with friction of 0.92 to 1.08 of its value); ``doubt``: not
-    solved in time."""
+    """Verdict on the pile:
+
+    - ``strong``: no solution with a fall of ``LEAST_FALL`` or more exists;
+    - ``weak``: a solution with a fall of ``LEAST_FALL`` or more exists; for a pile without a plane of symmetry, with
+      0.92 to 1.08 times the friction;
+    - ``doubt``: the pile has too many binary variables, or the time limit ended the search.
+    """
     fall: float
     """Greatest acceleration of a body along its weight [g] in the solution that was found; 0 without a solution."""
     choices: int
@@ -100,7 +105,8 @@ def strong_stability(
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
         seconds: time limit [s].
-        most_choices: binary variables beyond which the answer is doubt at once; by default there is no limit.
+        most_choices: greatest number of binary variables, beyond which the verdict is doubt at once; by default there
+            is no limit.
     """
     if gyration is None:
         gyration = ball_gyration(centers, patches, length)
@@ -116,7 +122,7 @@ def strong_stability(
 
 
 def _solve(problem: RigidPile, law: Law, seconds: float) -> Strength:
-    """Search for an acceleration with which a body falls, by HiGHS.
+    """Use HiGHS to search for an acceleration with which a body falls.
 
     The unknowns are the accelerations (d), the amplitudes of generators (p g), the modes (p m) and the falling body
     (n).
@@ -142,7 +148,7 @@ def _solve(problem: RigidPile, law: Law, seconds: float) -> Strength:
 
 
 def _constraints(problem: RigidPile, law: Law, most: float) -> LinearConstraint:
-    """Build the rows of the program."""
+    """Build the constraints of the program."""
     size, corners, _ = problem.wrenches.shape
     bodies, modes, generators = len(problem.down), int(law.modes.max()) + 1, len(law.modes)
     forces = np.einsum("dpt,gt->dpg", problem.wrenches, law.generators).reshape(size, -1)
@@ -203,7 +209,10 @@ def _each(corners: int, block: npt.NDArray[Any]) -> FloatArray:
 
 
 def _greatest(problem: RigidPile, rows: FloatArray) -> FloatArray:
-    """Bound |row . a| for each row (m, d): a . M a is at most w . a, so at most w . M^-1 w."""
+    """Return an upper bound of |row . a| for each row of ``rows`` (m, d), shape (m,).
+
+    The bound holds because a . M a <= w . a, and therefore a . M a <= w . M^-1 w.
+    """
     inverse = np.linalg.inv(problem.masses)
     energy = problem.weights @ inverse @ problem.weights
     bounds: FloatArray = np.sqrt(energy * np.einsum("md,de,me->m", rows, inverse, rows))

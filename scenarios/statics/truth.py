@@ -1,4 +1,4 @@
-"""Exact statics of the ideal geometry: the judge of the suite, independent of the core that it judges.
+"""Exact statics of the ideal geometry: the judge of the suite, independent of ``stability_core``.
 
 ``equilibrium`` decides whether bricks in their planned poses can rest; ``first_fall`` finds the level at which a scene
 must fall. Bricks are rigid, faces flat, heights exact; friction is Coulomb's. Statics ignores the energy of a real
@@ -8,13 +8,13 @@ The first applicable criterion decides:
 
 1. ``normal forces`` alone hold all bodies: stable, and rest is the only solution (proof in ``force_balance``);
 2. ``vertical forces`` at load-bearing contacts hold all bodies: stable;
-3. no forces in the Coulomb ``cone`` hold them: unstable, with a mechanism as proof; without any proof: doubt;
+3. no forces in the Coulomb ``cone`` hold all bodies: unstable, with a mechanism as proof; without any proof: doubt;
 4. ``loading`` from zero reaches no equilibrium: doubt, because the pile needs prestress that nothing supplies;
-5. with ``LESS_FRICTION`` of the friction forces exist too, but loading reaches no equilibrium: doubt;
+5. forces exist with ``LESS_FRICTION`` times the friction too, but then loading reaches no equilibrium: doubt;
 6. otherwise: stable.
 
 So a pile that must fall may be in doubt instead of unstable, but no pile that needs prestress is called stable.
-Criterion 5 does not apply if nine tenths of the friction allow no forces at all, so V and arch have sharp limits.
+Criterion 5 does not apply if nine tenths of the friction allow no forces at all, so that V and arch have sharp limits.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from scenarios.statics.force_balance import Statics, solve_balance
 from scenarios.statics.loading import Loading, load_from_zero
 
 LESS_FRICTION = 0.9
-"""Share of the friction with which a pile that needs friction must stand as well, because of 709 kinds of tight
-courses two stood when loaded but fell in two engines. With this share, one of these two does not stand."""
+"""Share of the friction with which a pile that needs friction must stand as well, because two of 709 kinds of tight
+courses stood when loaded from zero, but fell in two engines. With this share, one of these two does not stand."""
 
 
 class UndecidedError(ArithmeticError):
@@ -45,12 +45,12 @@ def equilibrium(
 ) -> Statics:
     """Judge whether bricks in their planned poses can rest.
 
-    The verdict does not depend on scale. The verdict is the same for planks of 8 mm and blocks of 8 m, of wood or of
-    lead.
+    The verdict depends neither on scale nor on density: it is the same for planks of 8 mm and blocks of 8 m, of wood or
+    of lead.
 
     Args:
-        bricks: at least one brick; the bricks must touch, not overlap (see ``contact_patch.TOUCH``).
-        world: friction and gravity; a slope is tilted gravity.
+        bricks: at least one brick; bricks may touch, but must not overlap (see ``contact_patch.TOUCH``).
+        world: friction, gravity and fixed boxes; tilted gravity stands for a slope.
         walls: boxes that never move, in addition to ``world.fixed``.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
 
@@ -136,7 +136,7 @@ def judge(
         patches: contact patches.
         friction: Coulomb coefficient of every pair.
         length: the length unit [m] in which moments count; a typical edge.
-        gyration: inertia over mass [m2], shape (n, 3, 3); by default the value of a ball.
+        gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
         loading: the result of ``load_from_zero`` for the same arguments, if the caller has this result.
     """
     statics = solve_balance(centers, weights, patches, friction, length)
@@ -154,7 +154,7 @@ def judge(
 
 
 def _among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between the bricks ``present``, with the indices of the bricks in that list."""
+    """Return the patches between the bricks ``present``, with the bricks' indices in ``present``."""
     place = {brick: index for index, brick in enumerate(present)} | {GROUND: GROUND}
     return [
         patch._replace(first=place[patch.first], second=place[patch.second])
