@@ -1,13 +1,13 @@
 """Blows: find the frozen bodies that a live body is about to strike, or has struck, hard enough to move them.
 
 A frozen body has infinite mass, so a striker loses its momentum within one step, and unfreezing the body afterwards is
-too late. Therefore a contact that will close within the next frame counts before the bodies touch, so that the engine
+too late. Therefore a contact that will close within ``AHEAD`` frames counts before the bodies touch, so that the engine
 simulates the impact. The module judges a sideways blow by the slide that the blow would cause. With striker mass M and
 body mass m, a plastic impact gives
 
 v' = v M / (M + m),    slide = v'^2 / (2 mu g)
 
-Slides below the limit add up until their sum exceeds the limit.
+The slides of one body add up, so that many weak blows unfreeze the body as well.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from stability_core.settings import Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 AHEAD = 1.5
-"""Time [frames] within which a gap must close to count as a blow: one frame, and half a frame because bodies
-accelerate."""
+"""Time [frames] within which the gap of a contact must close so that the contact counts as a blow: one frame, and half
+a frame more because bodies accelerate."""
 SIDEWAYS = 0.3
 """Vertical component of a unit normal up to which a blow counts as sideways, because above this value the supports of
 the struck body take the blow."""
@@ -37,7 +37,7 @@ class Blow(NamedTuple):
     approach: float
     """Closing speed [m/s]."""
     upward: float
-    """Vertical component of its unit normal."""
+    """Vertical component of the contact's unit normal."""
     friction: float
     """Coulomb coefficient of the pair."""
 

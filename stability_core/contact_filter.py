@@ -1,7 +1,8 @@
 """Filter contacts: drop fast impacts and gaps, and decide by the normal which body stands on which.
 
 The paper also drops pairs in which neither body touches the stack. This filter keeps these pairs, because they show
-which bodies lie on a live load. These pairs decide nothing, because the tests examine only bodies that touch the stack.
+which bodies lie on a live load. They do not change a decision, because the tests examine only bodies that touch the
+stack.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ BEARS = 0.1
 """Vertical component of a unit normal above which a contact bears some weight, even on a face that is too steep for
 friction, because a brick can rest in a wedge of two steep faces."""
 _NEAR = 0.1
-"""Gap up to which a contact point counts as lying on a body's surface, over the point's distance from the body's
-centre."""
+"""Ratio of a contact point's gap to the point's distance from the body's centre, up to which the point counts as lying
+on the body's surface."""
 
 
 @compiled
@@ -97,7 +98,7 @@ def _note(bodies: Bodies, body: int, other: int, depth: float, stands: bool, upw
 
 @compiled
 def speeds_of(velocity: FloatArray, normal: FloatArray) -> tuple[float, float]:
-    """Return approach and sliding speed [m/s] of a pair, (nan, 0) where the velocity is unknown."""
+    """Return approach and sliding speed [m/s] of a pair, (nan, 0) if the velocity is unknown."""
     along, total = 0.0, 0.0
     for k in range(3):
         along += velocity[k] * normal[k]
@@ -121,9 +122,9 @@ def _deepest_of_pair(body_a: IntArray, body_b: IntArray, separation: FloatArray,
 
 @compiled
 def note_sizes(bodies: Bodies, contacts: ContactArrays) -> None:
-    """Record each body's size: the distance [m] from its centre to its farthest contact point, its unit of length.
+    """Record each body's size, the unit of its lengths: the distance [m] from its centre to its farthest contact point.
 
-    The function ignores points across a gap of more than ``_NEAR`` times that distance.
+    The function ignores a point whose gap exceeds ``_NEAR`` times the point's distance from the centre.
     """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, separation = contacts.point, contacts.separation
@@ -152,7 +153,7 @@ def size_of_pair(bodies: Bodies, body_a: int, body_b: int) -> float:
 
 @compiled
 def is_impact(approach: float, size: float, limits: Limits, dt: float) -> bool:
-    """Return True if the ``approach`` speed [m/s] of a pair of this ``size`` [m] exceeds the speed of placed bricks."""
+    """Return True for an impact: the ``approach`` speed [m/s] exceeds the limit for a pair of this ``size`` [m]."""
     laid = max(limits.impact_speed * np.sqrt(limits.gravity * size), limits.impact_frames * limits.gravity * dt)
     return bool(approach > laid)
 
@@ -164,10 +165,10 @@ def keep_contacts(bodies: Bodies, contacts: ContactArrays, limits: Limits, dt: f
     Args:
         bodies: the table, tracked for this frame.
         contacts: n contacts between rows of the table.
-        limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. Gaps
-            count from the deepest point of the pair, because a plank that its drop pressed into the ground stands on
-            its edge only. A contact that is not load-bearing counts up to a gap of ``touch_gap``, because friction
-            needs pressure.
+        limits: the settings. The filter drops impacts (see ``is_impact``) and gaps wider than ``contact_gap``. It
+            measures gaps from the deepest point of the pair, because a tilted plank of which one edge has sunk into
+            the ground stands on this edge only. A contact that is not load-bearing counts up to a gap of ``touch_gap``,
+            because friction needs pressure.
         dt: time since the last frame [s].
         kept: output, at least n rows of ``CONTACT``.
 

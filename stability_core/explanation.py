@@ -16,9 +16,9 @@ def explain(row: Any, settings: Settings, gravity: float, dt: float, reason: str
     Args:
         row: a row of ``BODY``, after an update.
         settings: the tolerances.
-        gravity: [m/s2], positive.
+        gravity: gravitational acceleration [m/s2], positive.
         dt: length of the latest frame [s].
-        reason: reason of its last freezing or unfreezing; empty if there was none.
+        reason: reason of the body's last freezing or unfreezing; empty if there was none.
     """
     if row["state"] == FROZEN:
         return f"frozen: {reason}"

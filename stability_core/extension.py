@@ -90,7 +90,7 @@ class StabilityExtension:
         self._leaving: list[int] = []
         """Bodies removed by the host since the last update."""
         self._left: frozenset[int] = frozenset()
-        """Bodies dropped in the latest update; an engine that lags a frame may still list them."""
+        """Bodies dropped in the latest update. An engine whose lists are a frame late may still list these bodies."""
         self._dt = math.inf
         """Length of the latest frame [s]."""
         self._is_closed = False
@@ -222,7 +222,7 @@ class StabilityExtension:
         return self._settle(contacts, self.settings.budget)
 
     def adopt(self, bodies: Iterable[int] | None = None) -> Change:
-        """Judge bodies in place by statics at once, and freeze the bodies that stand, without waiting for their rest.
+        """Judge bodies in place by statics at once, and freeze the bodies that stand, also before they are at rest.
 
         Use this method for stacks that exist when the simulation starts, or that are placed as a whole. Call it before
         the first step, with an engine that lists the contacts of the present poses. Bodies that cannot stand, move, or
@@ -330,7 +330,7 @@ class StabilityExtension:
     def _settle(self, contacts: int, budget: float) -> Change:
         """Let the policy freeze stable bodies within its ``budget``; unfreeze unbalanced bodies and the bodies on them.
 
-        Each of ``contacts`` may need a patch for either body, before and after the body freezes.
+        ``contacts`` is the number of kept contacts, which bounds the number of new patches.
         """
         batch, worklist = Batch(self._world), self._world.buffers.worklist
         if self._news:

@@ -48,7 +48,7 @@ from stability_core.validation import (
 
 @compiled
 def _first_repeated(bodies: Bodies, ids: IntArray) -> int:
-    """Return the first row of a body that is listed twice, or -1; record the ``place`` of each body in the list."""
+    """Return the first index in ``ids`` of a repeated body, or -1; record the ``place`` of each body in ``ids``."""
     for i in range(len(ids)):
         place = bodies[ids[i]].place  # may be left over from another list
         if place < i and ids[place] == ids[i]:
@@ -65,7 +65,7 @@ def _is_listed(bodies: Bodies, ids: IntArray, body: int) -> bool:
 
 @compiled
 def _first_flipped(bodies: Bodies, contacts: ContactArrays, masses: MassArrays) -> int:
-    """Return a contact with the ground if the normals of all such contacts are flipped, else -1.
+    """Return the row of a contact with the ground if the normals of all contacts with the ground are flipped, else -1.
 
     Kinematic bodies do not count, because they need not be convex and need not rest on anything.
     """
@@ -160,10 +160,10 @@ def observe(
     friction: FloatArray,
     force: FloatArray,
 ) -> tuple[int, int, int, int]:
-    """Track the live bodies, filter the contacts, and fill the worklist.
+    """Validate the input, track the live bodies, filter the contacts, and fill the worklist.
 
-    O(m + n), independent of the number of frozen bodies. The arrays are separate arguments, because Numba unpacks a
-    tuple from Python slowly (ADR-0002).
+    The cost is O(m + n), independent of the number of frozen bodies. ADR-0002 gives the reason for the separate array
+    arguments.
 
     Args:
         bodies: the table.
@@ -176,11 +176,11 @@ def observe(
         worklist: output, with room for 2 n + m bodies.
         limits: the settings, shape (1,).
         dt: time since the last frame [s].
-        body: the live bodies, shape (m,).
+        body: the bodies that the port lists, shape (m,): all live bodies, and any frozen bodies.
         body_a: first bodies of the contacts, shape (n,).
         body_b: second bodies, shape (n,).
-        mass: masses of the live bodies [kg], shape (m,).
-        center: their centres of mass [m], shape (m, 3).
+        mass: masses of these bodies [kg], shape (m,).
+        center: centres of mass of these bodies [m], shape (m, 3).
         point: contact points [m], shape (n, 3); this and the following arrays as in ``Contacts``.
         normal: unit normals from a to b, shape (n, 3).
         separation: signed distances [m], shape (n,).
@@ -194,7 +194,7 @@ def observe(
         - the fault, or FINE without a fault;
         - the row of the fault; for NO_ROOM the number of missing rows; for FINE the number of listed frozen bodies;
         - the number of bodies in ``worklist``;
-        - the number of contacts kept of all frames.
+        - the number of kept contacts of all dwell frames.
     """
     named = ContactArrays(body_a, body_b, point, normal, separation, relative_velocity, friction, force)
     listed = MassArrays(body, mass, center)

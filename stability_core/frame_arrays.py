@@ -1,6 +1,6 @@
 """The arrays of one frame in the port's order, as tuples for the kernels.
 
-Loops take the arrays out of the tuple first, because each access through a tuple counts a reference (ADR-0002).
+ADR-0002 gives the reason why loops take the arrays out of the tuple first.
 """
 
 from __future__ import annotations

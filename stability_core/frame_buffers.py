@@ -1,7 +1,6 @@
 """The recent history of contacts, and the worklist of the latest frame.
 
-The arrays persist from frame to frame, because returning a new array from a kernel to Python takes as long as filtering
-ten contacts (ADR-0002).
+The arrays persist from frame to frame; ADR-0002 gives the reason.
 """
 
 from __future__ import annotations
@@ -25,8 +24,10 @@ STRUCK, AT_REST, LEANING, LYING, GONE, MOVED, PUSHED = range(7)
 """Rows of ``FrameBuffers.worklist``:
 
 - STRUCK: frozen bodies hit by an impact;
-- AT_REST, LEANING: live bodies to which the flat test, or the leaning test, applies now;
-- LYING, GONE: live bodies that newly lie on the stack, and live bodies that no longer lie on it;
+- AT_REST: live bodies to which the flat test applies now;
+- LEANING: live bodies to which the leaning test applies now;
+- LYING: live bodies that newly lie on the stack;
+- GONE: live bodies that no longer lie on the stack;
 - MOVED: kinematic bodies that began to move, and frozen bodies that a kinematic body moves;
 - PUSHED: frozen bodies on which a push has changed.
 """
@@ -56,7 +57,7 @@ class FrameBuffers(NamedTuple):
 
 
 def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) -> FrameBuffers:
-    """Return arrays for dwell frames of ``seconds`` in all, with ``room`` contacts and bodies each.
+    """Return arrays for dwell frames of ``seconds`` in all, with room for ``room`` contacts a frame and bodies a list.
 
     The function copies the content of the ``known`` arrays.
     """
@@ -75,7 +76,7 @@ def buffers_for(seconds: float, room: int, known: FrameBuffers | None = None) ->
 
 
 def skip_frame(buffers: FrameBuffers, dt: float) -> None:
-    """Record a frame of ``dt`` seconds in which nothing is live and which has no contacts."""
+    """Record a frame of ``dt`` seconds without live bodies and without contacts."""
     buffers.clock[NOW] += dt
     stood = buffers.clock.item(STOOD) + dt
     if stood >= FRAME_S - ROUNDING_S:
@@ -106,7 +107,7 @@ def forget_contacts(bodies: Bodies, buffers: FrameBuffers) -> None:
 
 @compiled
 def next_frame(sizes: IntArray, latest: IntArray, clock: FloatArray, dt: float) -> None:
-    """Advance to the next dwell frame if the latest is ``FRAME_S`` old; else a faster host overwrites the latest."""
+    """Advance to the next dwell frame if the latest is ``FRAME_S`` old; else keep the latest, to be overwritten."""
     clock[NOW] += dt
     clock[STOOD] += dt
     clock[LENGTH] = max(dt, FRAME_S)

@@ -24,7 +24,10 @@ from stability_core.stack import ABSENT, FIXED, FROZEN, LIVE, MOVING, Bodies
 
 @compiled
 def _keeps_place(row: Bodies, limits: Limits, dt: float) -> bool:
-    """Return True if a kinematic body keeps its place; until a body touches it, set its place to its centre."""
+    """Return True if a kinematic body keeps its place.
+
+    Until a first body touches the kinematic body, the function sets its place to its present centre.
+    """
     moved = 0.0
     for k in range(3):
         moved += (row.center[k] - row.still_center[k]) ** 2

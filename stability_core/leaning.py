@@ -84,9 +84,9 @@ def holds_on_pivot(
         weight: G [N], shape (3,).
         force: torque-induced force on the other contact [N], shape (3,).
         normal: unit normal of the other contact towards the body, shape (3,).
-        friction: Coulomb coefficient there.
+        friction: Coulomb coefficient of the other contact.
         pivot_normal: unit normal of the pivot towards the body, shape (3,).
-        pivot_friction: Coulomb coefficient there.
+        pivot_friction: Coulomb coefficient of the pivot.
     """
     normal_force, sliding = split_force(force, normal)
     friction_force = np.zeros(3)

@@ -147,13 +147,14 @@ def lay_patches(graph: Graph, contacts: ContactRows, mine: IntArray, body: int, 
     """Rebuild the patches of ``body`` on all bodies that it stands on or leans against in ``contacts``.
 
     A frozen body keeps its patches, so it gets patches on the stack only (ground and frozen bodies). Frozen bodies that
-    stand on it get patches on it as well. O(rows times neighbours), independent of the height of the stack.
+    stand on ``body`` get patches on ``body`` as well. The cost is O(n times neighbours), independent of the height of
+    the stack.
 
     Args:
-        graph: with at least as many spare patches as there are rows.
+        graph: the stack, with at least n spare patches.
         contacts: rows of ``CONTACT``.
         mine: the contacts that touch the body, shape (n,).
-        body: a body id.
+        body: row of the body.
         face_angle: greatest angle [rad] between normals of one face.
     """
     drop_supports(graph, body)
@@ -192,7 +193,10 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
     """Return the contacts of each of ``ids`` in the last ``frames`` frames, oldest first: O(contacts).
 
     Returns:
-        Start of each body's rows in the list, shape (k + 1,); the list of rows of ``buffers.contacts``.
+        Two arrays:
+
+        - start of each body's part of the list, shape (k + 1,);
+        - the list: rows of ``buffers.contacts``.
     """
     bodies, contacts, sizes = graph.bodies, buffers.contacts, buffers.sizes
     k, room = len(ids), len(contacts) // len(sizes)
@@ -225,7 +229,7 @@ def _contacts_of(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int
 
 @compiled
 def lay_all(graph: Graph, buffers: FrameBuffers, ids: IntArray, frames: int, face_angle: float) -> None:
-    """Call ``lay_patches`` for each of ``ids`` with the last ``frames`` frames, and record the centres."""
+    """Call ``lay_patches`` for each of ``ids`` with the last ``frames`` frames, and record the bodies as loads."""
     if len(ids) == 0:
         return
     start, rows = _contacts_of(graph, buffers, ids, frames)

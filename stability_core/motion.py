@@ -168,9 +168,11 @@ def _is_asked(elapsed: float, dwell: float, again: float, dt: float, rarely: boo
 
 @compiled
 def _patience(body: Bodies, limits: Limits) -> float:
-    """Return the additional rest time [s] of a body: ``calm_s`` after two unfreezings, doubled after each further one.
+    """Return the additional rest time [s] of a body.
 
-    The wait is longer because a body that unfreezes repeatedly in its place lies in a pile that still moves.
+    The time is ``calm_s`` after two unfreezings, and doubles at each further unfreezing, up to ``longest_calm_s``.
+
+    The time grows because a body that unfreezes repeatedly in its place lies in a pile that still moves.
     """
     if body.wakes < 2:
         return 0.0

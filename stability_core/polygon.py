@@ -11,8 +11,8 @@ from stability_core.compiled import compiled
 from stability_core.port import FloatArray, IntArray
 
 MANY = 64
-"""Number of points above which ``_ranked_in_plan`` drops inner points before sorting, because with fewer points this
-takes more time than it saves."""
+"""Number of points above which ``_ranked_in_plan`` drops inner points before sorting, because for fewer points
+the sorting alone is faster."""
 
 
 @compiled
@@ -50,7 +50,10 @@ def _outer_rows(points: FloatArray) -> IntArray:
 
 @compiled
 def _ranked_in_plan(points: FloatArray) -> IntArray:
-    """Return the rows by x, then y, without repetitions; of many points, only possible corners of the hull."""
+    """Return the rows of the points, sorted by x, then y, without equal points.
+
+    If there are more than ``MANY`` points, the result contains only rows that may be corners of the hull.
+    """
     if len(points) > MANY:
         rows = _outer_rows(points)
         rows = rows[np.argsort(points[rows, 1], kind="mergesort")]
@@ -102,7 +105,7 @@ def _hull_rows(points: FloatArray) -> IntArray:
 def convex_hull(points: FloatArray) -> FloatArray:
     """Return the vertices (k, 3) of the convex hull in plan, counter-clockwise (Andrew's monotone chain).
 
-    O(n log n).
+    The cost is O(n log n).
     """
     rows = _hull_rows(points)
     hull = np.empty((len(rows), 3))

@@ -1,8 +1,9 @@
 """The core's view of a physics engine: contacts, sleep and mass, and nothing else.
 
 Values are in SI units, as float64 arrays, one array for each field, in the coordinates of the engine; gravity defines
-the vertical. Body ids are integers from 0 of any size, and never reused: memory grows with the number of bodies in the
-world, not with the greatest id. "Sleep" means an exact freeze: a frozen body does not move at all, even if it is hit.
+the vertical. Body ids are integers from 0, of any size; the host must not reuse an id. Memory grows with the number of
+bodies in the world, not with the greatest id. "Sleep" means an exact freeze: a frozen body does not move at all, even
+if it is hit.
 """
 
 from __future__ import annotations

@@ -24,13 +24,13 @@ from stability_core.validation import (
 )
 
 APART = 0.1
-"""Least separation of a body's contacts with the ground at which the body cannot rest there, over the distance from its
-centre to the contacts."""
+"""Ratio of the separation of a body's contacts with the ground to the distance from its centre to the contacts, above
+which the body cannot rest there."""
 STOPPED = 1e-3
-"""Greatest motion of a body at rest in one frame, over its size."""
+"""Ratio of a body's motion in one frame to its size, up to which the body counts as at rest."""
 SAME = 1e-6
-"""Greatest change of a frozen body's position over its size, or of its mass over its mass, because single precision
-rounds by less."""
+"""Ratio of a change of a frozen body's position to the body's size, or of its mass to its former mass, up to which the
+value counts as unchanged, because single precision rounds by less."""
 ASLEEP = 10
 """Number of frames for which the check freezes a body. In free fall, the body would move by 14 cm in this time."""
 

@@ -17,8 +17,8 @@ from stability_core.settings import ROUNDING_S, Limits
 from stability_core.stack import FROZEN, LIVE, MOVING, Bodies
 
 CHANGE = 0.2
-"""Change of a push, over the sum of the body's weight and the push, above which the core judges the body's balance
-again."""
+"""Ratio of the change of a push to the sum of the body's weight and the push, above which the core judges the body's
+balance again."""
 
 
 @compiled
@@ -36,7 +36,7 @@ def is_push(bodies: Bodies, pusher: int, level: bool, limits: Limits) -> bool:
 
 @compiled
 def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
-    """Prepare the mean push for the present frame, whose share is ``weight``; drop a push older than ``load_s``."""
+    """Prepare the mean push for a frame that enters the mean with ``weight``; drop a push older than ``load_s``."""
     if now - row.pushed_s > limits.load_s:
         row.push[:], row.push_judged[:], row.push_judged_s, row.push_began_s = 0.0, 0.0, now, now
     row.pushed_s = now
@@ -45,7 +45,7 @@ def _begin(row: Bodies, limits: Limits, now: float, weight: float) -> None:
 
 @compiled
 def _is_due(row: Bodies, limits: Limits, now: float) -> bool:
-    """Return True if a push has changed since the body's balance was last judged, or has lasted since then.
+    """Return True if a push has changed since the body's balance was last judged, or has lasted ``still_s`` since then.
 
     A force shorter than ``load_s`` may be the bump of a body that has just arrived.
     """

@@ -1,8 +1,9 @@
 """Rows of the tables by body id: memory grows with the number of bodies in the world, not with the greatest id.
 
 The ids are in a hash table with linear probing (Knuth, The Art of Computer Programming 3, 6.4), at most half full. When
-a body leaves, the entries behind it close the gap (Algorithm R), and its row is reused. Bodies get rows in order of
-appearance, by rising id within a frame: as long as no body leaves, bodies 0, 1, 2 ... have rows 0, 1, 2 ...
+a body leaves the world, later entries of the hash table move up to close the gap (Algorithm R), and a new body may get
+the row. Bodies get rows in order of appearance, by rising id within a frame: as long as no body leaves, bodies 0, 1, 2
+... have rows 0, 1, 2 ...
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def _home(slots: IntArray, body: int) -> np.int64:
 
 @compiled
 def _slot_of(slots: IntArray, body: int) -> int:
-    """Return the slot of a body, or the free slot for it."""
+    """Return the slot of a body, or the free slot for the body if it has no row."""
     last = len(slots) - 1
     at = _home(slots, body)
     while slots[at, 0] != body and slots[at, 0] != NONE:
@@ -53,7 +54,7 @@ def _slot_of(slots: IntArray, body: int) -> int:
 def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
     """Write the row of each of ``ids`` (k,) into ``rows`` (k,): GROUND for the ground, UNKNOWN without a row.
 
-    Return the first place of an unknown body, or -1.
+    Return the index in ``ids`` of the first unknown body, or -1.
     """
     first = -1
     for i in range(len(ids)):
@@ -69,7 +70,7 @@ def find_rows(slots: IntArray, ids: IntArray, rows: IntArray) -> int:
 
 @compiled
 def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -> int:
-    """Give a row to each of ``ids`` (k,) without one, by rising id; its place in ``rows`` (k,) is UNKNOWN.
+    """Give a row to each body of ``ids`` (k,) whose entry in ``rows`` (k,) is UNKNOWN, by rising id; update ``rows``.
 
     Return the number of missing rows; if any row is missing, no body gets a row.
     """
@@ -87,7 +88,10 @@ def give_rows(slots: IntArray, spare: IntArray, ids: IntArray, rows: IntArray) -
 
 @compiled
 def take_row(slots: IntArray, spare: IntArray, body: int) -> None:
-    """Free the row of a body, if it has a row; the entries behind it in the table move up."""
+    """Free the row of a body, if the body has a row; the rows of other bodies stay the same.
+
+    Later entries of the hash table move up to close the gap (Algorithm R).
+    """
     last = len(slots) - 1
     gap = _slot_of(slots, body)
     if slots[gap, 0] == NONE:

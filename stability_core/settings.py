@@ -203,5 +203,4 @@ class Settings:
 
 
 _LIMITS = np.dtype([*((item.name, "f8") for item in fields(Settings)), ("gravity", "f8")], align=True)
-"""Dtype of all settings. This dtype is one shared object, because Numba recognises the same object at once and compares
-different objects field by field."""
+"""Dtype of all settings; ADR-0002 gives the reason why all arrays of settings share this object."""

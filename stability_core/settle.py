@@ -34,7 +34,7 @@ def lay_due(graph: Graph, buffers: FrameBuffers, limits: Limits) -> None:
 
     Each rule needs the contacts of a certain number of frames.
 
-    O(contacts of the dwell frames), independent of the number of frozen bodies.
+    The cost is O(contacts of the dwell frames), independent of the number of frozen bodies.
     """
     bodies = graph.bodies
     for body in listed(buffers, GONE):
@@ -94,10 +94,7 @@ def lowest_first(graph: Graph, ids: IntArray) -> IntArray:
 
 @compiled
 def write_down(row: IntArray, ids: IntArray) -> int:
-    """Write the ``ids`` into a row of an array that Python holds; return their number.
-
-    Returning a new array to Python takes more than a microsecond (ADR-0002).
-    """
+    """Write the ``ids`` (k,) into the array ``row``, which the caller owns; return k. ADR-0002 gives the reason."""
     for i in range(len(ids)):
         row[i] = ids[i]
     return len(ids)

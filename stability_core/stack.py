@@ -24,7 +24,7 @@ NOT_REFUSED, TOPPLES, FALLS, DOUBTED = 0, 1, 2, 3
 NONE = -1
 """End of a linked list."""
 FEW = 16
-"""Number of ids up to which an insertion sort is fastest."""
+"""Number of ids up to which ``sorted_ids`` sorts by insertion, because this is faster for few ids."""
 MAX_VERTICES = 16
 """Greatest number of vertices kept per contact patch, enough because a box on a box has at most 8 per frame."""
 
@@ -125,7 +125,7 @@ PATCH = np.dtype(
 class Graph(NamedTuple):
     """The tables of the kernels.
 
-    Loops take a table out of this tuple first, because each access through the tuple counts a reference (ADR-0002).
+    ADR-0002 gives the reason why loops take a table out of this tuple first.
     """
 
     bodies: Bodies
@@ -157,7 +157,7 @@ def is_immovable(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def is_stack(bodies: Bodies, body: int) -> bool:
-    """Return True for the ground, fixed and frozen bodies, on which others may freeze."""
+    """Return True for the ground, FIXED bodies and frozen bodies, on which other bodies may freeze."""
     return bool(body == GROUND or bodies[body].state == FROZEN or bodies[body].state == FIXED)
 
 
@@ -185,7 +185,7 @@ def note_change(graph: Graph, body: int) -> None:
 
 @compiled
 def sorted_ids(ids: IntArray) -> IntArray:
-    """Return a sorted copy of ``ids``, shape (k,); sort few ids by insertion, which is faster than a call."""
+    """Return a sorted copy of ``ids``, shape (k,)."""
     if len(ids) > FEW:
         return np.sort(ids)
     ordered = np.empty(len(ids), np.int64)
@@ -308,7 +308,7 @@ def _is_in_doubt(bodies: Bodies, body: int) -> bool:
 
 @compiled
 def with_all_above(graph: Graph, roots: IntArray) -> IntArray:
-    """Return ``roots`` and every frozen body that rests on them, directly or through others.
+    """Return ``roots`` and every frozen body that rests on them, directly or through other bodies.
 
     The result includes a frozen body in doubt if it includes a neighbour of that body, because nothing proves that the
     body stands without its neighbours.

@@ -65,8 +65,9 @@ def equivalent_mass(mass: float, center: FloatArray, pivot: FloatArray, contact:
 
     Gravity G acts at ``center`` and turns the body about ``pivot`` on the other support,
     T = (C_stack - P_pivot) x G. A vertical force F at ``contact`` balances it:
-    |F| = |T| / (|C_contact - P_pivot| sin(theta)), and m_equiv = |F| / g. With all forces vertical both
-    products are plan distances. The two shares need not sum to the mass: each has its own pivot.
+    |F| = |T| / (|C_contact - P_pivot| sin(theta)), and m_equiv = |F| / g. With all forces vertical,
+    |T| / |G| and |C_contact - P_pivot| sin(theta) are distances in plan. The two shares need not sum to the mass,
+    because each share has its own pivot.
 
     Args:
         mass: m_stack of the body above [kg].
@@ -149,7 +150,7 @@ def carry_down(graph: Graph, changed: IntArray) -> IntArray:
     """Carry mass and centre down from the ``changed`` bodies; return all affected bodies, (k,).
 
     The order is highest first, so that each body is updated once. A branch ends at a body whose stack data did not
-    change. O(k log k) for the k bodies in the cone below the change, independent of all other bodies.
+    change. The cost is O(k log k) for the k affected bodies, independent of all other bodies.
     """
     bodies, patches = graph.bodies, graph.patches
     waiting = [(0.0, 0) for _ in range(0)]

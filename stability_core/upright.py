@@ -52,7 +52,7 @@ class Upright:
         """Derive the upright frame.
 
         Args:
-            gravity: [m/s2], finite and not zero.
+            gravity: gravity vector [m/s2], finite and not zero.
         """
         vector = np.array(gravity)
         self.gravity = gravity

@@ -18,7 +18,10 @@ FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLI
 
 @compiled
 def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
-    """Return True if the arrays fit together, like ``check_shapes``, at less cost per frame."""
+    """Return True if the shapes of all arrays except ``contacts.force`` fit together.
+
+    The check costs less per frame than ``check_shapes``, which names the faulty array.
+    """
     m, n = len(masses.body), len(contacts.body_a)
     return bool(
         len(contacts.body_b) == len(contacts.separation) == len(contacts.friction) == n
@@ -30,7 +33,10 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
 
 @compiled
 def first_bad_contact(contacts: ContactArrays) -> int:
-    """Return the first row with bad ids, a point that is not finite, no unit normal or bad friction; or -1."""
+    """Return the first malformed row, or -1.
+
+    A row is malformed if its ids or its friction are bad, its point is not finite, or its normal is not a unit vector.
+    """
     body_a, body_b = contacts.body_a, contacts.body_b
     point, normal, friction = contacts.point, contacts.normal, contacts.friction
     for i in range(len(body_a)):
@@ -62,7 +68,7 @@ def first_bad_mass(masses: MassArrays) -> int:
 def presses_down_from_below(center: FloatArray, point: FloatArray, normal: FloatArray, sign: float) -> bool:
     """Return True if a contact with the ground below a body's centre pushes the body down, away from its inside.
 
-    No contact of a convex body can do so, unless its normal points from b to a.
+    The contacts of a convex body never push the body down from below, unless their normals point from b to a.
 
     Args:
         center: centre of mass of the body [m], shape (3,).
@@ -117,10 +123,10 @@ def checked_removals(removed: Iterable[object]) -> list[int]:
 
 
 def check_shapes(contacts: Contacts, masses: Masses) -> None:
-    """Check that the arrays fit together.
+    """Check that the shapes and types of the arrays fit together.
 
     Raises:
-        ValueError: naming the array and its required shape.
+        ValueError: naming the array and its required shape or type.
     """
     arrays = {f"contacts.{item.name}": getattr(contacts, item.name) for item in fields(contacts)}
     if contacts.force is None:
@@ -158,7 +164,7 @@ def check_shapes(contacts: Contacts, masses: Masses) -> None:
 
 
 def fault_of(fault: int, row: int, contacts: Contacts, masses: Masses) -> ValueError:
-    """Return the error for a malformed row, which names its content and the fix."""
+    """Return the error for a malformed row; its message states the row's content and the fix."""
     if fault == BAD_MASS:
         return ValueError(
             f"masses row {row}: body {masses.body[row]} needs an id of at least 0, a positive mass and a finite "

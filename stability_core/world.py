@@ -32,7 +32,7 @@ class World:
 
         Args:
             settings: the tolerances.
-            gravity: [m/s2], finite and not zero.
+            gravity: gravity vector [m/s2], finite and not zero.
         """
         self.settings = settings
         self.upright = Upright(gravity)
@@ -127,7 +127,7 @@ class World:
             self.graph = grown(self.graph, 0, patches)
 
     def turn(self, gravity: tuple[float, float, float]) -> bool:
-        """Turn the memory, if gravity has changed by more than its tolerances; return True if so."""
+        """Turn the memory, if gravity has changed by more than its tolerances; return True if the memory turned."""
         settings, before = self.settings, self.upright
         if not before.differs(gravity, settings.gravity_tilt, settings.gravity_change):
             return False

@@ -30,11 +30,11 @@ class Terms(NamedTuple):
     gravity: float
     """Gravitational acceleration [m/s2], positive."""
     margin: float = 0.0
-    """Outward shift of each vertex of a patch [sizes of the smaller body]."""
+    """Outward shift of each vertex of a patch [sizes of the smaller body of the pair]."""
     grip: float = 1.0
     """Factor on each friction coefficient."""
     radius: float = 0.0
-    """Tolerance [sizes] of a contact in a point or a line: see ``Problem.slack``."""
+    """Error [sizes] of the contact point of a body that touches only in points and lines: see ``Problem.slack``."""
 
 
 class Part(NamedTuple):

@@ -26,40 +26,41 @@ NORMAL_NOISE = 1e-2
 1e-3 rad in normals and by 1e-4 m in the points of bricks of some centimetres. The value is three standard deviations of
 both errors."""
 COULOMB = -1.0
-"""Value of a bound that stands for Coulomb's law: friction follows the pressure."""
+"""Value of ``Case.bound`` for Coulomb's law: the bound on friction is proportional to the pressure."""
 CONVERGED = 1e-7
 """Imbalance of a body, over its weight, up to which displacements count as a solution."""
 NEWTON_STEPS = 40
 """Greatest number of steps from zero displacement, because standing stacks take 3 to 20 steps, and an arch of 200
 blocks takes 30 steps."""
 ROUNDS = 20
-"""Greatest number of rounds of friction bounds, because tight courses for which Newton's method fails take 1 to 4
-rounds from the last kappa that was solved."""
+"""Greatest number of rounds of friction bounds, because courses of touching bricks for which Newton's method fails
+take 1 to 4 rounds from the last kappa with a solution."""
 STALLS = 20
-"""Number of consecutive steps with little gain after which the search ends, because an arch of 200 blocks recovers
-after ten."""
+"""Greatest number of consecutive steps of the shortest length, because the search for an arch of 200 blocks takes ten
+of these steps before longer steps succeed again."""
 SHORTEST_STEP = 1e-3
 ENOUGH = 0.1
-"""Least relative reduction of the imbalance by a step, as a share of the step length."""
+"""Ratio of the least relative reduction of the imbalance by a step to the step length."""
 ROLLING = 1e3
-"""Inverse of the rotation at which the full slack of a rolling body resists it. That rotation is a thousandth of the
-sag of bodies."""
+"""Inverse of the rotation of a rolling body from which the whole slack of the body resists the rotation. This rotation
+is a thousandth of the displacement of one contact under the mean weight."""
 TINY = 1e-300
 """Value that replaces a displacement of zero in a division."""
 ROTATIONAL = 1.0 / 3.0
-"""Moment of inertia over mass times size squared, as of a rod about its middle. The verdict does not depend on this
-value."""
+"""Ratio of a body's moment of inertia to its mass times its size squared, as for a rod about its middle. The verdict
+does not depend on this value."""
 
 
 class Case(NamedTuple):
-    """Bodies to be loaded, with one ratio of stiffnesses."""
+    """A problem to be solved by displacement, with one ratio of stiffnesses."""
 
     problem: Problem
     """The problem, with loads in units of their mean."""
     stiffness: float
-    """Tangential over normal stiffness."""
+    """Ratio of the tangential to the normal stiffness of the contacts."""
     bound: FloatArray
-    """Greatest friction [unit of load] of each contact at any pressure; negative for Coulomb's law, shape (m,)."""
+    """Bound on the friction of each contact [unit of load], independent of the pressure, shape (m,); a negative value
+    stands for Coulomb's law."""
     place: IntArray
     """Place of each body in the matrix, shape (n,)."""
     envelope: Envelope
@@ -111,7 +112,7 @@ def _contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArr
 
 @compiled
 def _wrenches(lever: FloatArray, matrix: FloatArray, right: FloatArray) -> None:
-    """Write ``matrix`` (3, 3) times W, (3, 6), to ``right``, where W y = v + w x lever is the velocity at ``lever``."""
+    """Write ``matrix`` (3, 3) times W, (3, 6), to ``right``: W y = v + w x ``lever`` for a motion y = (v, w)."""
     for k in range(3):
         right[k, 0], right[k, 1], right[k, 2] = matrix[k, 0], matrix[k, 1], matrix[k, 2]
         right[k, 3] = matrix[k, 2] * lever[1] - matrix[k, 1] * lever[2]
@@ -180,9 +181,9 @@ def _assemble(
 
 @compiled
 def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: FloatArray, rest: FloatArray) -> float:
-    """Write a f - w - M u / kappa to ``rest`` (n, 6); return its norm, with each body's part over its inertia.
+    """Write A f - w - M u / kappa to ``rest`` (n, 6); return the norm of (kappa / weight) times each body's rest.
 
-    A moment of at most its slack resists a rolling body.
+    For a rolling body, the rest also contains the moment with which its slack resists the rotation.
     """
     imbalance(problem, force, rest)
     total = 0.0
@@ -202,7 +203,10 @@ def _unbalanced(problem: Problem, inertia: FloatArray, u: FloatArray, force: Flo
 def _solve(
     lower: FloatArray, upper: FloatArray, envelope: Envelope, place: IntArray, right: FloatArray, step: FloatArray
 ) -> None:
-    """Solve with the factors; write the solution to ``right`` (n, 6). The array ``step`` (6 n,) is scratch."""
+    """Solve with the factors, in place: ``right`` (n, 6) holds the right side, then the solution.
+
+    The function overwrites ``step`` (6 n,).
+    """
     for i in range(len(right)):
         for k in range(6):
             step[6 * place[i] + k] = right[i, k]
@@ -214,7 +218,10 @@ def _solve(
 
 @compiled
 def _sensitivity(u: FloatArray, du: FloatArray) -> FloatArray:
-    """Return the growth ``du`` (n, 6) of each body's displacement ``u`` (n, 6) with kappa, over ``u``; shape (n,)."""
+    """Return the ratio of each body's largest component of ``du`` to its largest component of ``u``, shape (n,).
+
+    ``u`` (n, 6) is the displacement, and ``du`` (n, 6) its sensitivity d u / d ln kappa.
+    """
     found = np.empty(len(u))
     for i in range(len(u)):
         found[i] = np.abs(du[i]).max() / max(np.abs(u[i]).max(), TINY)
@@ -236,11 +243,15 @@ def _inertia(problem: Problem) -> FloatArray:
 def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, FloatArray]:
     """Move the displacements ``u`` (n, 6) to the solution for ``kappa``.
 
-    The method is semismooth Newton with halved steps, at most ``most`` of them. A step costs O(m) and a factorisation.
+    The method is semismooth Newton, with at most ``most`` steps, each halved until the imbalance decreases. A step
+    costs O(m) and a factorisation.
 
     Returns:
-        True if the solution was found; the sensitivity of each body over its displacement, or 1 for bodies that are not
-        balanced yet, shape (n,).
+        Two values:
+
+        - True if the function found the solution;
+        - the ratio of each body's sensitivity to its displacement, shape (n,). Without a solution, the value is 1 for
+          bodies that are not balanced, and 0 for other bodies.
     """
     problem, envelope = case.problem, case.envelope
     n, m = len(problem.load), len(problem.normal)

@@ -14,7 +14,7 @@ from stability_core.port import FloatArray
 
 @compiled
 def project(z: FloatArray, normal: FloatArray, friction: FloatArray, force: FloatArray) -> None:
-    """Project ``z`` onto each contact's cone, and write the nearest point to ``force``.
+    """Project ``z`` onto each contact's cone, and write the projection into ``force``.
 
     With z_n = z . n, t = |z - z_n n| and e the direction of the tangential part:
 

@@ -21,8 +21,8 @@ from stability_core.equilibrium.problem import BALANCED, Problem, along_contacts
 from stability_core.port import FloatArray, IntArray
 
 NARROWED = 0.97
-"""Friction of the cones K', over the true friction. A smaller value leaves more room, but fails for stacks that need
-more than this share of their friction."""
+"""Ratio of the friction of the cones K' to the true friction. A smaller value leaves more room, but fails for stacks
+that need a larger share of their friction."""
 RHO = 1e-9
 """Weight of the proximal term, which keeps the system regular where contacts leave a motion free."""
 

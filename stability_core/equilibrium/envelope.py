@@ -20,7 +20,7 @@ _summing = partial(compiled, fastmath={"reassoc", "contract"})
 
 
 class Envelope(NamedTuple):
-    """The stored entries of a lower triangle."""
+    """Layout of the stored entries of a lower triangle."""
 
     first: IntArray
     """First stored column of each row, shape (n,)."""
@@ -32,7 +32,7 @@ class Envelope(NamedTuple):
 
 @compiled
 def _neighbours(body_a: IntArray, body_b: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    """Return the neighbours of each body as one list: (starts (n + 1,), list). A pair may occur more than once."""
+    """Return where each body's neighbours start in a list, (n + 1,), and the list; a pair may occur more than once."""
     start = np.zeros(n + 1, np.int64)
     for fill in range(2):
         listed = np.empty(start[n] if fill else 0, np.int64)
@@ -88,8 +88,8 @@ def numbering(body_a: IntArray, body_b: IntArray, n: int) -> IntArray:
     reaches.
 
     Args:
-        body_a: first body of each contact, from 0, or negative if it is fixed, shape (m,).
-        body_b: second body, shape (m,).
+        body_a: index of the first body of each contact, negative for a fixed body, shape (m,).
+        body_b: index of the second body, shape (m,).
         n: number of bodies.
     """
     start, listed = _neighbours(body_a, body_b, n)
@@ -206,7 +206,7 @@ def substitute(factor: FloatArray, envelope: Envelope, x: FloatArray) -> None:
 
 @compiled
 def _finish_lower(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, j: int, tile: FloatArray) -> None:
-    """Finish L(i, j) of a tile left of the diagonal: divide its rest by U(j, j)."""
+    """Finish L(i, j) of a tile left of the diagonal: subtract the products ``tile``, and divide by U(j, j)."""
     for a in range(3):
         row = offset[i + a] + j
         for b in range(3):
@@ -219,7 +219,7 @@ def _finish_lower(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int
 
 @compiled
 def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int, i: int, tile: FloatArray) -> None:
-    """Finish U(j, i) of a tile above the diagonal."""
+    """Finish U(j, i) of a tile above the diagonal: subtract the products ``tile``, and divide by L(j, j)."""
     for b in range(3):
         column = offset[i + b] + j
         for a in range(3):
@@ -232,7 +232,10 @@ def _finish_upper(lower: FloatArray, upper: FloatArray, offset: IntArray, j: int
 
 @compiled
 def _finish_diagonal(lower: FloatArray, upper: FloatArray, offset: IntArray, i: int, tile: FloatArray) -> None:
-    """Finish L(i, i) and U(i, i) of a tile on the diagonal; invert the diagonal of U(i, i)."""
+    """Finish L(i, i) and U(i, i) of a tile on the diagonal: subtract the products ``tile``, and factorize.
+
+    The diagonal of U(i, i) is stored inverted.
+    """
     for b in range(3):
         for a in range(3):
             row, column = offset[i + a] + i, offset[i + b] + i

@@ -13,7 +13,7 @@ from stability_core.compiled import compiled
 from stability_core.port import BoolArray, FloatArray, IntArray
 
 NOISE = 1e-6
-"""Error of a point over the size of a body: a few roundings of single precision."""
+"""Ratio of a contact point's error to the size of the body: a few roundings of single precision."""
 FACE_COSINE = 0.985
 """Cosine of the angle (10 deg) up to which the normals of one face may differ."""
 
@@ -81,7 +81,7 @@ def rolling_bodies(
 ) -> BoolArray:
     """Return the mask of the bodies that touch only in points and lines, shape (n,).
 
-    O(m log m) in the contacts, and O(k^2) in the points of a pair.
+    The cost is O(m log m) for m contacts, and O(k^2) for the k points of each pair.
 
     Args:
         index_a: first bodies by their index, -1 for the ground, shape (m,).

@@ -38,7 +38,7 @@ class Workspace(NamedTuple):
 def workspace_for(problem: Problem, rows: IntArray) -> Workspace:
     """Return the workspace of one problem; the number of ``rows`` must be a multiple of three.
 
-    O(n + m) and the size of the envelope.
+    The cost is O(n + m), and the time to allocate the envelope.
     """
     n, m, width = len(problem.load), len(problem.normal), len(rows)
     place = numbering(problem.body_a, problem.body_b, n)
@@ -72,7 +72,7 @@ def _wrench(direction: FloatArray, lever: FloatArray, sign: float, rows: IntArra
 def _add_product(
     matrix: FloatArray, offset: IntArray, i: int, j: int, weight: float, left: FloatArray, right: FloatArray
 ) -> None:
-    """Add weight left right^T to the block of the bodies in places i >= j; of a diagonal block, the lower half."""
+    """Add weight left right^T to the block of the bodies in places i >= j; only to the lower half if i = j."""
     width = len(left)
     for k in range(width):
         start = offset[i * width + k] + j * width

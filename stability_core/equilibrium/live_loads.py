@@ -1,8 +1,9 @@
 """Loads of live bodies on the stack; live bodies are not bodies of the problem.
 
 The module solves all live bodies on a part of the stack together, with the stack below as rigid as the ground, whether
-the live bodies stand or fall. Their loads are the contact forces that hold them, or that hold them as far as contacts
-can: a toppling brick presses at the point about which it turns, with at most its weight.
+the live bodies stand or fall. Their loads are the contact forces that hold the live bodies. If no forces hold a body,
+its load consists of the forces that come nearest: a toppling brick presses at the point about which it turns, with at
+most its weight.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from stability_core.stack import FROZEN, LEAN, LIVE, NONE, Graph, sorted_ids
 
 _VERTICAL, _ALL = np.array([2, 3, 4]), np.arange(6)
 _HELD = 1e-2
-"""Imbalance of a live body, over its weight, up to which the body counts as held, because the estimate of its forces
-leaves an imbalance of about a thousandth."""
+"""Ratio of a live body's imbalance to its weight, up to which the body counts as held, because the estimate of its
+forces leaves a ratio of about a thousandth."""
 
 
 @compiled
@@ -109,8 +110,10 @@ def live_load(
         y: start of the search, by body; overwritten (see ``nearest_forces``).
 
     Returns:
-        Force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6); mask of the live bodies
-        that a rigid stack would hold, (k,).
+        Two arrays:
+
+        - force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6);
+        - mask of the live bodies that a rigid stack would hold, shape (k,).
     """
     pressed = np.zeros((len(part.ids), 6))
     held = np.ones(len(live), np.bool_)
@@ -148,12 +151,12 @@ def live_load(
 def contact_load(graph: Graph, buffers: FrameBuffers, part: Part, limits: Limits, everything: bool) -> FloatArray:
     """Return mean contact force [N] and moment [N, over the body's size] on each body of ``part``, shape (n, 6).
 
-    O(contacts of the latest dwell frames).
+    The cost is O(contacts of the latest dwell frames).
 
     Args:
         graph: the stack.
         buffers: the dwell frames, with contact forces if the engine reports them.
-        part: the bodies pressed on.
+        part: the part of the stack on which the live bodies press.
         limits: the settings, shape (1,).
         everything: True to count all live bodies, False for pushes only (see ``pushes``).
     """

@@ -16,7 +16,7 @@ kappa grows; if it falls, u grows in proportion to kappa. The sensitivity decide
     d u / d ln kappa = (A C A^T + M / kappa)^-1 M u / kappa        C: tangent of the contact law,
 
 The sensitivity is u itself for a body that falls, and u times (compliance / kappa) for a body that stands. The two
-cases lie decades apart. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
+cases differ by powers of ten. The bodies need no prestress if the sensitivity is small for each tangential stiffness of
 ``STIFFNESSES``.
 
 The term NORMAL_NOISE |v_t| subtracts from each contact the closure that an error of its normal could cause: without it,
@@ -43,14 +43,15 @@ from stability_core.equilibrium.problem import Problem
 from stability_core.port import BoolArray, FloatArray
 
 STIFFNESSES = np.array([1.0, 0.1, 10.0])
-"""Tangential over normal stiffness of a contact. The real ratio is unknown, so the bodies must stand for all three."""
+"""Ratios of the tangential to the normal stiffness of a contact. The bodies must stand for all three, because the real
+ratio is unknown."""
 KAPPA = 1e7
-"""Displacement [units of mean weight over normal stiffness] at which an acceleration of 1 g would balance a body. This
-displacement is a hundred times the sag of a tower of 100 blocks. For a falling body, rounding at this displacement is
-1e-9 of the weights."""
+"""Displacement at which the term M u / kappa equals the weight of a body, in units of the mean weight divided by the
+normal stiffness. The value is a hundred times the sag of a tower of 100 blocks. For a falling body, the rounding error
+of the forces at this displacement is 1e-9 of the weights."""
 SENSITIVE = 0.1
-"""Sensitivity, over the displacement, above which a body counts as not held, because standing bodies have 1e-6 to 1e-2
-(a tower of 100 blocks, an arch of 200 blocks), and falling bodies have 0.5 to 1."""
+"""Ratio of a body's sensitivity to its displacement, above which the body counts as not held, because standing bodies
+have 1e-6 to 1e-2 (a tower of 100 blocks, an arch of 200 blocks), and falling bodies have 0.5 to 1."""
 WARM_STEPS = 8
 """Greatest number of steps from an earlier displacement."""
 FEW_KAPPAS, MANY_KAPPAS = np.array([1e2, KAPPA]), 10.0 ** np.linspace(0.0, 7.0, 15)
@@ -69,7 +70,7 @@ def _displace_step_by_step(case: Case, u: FloatArray) -> FloatArray:
     path from zero.
 
     Returns:
-        The sensitivity of each body over its displacement, or 1 for bodies that are not balanced, shape (n,).
+        The ratio of each body's sensitivity to its displacement, or 1 for bodies that are not balanced, shape (n,).
     """
     if u.any():
         held, sensitivity = displace(case, KAPPA, WARM_STEPS, u)

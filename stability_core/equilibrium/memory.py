@@ -125,9 +125,9 @@ def remember(graph: Graph, memory: Memory, patches: IntArray, force: FloatArray)
 
 @compiled
 def hand_on(graph: Graph, memory: Memory, patches: IntArray, bodies: IntArray) -> None:
-    """Copy the kept forces to the patches of ``bodies`` (k,) that were since rebuilt in other rows.
+    """Copy the kept forces to the patches of ``bodies`` (k,) that have since been rebuilt in other rows.
 
-    O(patches of the bodies times p).
+    The cost is O(p) per patch of the bodies.
 
     Args:
         graph: the stack.

@@ -42,10 +42,11 @@ FIRST_RHO, LAST_RHO = 1e-3, 1e-12
 y stays small for a falling stack. The weight falls tenfold at each proximal point, because tall stacks that are almost
 balanced need a small weight."""
 RAY_RHO = 1e-4
-"""Weight of the proximal term in the search for a motion that no contact resists, over its weight in the search that
-gave the first guess."""
+"""Ratio of the proximal term's weight in the search for a motion that no contact resists to its weight in the search
+that gave the first guess."""
 STRONGEST = 1e6
-"""Greatest force of an equilibrium, over the weight of all bodies, because no real wedge bears more."""
+"""Ratio of the greatest contact force of an equilibrium to the weight of all bodies, above which the equilibrium does
+not count, because no real wedge bears more."""
 CONVERGED = 1e-14
 """Newton's decrement, relative to the minimised function, at which a proximal point is reached."""
 PROXIMAL_POINTS = 12
@@ -53,7 +54,8 @@ ROUGH_POINTS, ROUGH_STEPS, ROUGHLY_BALANCED = 2, 5, 2e-3
 """Limits for an estimate of the forces: number of proximal points, number of steps at each, imbalance."""
 NEWTON_STEPS = 60
 RAY_STEPS = 40
-"""Greatest numbers of steps, because a stack takes 5 to 20 steps in all, unless it is at its limit of stability."""
+"""Greatest numbers of steps, at one proximal point (NEWTON_STEPS) and in the search for a motion (RAY_STEPS), because a
+stack takes 5 to 20 steps in all, unless it is at its limit of stability."""
 
 
 class Search(NamedTuple):
@@ -135,7 +137,7 @@ def solve(problem: Problem, rows: IntArray, strongest: float) -> tuple[int, Floa
         problem: n bodies and m contacts.
         rows: components of force and moment that may be nonzero, shape (k,): all six, or [2, 3, 4] if every force is
             vertical.
-        strongest: greatest force of an equilibrium, over the weight of all bodies (see ``STRONGEST``).
+        strongest: limit on the ratio of the greatest contact force to the weight of all bodies (see ``STRONGEST``).
 
     Returns:
         Four values:

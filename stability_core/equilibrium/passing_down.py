@@ -21,7 +21,7 @@ from stability_core.port import BoolArray, FloatArray, IntArray
 REFINEMENTS = 2
 """Number of corrections of a body's forces for rounding, because the normal equations lose half of the digits."""
 ALONG_A_LINE = 1e-12
-"""Regularisation, over the trace of the matrix, because contacts along a line leave one moment free."""
+"""Ratio of the regularisation to the trace of the matrix, because contacts along a line leave one moment free."""
 
 
 @compiled

@@ -148,7 +148,7 @@ def islands(problem: Problem) -> IntArray:
 
 
 def with_neighbours(problem: Problem, bodies: BoolArray) -> BoolArray:
-    """Return the ``bodies``, (n,), and all bodies that they touch."""
+    """Return the mask (n,) of the ``bodies`` and of all bodies that they touch; ``bodies`` is a mask (n,)."""
     among = np.append(bodies, False)  # the last row is the ground's
     touching = among[problem.body_a] | among[problem.body_b]
     among[problem.body_a[touching]] = among[problem.body_b[touching]] = True

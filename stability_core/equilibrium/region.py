@@ -1,12 +1,12 @@
 """Safe regions: where a body may be loaded without examining the stack below it.
 
-U(ground contact) is the whole patch. U(body) is the hull over its supports of (contact patch, cut with the U of the
-support). Proof by induction from the ground up:
+U(contact with the ground) is the whole contact patch. U(body) is the convex hull of the body's patches on its supports,
+each patch cut with U(support). Proof by induction from the ground up:
 
 - A weight at a point of U(body) is split among points of the patches that lie in the supports' own U, as vertical
   forces, which load-bearing contacts can bear.
 - The supports pass on each of these forces in the same way, down to the ground.
-- Added to the forces of any equilibrium, they stay in the Coulomb cones, because the cones are convex.
+- The sum of these forces and the forces of any equilibrium lies in the Coulomb cones, because the cones are convex.
 
 Therefore a stack that stood before also stands with the weight, and no computation of forces is needed.
 """
@@ -55,7 +55,7 @@ REGION = np.dtype(
     ],
     align=True,
 )
-"""The safe region of a frozen body."""
+"""Row of a frozen body: its safe region, and the fingerprint of its proof."""
 Regions: TypeAlias = Any
 """Structured array of ``REGION``, one row a body."""
 
@@ -106,7 +106,7 @@ def known_region(regions: Regions, body: int) -> FloatArray:
 def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
     """Return U of a body that stands on the stack, shape (k, 3), from the regions of its supports.
 
-    O(supports), independent of the height of the stack.
+    The cost is O(supports), independent of the height of the stack.
     """
     bodies, patches = graph.bodies, graph.patches
     points = np.empty((2 * MAX_VERTICES * count_patches(graph, body), 3))
@@ -129,7 +129,7 @@ def region_of(graph: Graph, regions: Regions, body: int) -> FloatArray:
 
 @compiled
 def _trait(patch: Patches, other: int, factor: int) -> int:
-    """Return a number for one neighbour and its contact: its id, the kind of contact and the normal."""
+    """Return a hash of a neighbour's id, the kind of its contact and the normal; ``factor`` multiplies the id."""
     total = (other + 2) * factor + patch.kind
     for k in range(3):
         total = total * 31 + int(np.rint(patch.normal[k] / SAME_NORMAL))
@@ -146,8 +146,8 @@ def _id_of(bodies: Bodies, body: int) -> int:
 def fingerprint(graph: Graph, body: int) -> int:
     """Return a number that depends on the mass and the contacts of ``body``, but not on the order of the contacts.
 
-    Contacts with the ground and with frozen bodies count, with their normals; for a body in doubt live bodies count as
-    well, because any change unfreezes it.
+    Contacts with the ground and with frozen bodies count, with their normals; for a body in doubt, contacts with live
+    bodies count as well, because any change unfreezes a body in doubt.
     """
     bodies, patches = graph.bodies, graph.patches
     row = bodies[body]
@@ -187,7 +187,8 @@ def is_proven(graph: Graph, regions: Regions, body: int) -> bool:
 def note_doubts(graph: Graph, regions: Regions) -> None:
     """Record the surroundings of the bodies just frozen in doubt: any later change unfreezes them.
 
-    O(bodies that changed in this frame). These bodies get no region, so a body placed on them needs a solve.
+    The bodies in doubt get no region, so a body placed on them needs a solve. The cost is O(bodies that changed in this
+    frame).
     """
     for body in graph.changed[1 : 1 + graph.changed[0]]:
         row = graph.bodies[body]
@@ -221,7 +222,7 @@ def is_safe(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bo
 
 @compiled
 def topples_off(graph: Graph, regions: Regions, body: int, region: FloatArray) -> bool:
-    """Return True if a body topples alone and the stack bears its load meanwhile.
+    """Return True if a body topples alone and the stack bears the toppling body's load.
 
     The body turns about the border of its contact area and presses, with at most its weight, on the point of the border
     nearest to its centre of mass. If that point lies in the ``region`` (k, 3), the supports bear the load. False means

@@ -165,8 +165,8 @@ def settle_safely(
 ) -> tuple[int, int, int]:
     """Settle the frame by cheap proofs: completely, unless a candidate stays undecided.
 
-    O(1) per body on the worklist, independent of the number of frozen bodies. The arrays of ``Graph`` and
-    ``FrameBuffers`` are separate arguments, because Numba unpacks a tuple from Python slowly (ADR-0002).
+    The cost is O(1) per body on the worklist, independent of the number of frozen bodies. ADR-0002 gives the reason for
+    the separate array arguments.
 
     Returns:
         Numbers of bodies written to the rows of ``found``, shape (3, bodies):

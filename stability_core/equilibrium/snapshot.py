@@ -36,8 +36,12 @@ class Equilibrium:
     """The result of statics for one snapshot."""
 
     verdict: Verdict
-    """``stable``: held by ``forces`` that arise from zero load; ``unstable``: falling by ``mechanism``; ``doubt``:
-    neither is proven."""
+    """The verdict:
+
+    - ``stable``: the bodies stand, held by ``forces`` that arise from zero load;
+    - ``unstable``: bodies fall by the motion ``mechanism``;
+    - ``doubt``: neither is proven.
+    """
     residual: float
     """Largest imbalance of a body [N, N m over the body's size], relative to the largest force on it."""
     forces: FloatArray | None
@@ -72,13 +76,13 @@ def solve_equilibrium(contacts: Contacts, masses: Masses, gravity: Sequence[floa
       pressed them together); or they arise with the full friction, but not with nine tenths of it; or no proof was
       found.
 
-    A step takes O(n) to O(n w^2) for n bodies in layers of w bodies. A decision takes 5 to 20 steps, with friction 10
-    to 60 steps.
+    A step takes O(n) to O(n w^2) for n bodies in layers of w bodies. A decision takes 5 to 20 steps, or 10 to 60
+    steps if the bodies need friction.
 
     Args:
         contacts: the touching points; ``body_a`` and ``body_b`` are ``GROUND`` or listed in ``masses``.
         masses: all bodies that must stand; ``removed`` has no effect.
-        gravity: [m/s2], in any direction.
+        gravity: gravity vector [m/s2], in any direction.
 
     Raises:
         ValueError: for malformed contacts or masses (the message names field and row), for normals that all point from

@@ -40,21 +40,23 @@ MOMENT_ROWS = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 SLACK_STEPS = 8
 """Greatest number of solves for rolling bodies; a pile of spheres takes one or two."""
 FIRST_STEPS, MORE_STEPS = 3, 9
-"""Steps of the correction, before and after the test whether changed bodies fall with their neighbours, because one
+"""Numbers of correction steps before and after the test whether changed bodies fall with their neighbours, because one
 more plank on a card house of 100 planks takes 1 to 5 steps, and an off-centre load of 20 planks' weight takes 12 steps.
 """
 LESS_FRICTION = 0.9
-"""Share of the friction with which forces must arise as well, if they exist, because two kinds of the tight
-courses that stood when loaded with mu = 0.8 fell in two of three engines."""
+"""Ratio of a reduced friction to the true friction. Forces must arise with the reduced friction as well, if forces
+exist with it, because two kinds of courses of touching bricks that stood when loaded with mu = 0.8 fell in two of three
+engines."""
 FEW = 0.25
 """Greatest share of the bodies for which the test for a fall includes neighbours, because a larger share would cost as
 much as the steps of the correction."""
 MOVES = 1e-2
-"""Share of the largest unbalanced force below which a body does not take part in a mechanism."""
+"""Ratio of a body's unbalanced force to the largest unbalanced force, below which the body takes no part in a
+mechanism."""
 
 
 def takes_part(rest: FloatArray) -> BoolArray:
-    """Return which bodies move in a mechanism, or stay unbalanced in a search, (n,), from the ``rest`` (n, 6)."""
+    """Return the mask (n,) of the bodies that the ``rest`` (n, 6) of a search shows to move or to be unbalanced."""
     unbalanced = np.abs(rest).max(axis=1, initial=0.0)
     moves: BoolArray = unbalanced > MOVES * unbalanced.max(initial=0.0)
     return moves
@@ -67,17 +69,20 @@ def decide(
     changed: BoolArray | None = None,
     displacement: FloatArray | None = None,
 ) -> Answer:
-    """Decide whether the changed bodies fall by themselves; else correct the former forces; else start from scratch.
+    """Decide whether the bodies stand, fall or are in doubt, by the cheapest proof that succeeds.
 
-    The function tests for a fall in this order:
+    The function tries these steps in order, until one of them decides:
 
-    1. the changed bodies alone;
-    2. if the first steps of the correction fail, the changed bodies with their neighbours;
-    3. if all steps fail, the bodies that are still unbalanced.
+    1. test whether the changed bodies fall by themselves;
+    2. pass vertical forces from the top down (see ``passing_down``);
+    3. take the first steps of the correction of the former forces;
+    4. test whether the changed bodies fall with their neighbours;
+    5. take the remaining steps of the correction;
+    6. test whether the bodies that are still unbalanced fall;
+    7. search for forces from zero.
 
-    Before the correction, the function tries vertical forces from the top down (see ``passing_down``), because they
-    cost less than a step of the correction. The correction takes one to four steps for nearly all standing stacks. See
-    ``correction`` and ``newton`` for the cost of a step.
+    If forces hold the bodies, ``loading`` decides whether these forces arise by themselves. The correction takes one to
+    four steps for nearly all standing stacks. See ``correction`` and ``newton`` for the cost of a step.
 
     Args:
         problem: n bodies and m contacts, z up.
@@ -200,7 +205,7 @@ def _held_within_slack(
 
     Args:
         problem: a problem with rolling bodies.
-        force: forces (m, 3) that nearly hold them.
+        force: forces (m, 3) that nearly hold the bodies.
         rest: the unbalanced rest, shape (n, 6).
         residual: the greatest imbalance.
 
@@ -266,8 +271,8 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
 def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
     """Return the mask of the bodies that loading does not hold, shape (n,).
 
-    Loading must hold them with ``LESS_FRICTION`` of the friction. If no equilibrium exists with that share, as for an
-    inverted V near its limit, the full friction decides.
+    Loading must hold all bodies with ``LESS_FRICTION`` of the friction. If no equilibrium exists with this friction, as
+    for an inverted V near its limit, the full friction decides.
     """
     less = island._replace(friction=LESS_FRICTION * island.friction)
     loose = needs_prestress(less, displacement)

@@ -1,4 +1,4 @@
-"""The policies, which decide which bodies freeze and which unfreeze. The loop around them is always the same."""
+"""The policies, which decide which bodies freeze and unfreeze; the extension calls each policy in the same way."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class Decision(NamedTuple):
     unbalanced: IntArray
     """The frozen bodies that no longer balance, shape (k,)."""
     deferred: IntArray = NOBODY
-    """Live bodies left without budget, shape (m,), which the next frame judges."""
+    """Live bodies for which the budget did not suffice, shape (m,); the next frame judges these bodies."""
 
 
 class Policy(ABC):

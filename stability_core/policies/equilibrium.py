@@ -2,7 +2,8 @@
 
 Cheap proofs come first. The policy refuses a body that topples alone, and accepts a body in the safe region of its
 supports, in O(1) at any height. It solves only the remaining bodies, with the bodies that bear them: leaning bodies,
-counterweights, lost supports. Bodies that move in the mechanism fall.
+counterweights, bodies that lost a support. A solve that fails gives a mechanism, the motion in which the bodies fall;
+bodies that move in the mechanism stay live or unfreeze.
 
 A proof holds for frozen bodies only: there is no certificate for a stack with a live load, nor after a change of mass,
 normal or neighbour. So the departure of a live load invalidates no proof, and the stack bears a new live load if the
@@ -49,8 +50,8 @@ WAKE_GRIP = 1.02
 """Factor on friction for unfreezing, as a hysteresis, so that a body unfreezes only if it falls even with so much
 friction."""
 UNCERTAIN = 0.2
-"""Greatest missing force, over the greatest load, that unfreezes nothing where loads are estimates, because contact
-forces fluctuate by as much."""
+"""Ratio of the greatest missing force to the greatest load, up to which no body unfreezes if the loads are estimates,
+because contact forces fluctuate by as much."""
 TOGETHER = 12
 """Greatest number of candidates judged together within a budget, because few bodies hold each other in a pile, and a
 solve of fifty bodies that lean on each other takes 0.5 s."""
@@ -58,8 +59,8 @@ DEAR = 16
 """Number of bodies above which a solve is expensive. The policy does not judge bodies that an expensive solve
 leaves in doubt again within ``doubt_s``, even if their surroundings change."""
 FEW_TOGETHER = 16
-"""Greatest number of bodies in a joint solve of live bodies with the stack below them; ``FEW_BODIES`` if all contacts
-of the live bodies are load-bearing."""
+"""Greatest number of bodies in a joint solve of live bodies with the stack below them. The limit is ``FEW_BODIES`` if
+all contacts of the live bodies are load-bearing."""
 FEW_BODIES = 64
 """Greatest number of bodies for which the policy solves a whole part of the stack, if a solve of the affected
 bodies decides nothing."""
@@ -118,7 +119,7 @@ class Equilibrium(Policy):
         self._sag[:] = 0.0
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze the bodies in safe regions by one compiled call; then freeze the others that stand together.
+        """Freeze the bodies in safe regions by one compiled call; then freeze the other candidates that stand together.
 
         The cost is O(1) per changed body while safe regions decide. Otherwise the cost is some solves of the affected
         bodies, which start from the latest forces.
@@ -182,7 +183,7 @@ class Equilibrium(Policy):
         return reasons, np.concatenate(solved), group
 
     def _batch(self, graph: Graph, part: IntArray) -> IntArray:
-        """Return the candidates of a ``part`` to judge together, (k,): within a budget the lowest few.
+        """Return the candidates of a ``part`` to judge together, (k,); only the lowest few if there is a budget.
 
         The batch takes any number of bodies with load-bearing contacts only, because a solve of these bodies is cheap.
         """
@@ -192,9 +193,9 @@ class Equilibrium(Policy):
         return np.sort(lowest[:TOGETHER])
 
     def _parts(self, graph: Graph, seeds: IntArray, members: IntArray) -> Iterator[tuple[IntArray, bool]]:
-        """Yield the bodies to solve for the ``seeds``: the bodies that bear the seeds; then a small whole part.
+        """Yield the bodies to solve for the ``seeds``: first the bodies that bear the seeds.
 
-        The second value is True for the whole part.
+        Then yield the whole part of the stack, if it is small. The second value is True for the whole part.
         """
         near = bearing(graph, self._memory, seeds, members, self.gravity)
         whole = component(graph, seeds, members)
@@ -210,7 +211,7 @@ class Equilibrium(Policy):
         return part_of(graph, self._memory, ids, terms)
 
     def _decide(self, graph: Graph, part: Part, problem: Problem, changed: BoolArray) -> Answer:
-        """Return ``decide`` for the ``problem`` of a part, starting from the kept forces and displacements."""
+        """Return the answer of ``decide`` for the ``problem`` of a part, from the kept forces and displacements."""
         self._solved += len(part.ids)
         start = recall(graph, self._memory, part.patches, len(part.level))
         sag = np.ascontiguousarray(self._sag[:, part.ids])  # the layout of the kernels
@@ -223,7 +224,7 @@ class Equilibrium(Policy):
 
         Bodies that statics leaves in doubt freeze too, without a proof, once the engine has held all of them in place
         for ``doubt_s``. A standing group takes one to four steps of a solve of the bodies that bear it, a falling group
-        a few steps of a solve of its own bodies. Return the frozen bodies, the reason, and the rows of the solved
+        takes a few steps of a solve of its own bodies. Return the frozen bodies, the reason, and the rows of the solved
         patches.
         """
         bodies = graph.bodies
@@ -279,7 +280,7 @@ class Equilibrium(Policy):
         return _together(doubtful, certain if len(certain) else seeds)
 
     def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
-        """Return which of the frozen bodies ``ids`` fall or are in doubt under their live loads, shape (k,).
+        """Return the frozen bodies among ``ids`` that fall or are in doubt under their live loads, shape (k,).
 
         The loads of live bodies on a rigid stack are one of many ways to share their weight. If the stack does not bear
         these loads, the method solves the live bodies that do not fall themselves together with the stack. If this

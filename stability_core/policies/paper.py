@@ -1,7 +1,8 @@
 """The policy of Thomsen and Kraus 2015: a body is stable if its centre of mass lies above its contact area.
 
-The flat test is a vertical ray from C_stack into the combined contact area; an object that does not lie flat may pass
-the leaning test instead. The overall test repeats the test that the object passed, with all its later loads.
+The flat test is a vertical ray from C_stack, the common centre of mass of an object and its loads, into the combined
+contact area. An object that does not lie flat may pass the leaning test instead. The overall test repeats the test that
+the object passed, with all its later loads.
 """
 
 from __future__ import annotations
@@ -119,7 +120,15 @@ def fail_overall_test(graph: Graph, bodies: IntArray, gravity: float, wake_margi
 
 @compiled
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, gravity: float) -> tuple[IntArray, IntArray, IntArray]:
-    """Settle one frame; return (accepted by the flat test, accepted by the leaning test, failed the overall test)."""
+    """Settle one frame by all tests of the policy.
+
+    Returns:
+        Three lists of bodies:
+
+        - bodies that passed the flat test;
+        - bodies that passed the leaning test;
+        - frozen bodies that failed the overall test.
+    """
     limit = limits[0]
     # Contact areas
     lay_due(graph, buffers, limits)
@@ -143,7 +152,7 @@ class Paper(Policy):
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
         """Test new members, flat before leaning; update the stack data (Eqs 1-5); then run the overall test.
 
-        O(k log k) for the k bodies in the cone below the changes.
+        The cost is O(k log k) for the k bodies below the changes that bear a changed load.
         """
         flat, leaning, unbalanced = _settle(graph, buffers, self.limits, self.gravity)
         return Decision(dict.fromkeys(flat.tolist(), "flat") | dict.fromkeys(leaning.tolist(), "leaning"), unbalanced)

@@ -7,9 +7,9 @@ and mass:
 
 - The pile of a body is the set of frozen bodies joined to it by contacts. The pile stands on a base: the convex hull,
   in plan, of its contact points on the ground.
-- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward, by mu per
-  metre. The angle of repose is atan(mu), of the least friction on which the body stands; in their method the user
-  chooses the angle.
+- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward, with the
+  slope mu, the friction coefficient of the contact on which a body stands. The angle of repose is atan(mu); in their
+  method the user chooses this angle.
 - A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
 - A body freezes once it is at rest, as in every policy, and touches no moving live body, which would move it.
 - A body unfreezes by an impact, as in every policy, and when one of its supports is gone.
@@ -37,7 +37,7 @@ from stability_core.stack import FROZEN, LIVE, MAX_VERTICES, NONE, SUPPORT, Grap
 def _beside_movers(graph: Graph, buffers: FrameBuffers, candidates: IntArray, limits: Limits) -> IntArray:
     """Return the ``candidates`` that touch a live body faster than ``moving_speed``, shape (k,).
 
-    O(contacts of the latest frame).
+    The cost is O(contacts of the latest frame).
     """
     for i in range(len(candidates)):
         graph.bodies[candidates[i]].place = i
@@ -127,7 +127,7 @@ def _count_supports(graph: Graph, body: int) -> int:
 def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntArray) -> tuple[IntArray, IntArray]:
     """Settle one frame; return (bodies to freeze, frozen bodies that lost a support).
 
-    O(pile) per candidate.
+    The cost is O(pile) per candidate.
 
     Args:
         graph: the stack.
@@ -173,12 +173,12 @@ class Pile(Policy):
         self._supports = NOBODY
 
     def set_gravity(self, gravity: float) -> None:
-        """Unfreeze every pile, because its shape was compared with an angle of repose to another vertical."""
+        """Unfreeze every pile in the next frame, because the vertical that defines its slope has changed."""
         super().set_gravity(gravity)
         self._supports[:] = np.iinfo(np.int64).max
 
     def settle(self, graph: Graph, buffers: FrameBuffers) -> Decision:
-        """Freeze bodies inside their piles, lowest first, because supports must freeze first. O(pile) per body."""
+        """Freeze bodies inside their piles, lowest first, because supports must freeze first: O(pile) per candidate."""
         if len(graph.bodies) > len(self._supports):
             self._supports = np.concatenate(
                 (self._supports, np.zeros(len(graph.bodies) - len(self._supports), np.int64))
