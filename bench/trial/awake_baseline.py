@@ -1,7 +1,8 @@
-"""Time the same standing stack without the extension: the baseline (all awake).
+"""Time a standing stack without the extension: the baseline (all awake).
 
-A second run without the extension is no baseline, because its stack has often fallen. Therefore this module loads the
-stack that was built with the extension, at its actual poses, into a new world in which every brick is awake.
+A separate trial without the extension cannot be the baseline, because its stack has often fallen. Therefore this module
+loads the stack that was built with the extension, at its actual poses, into a new world of the engine alone, in which
+every brick is awake.
 """
 
 from __future__ import annotations
@@ -21,23 +22,25 @@ from bench.trial.stepping import PlainFrames
 from scenarios.model import World
 
 WARM_UP_FRAMES = 2
-"""Number of warm-up frames. Two frames are needed, because the engine builds its caches in the first frame, and the
-second frame is the first that starts from earlier contacts."""
+"""Number of untimed frames at the start of each new world. Two frames are needed, because the engine builds its caches
+in the first frame, and the second frame is the first that starts from earlier contacts."""
 TIMED_FRAMES = 60
 """Number of timed frames, one second at 60 Hz."""
 LEAST_FRAMES = 10
 """Fewest timed frames that give a frame time."""
 MOST_WORLDS = 20
-"""Greatest number of worlds to open. Several worlds are needed, because a tall stack falls within a few frames."""
+"""Greatest number of worlds to open for one baseline. Several worlds are needed, because a tall stack falls within a
+few frames."""
 MOST_WALL_S = 20.0
 """Wall time after which no further frame starts [s], so that a slow engine does not use up the limit of its trial."""
 HIGHEST_LEVEL = 25
-"""Greatest level at which the harness measures a ratio: the height of the paper's stacks."""
+"""Greatest level at which the harness measures the ratio of the frame time with the extension to the baseline: the
+height of the paper's stacks."""
 
 
 @dataclass(frozen=True, slots=True)
 class BaselineTime:
-    """Frame time of an all-awake stack, or the reason for its absence."""
+    """Frame time of a stack with every brick awake, or the reason why the frame time is missing."""
 
     frame_ms: float | None
     """Mean frame time [ms]; None if it could not be measured."""
@@ -79,7 +82,11 @@ def open_awake(engine: str, profile: str, world: World, stack: Snapshot) -> Simu
 def _time_while_it_stands(
     engine: str, profile: str, world: World, stack: Snapshot, wanted: int, deadline: float
 ) -> list[float]:
-    """Return the frame times [ms] of up to ``wanted`` frames after the warm-up, until a brick is out of place."""
+    """Return the frame times [ms] of up to ``wanted`` frames of a new world.
+
+    The list omits the first ``WARM_UP_FRAMES``, and ends when a brick is out of place or the clock passes ``deadline``
+    [s].
+    """
     plan = Plan.of(stack.bricks)
     simulation = open_awake(engine, profile, world, stack)
     try:

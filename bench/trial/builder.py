@@ -18,7 +18,8 @@ from scenarios.geometry import Boxes, resting_shift, side_by_side
 from scenarios.model import CLEARANCE, Action, Brick, Drive, Place, Press, Pull, Push, Remove, Scene, Tilt
 
 HOLD_S = 0.1
-"""Time of a hold before each push, press and pull of a brick [s], so that the extension unfreezes the brick first."""
+"""Duration of the hold before each push, press and pull of a brick [s], so that the extension unfreezes the brick
+first."""
 
 
 class Builder:
@@ -30,7 +31,8 @@ class Builder:
         Args:
             scene: the scene.
             simulation: an empty simulation.
-            listener: receiver of the bodies that a user holds, and of changes of gravity; None without an extension.
+            listener: receiver of the bodies that a user holds or releases, and of every new gravity; None for no
+                receiver.
         """
         self._simulation = simulation
         self._fixed = Boxes.of(scene.world.fixed)
@@ -50,7 +52,7 @@ class Builder:
         self.level = 0
         """Highest level of which a brick has been released."""
         self.plan = Plan.of(())
-        """Plan of the bricks in the world, in the order of ``Simulation.poses``."""
+        """Planned poses of the bricks in the world, in the order of ``Simulation.poses``."""
         self._set_down: list[int] = []  # bodies of prebuilt stacks that ``take_set_down`` has not yet returned
 
     @property
@@ -130,16 +132,16 @@ class Builder:
         self._plan_anew()
 
     def _forget(self, body: int) -> None:
-        """Remove a brick from the plan after its removal from the simulation."""
+        """Remove a brick from the planned bricks after its removal from the simulation."""
         self._drives.forget(body)
         self._note_lost_support(self._planned.pop(body), body)
 
     def _note_lost_support(self, before: Brick, moved: int) -> None:
-        """Record the drop heights of the bricks that lost their support by a removal or a pull.
+        """Record the drop heights (see ``drop_heights``) of the bricks that lost their support by a removal or a pull.
 
         Args:
-            before: the moved brick at its planned pose before the motion.
-            moved: body of the moved brick.
+            before: the removed or pulled brick at its planned pose before the motion.
+            moved: body of the removed or pulled brick.
         """
         rest = {body: brick for body, brick in self._planned.items() if body != moved}
         left = [self._planned[moved]] if moved in self._planned else []
@@ -179,8 +181,8 @@ class Builder:
     def _resting_shift(self, action: Place) -> float:
         """Return the shift of planned heights [m] that puts the bricks of an action ``CLEARANCE`` above their support.
 
-        The support is a fixed box or a brick of a lower level. A brick that is planned beside the group is no support,
-        although it may overlap the group horizontally by micrometres after a small motion. For a pile, the function
+        The support is a fixed box or a brick of a lower level. A brick that is planned beside the placed bricks is no
+        support, although it may overlap them horizontally by micrometres after a small motion. For a pile, the function
         ignores planned poses, because poured bricks do not rest at these poses.
         """
         _, position, quaternion = self._simulation.poses()
@@ -200,8 +202,8 @@ def at_pose(brick: Brick, position: FloatArray, quaternion: FloatArray) -> Brick
 
     Args:
         brick: the brick.
-        position: its centre [m], shape (3,), world frame.
-        quaternion: its orientation (w, x, y, z), shape (4,), world frame.
+        position: reported centre [m], shape (3,), world frame.
+        quaternion: reported orientation (w, x, y, z), shape (4,), world frame.
     """
     x, y, z = position.tolist()
     w, i, j, k = quaternion.tolist()

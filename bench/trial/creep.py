@@ -1,13 +1,13 @@
-"""Measure the creep of a finished stack: the slope of its bricks' positions over the last half of the watch.
+"""Measure the creep of a finished stack: the slope of its bricks' positions over time, in the last half of the watch.
 
-The interval of the slope comes from Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator of
-Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
+The 95 % interval of the slope comes from Kiefer, Vogelsang and Bunzel (Econometrica 68, 2000): the variance estimator
+of Newey and West with the length of the series as bandwidth. The usual interval of a regression assumes independent
 frames. Frames are not independent, because a vibrating or oscillating brick is close to its position in the frame
 before. Therefore the usual interval would find creep in stacks that only oscillate. The estimator used here requires no
 choice of a bandwidth. Its interval becomes wide if a series oscillates slowly or its slope is not steady.
 
     t_i         times minus their mean, i = 1 ... n
-    v           sum t_i x_i / sum t_i^2                   slope of the position x along the brick's own direction
+    v           sum t_i x_i / sum t_i^2                   slope of x, the position along the brick's direction of motion
     S_k         sum over i <= k of t_i (x_i - mean - v t_i)
     variance    (2 / n) (sum S_k^2) / (sum t_i^2)^2       S_n is zero, because residuals are orthogonal to times
     error       QUANTILE sqrt(variance)
@@ -22,8 +22,8 @@ import numpy as np
 from bench.trial.measure import FloatArray
 
 QUANTILE = 5.78
-"""95 % quantile of the ratio of slope to standard error for series without a slope, from a simulation of 100,000 series
-of 1,000 independent numbers; series of 150 numbers give 5.77, series of 50 give 5.83.
+"""95 % quantile of the absolute ratio of slope to standard error for series without a slope. The value comes from a
+simulation of 100,000 series of 1,000 independent numbers; series of 150 numbers give 5.77, series of 50 give 5.83.
 ``tests/bench/trial/test_creep.py`` repeats the simulation."""
 LEAST_FRAMES = 20
 """Fewest frames that give a creep: a third of a second at 60 Hz."""
@@ -31,7 +31,7 @@ LEAST_FRAMES = 20
 
 @dataclass(frozen=True, slots=True)
 class Creep:
-    """Creep of bricks. The "fastest brick" has the greatest ratio of speed to thickness."""
+    """Creep of bricks. The "fastest brick" is the brick with the greatest ratio of speed to thickness."""
 
     speed_m_s: float
     """Speed of the centre of the fastest brick [m/s]."""
@@ -40,16 +40,16 @@ class Creep:
     thickness_m: float
     """Thickness (least edge) of the fastest brick [m]."""
     sliding_m_s: float
-    """Greatest horizontal speed of a centre [m/s]."""
+    """Greatest horizontal speed of the centre of any brick [m/s]."""
     sinking_m_s: float
-    """Greatest vertical speed of a centre, downward or upward [m/s]."""
+    """Greatest vertical speed of the centre of any brick, downward or upward [m/s]."""
 
 
 class CreepMeter:
     """Collector of the positions of bricks after every frame, from which it computes their creep."""
 
     def __init__(self, from_s: float) -> None:
-        """Start to collect positions at ``from_s`` [s]."""
+        """Prepare to collect the positions at the ends of frames after ``from_s`` [s]."""
         self._from_s = from_s
         self._times: list[float] = []
         self._positions: list[FloatArray] = []
@@ -59,7 +59,8 @@ class CreepMeter:
 
         Args:
             time: end of the frame [s].
-            position: centres of the n bricks [m], shape (n, 3); the array must not change later.
+            position: centres of the n bricks, or their displacements from fixed points [m], shape (n, 3); the array
+                must not change later.
         """
         if time <= self._from_s:
             return

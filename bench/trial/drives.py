@@ -34,7 +34,7 @@ class Drives:
         self._driven: dict[int, _Driving] = {}
 
     def is_changing(self, time: float) -> bool:
-        """Return True while a driven body has not reached its target velocity at ``time`` [s]."""
+        """Return whether any driven body has not yet reached its target velocity at ``time`` [s]."""
         return any(time < driving.action.until for driving in self._driven.values())
 
     def begin(self, body: int, action: Drive) -> None:
@@ -75,7 +75,7 @@ class Drives:
 def _moved(
     bodies: list[int], planned: Mapping[int, Brick], linear: FloatArray, angular: FloatArray, seconds: float
 ) -> dict[int, Brick]:
-    """Return the bricks on a driven platform at their new planned poses, by body.
+    """Return a driven platform and the bricks that it carries at their new planned poses, by body.
 
     Args:
         bodies: bodies of the platform and of the bricks that it carries; the platform comes first.

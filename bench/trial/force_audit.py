@@ -1,4 +1,11 @@
-"""Audit the contact forces that an engine reports: weight carried, friction cone and complementarity."""
+"""Audit the contact forces that an engine reports.
+
+The audit measures three quantities in each frame:
+
+- the vertical force on the ground, as a share of the weight of all bricks;
+- the greatest excess of a contact force over its friction cone, as a share of a brick's mean weight;
+- the greatest residual of complementarity, which demands that no force acts across a gap and no bodies overlap.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +48,7 @@ class ForceAudit:
             self._residual.append(float(np.nanmax(residual)))
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields for the record, means over the frames; empty if the engine reported no forces."""
+        """Return the fields for the record: means over the audited frames; empty if the engine reported no forces."""
         measured = {
             "carried_share": self._carried,
             "cone_excess": self._excess,

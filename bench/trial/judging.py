@@ -24,13 +24,14 @@ def verdict(
       neutral balance;
     - ``undecided``: the time limit stopped the trial;
     - ``failed``: the trial neither completed nor collapsed;
-    - to stand: ``false_collapse`` if the stack fell, ``creeps`` if a brick creeps, else ``right``;
-    - to fall: ``false_stand`` if the stack fell at a higher level, too late or not at all; ``false_collapse`` if it
-      fell at a lower level or too early; ``failed`` if it sank; else ``right``.
+    - for a stack that must stand: ``false_collapse`` if the stack fell, ``creeps`` if a brick creeps, else ``right``;
+    - for a stack that must fall: ``false_stand`` if the stack fell at a higher level than expected, too late or not at
+      all; ``false_collapse`` if the stack fell at a lower level or too early; ``failed`` if the stack sank; else
+      ``right``.
 
     Args:
         expectation: the outcome that theory demands.
-        status: end of the trial.
+        status: status with which the trial ended.
         collapse_level: number of levels placed when the collapse was first seen; None without a collapse.
         kind: kind of the collapse; None without a collapse.
         collapse_s: simulated time at which the collapse was first seen [s]; None without a collapse.

@@ -14,7 +14,7 @@ from scenarios.model import Press, Pull, Vector
 
 
 class Listener(Protocol):
-    """Receiver of the user's actions: frames with or without the stability extension."""
+    """Receiver of the user's actions; ``PlainFrames`` and ``SteeredFrames`` are listeners."""
 
     def disturb(self, bodies: Sequence[int]) -> None:
         """Receive the bodies that the user has begun to hold."""
@@ -35,9 +35,10 @@ class _Pulling:
     velocity: FloatArray
     """Horizontal velocity that the user intends [m/s], shape (2,)."""
     speed: FloatArray
-    """Horizontal velocity given to the brick at the start of a frame [m/s], shape (2,), with the loss by friction."""
+    """Horizontal velocity that the latest impulse gave to the brick [m/s], shape (2,). The difference from the intended
+    velocity compensates the loss by friction."""
     position: FloatArray
-    """Horizontal position of the brick at the start of the frame before [m], shape (2,)."""
+    """Horizontal position of the brick at the latest impulse [m], shape (2,)."""
 
 
 class Manipulator:

@@ -2,11 +2,11 @@
 
 A brick is in place unless one of four kinds of collapse has displaced it:
 
-- topple: the brick has tilted by more than 15 degrees from its plan;
+- topple: the brick has tilted by more than 15 degrees from its planned orientation;
 - slide: the brick has moved horizontally by more than its thickness from its release position;
-- drop: the brick has fallen through free space, either because its support was removed from the plan, or because its
-  level is more than the brick's thickness too low relative to the level below while the brick overlaps no other brick
-  by more than half its thickness;
+- drop: the brick has fallen through free space. Either its support was removed, and the brick lies below its drop
+  height (see ``Plan.drop_below``); or its level has sunk by more than the brick's thickness relative to the level
+  below, and the brick overlaps neither a lower brick nor the ground by half its thickness or more;
 - sink: the level of the brick has sunk by more than half the brick's thickness relative to the level below.
 """
 
@@ -28,16 +28,18 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 EARLY_S = 1e-9
-"""Greatest time by which an action may start before it is due [s], because frame times are rounded sums."""
+"""Greatest time by which an action may start before it is due [s], because the starts of frames are rounded."""
 TILT_LIMIT = falling.TILT_LIMIT
-"""Angle from the plan beyond which a brick has toppled [rad]."""
+"""Tilt from the planned orientation beyond which a brick has toppled [rad]."""
 SLIDE_LIMIT = falling.SLIDE_LIMIT
-"""Horizontal distance from the plan beyond which a brick has slid [thicknesses of the brick]."""
+"""Horizontal distance from the planned position beyond which a brick has slid [thicknesses of the brick]."""
 SINK_LIMIT = 0.5
-"""Sink relative to the level below beyond which a brick has sunk [thicknesses of the brick]."""
+"""Sink of a level relative to the level below, beyond which a brick of that level has sunk [thicknesses of the
+brick]."""
 DROP_LIMIT = 1.0
-"""Sink relative to the level below beyond which a brick without overlap has dropped [thicknesses of the brick], because
-a level that sank so far without falling would overlap the level below by the same distance."""
+"""Sink of a level relative to the level below, beyond which a brick of that level has dropped if it overlaps no lower
+brick [thicknesses of the brick], because a brick that sank so far without falling would overlap the level below by the
+same distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +53,9 @@ class Plan:
     size: FloatArray
     """Edge lengths [m], shape (n, 3)."""
     level: npt.NDArray[np.int64]
-    """Levels from 1, shape (n,)."""
+    """Level of each brick, counted from 1, shape (n,)."""
     drop_below: FloatArray
-    """Height of the centre below which a brick has dropped [m], shape (n,); minus infinity for a brick that has its
+    """Height of the centre below which a brick has dropped [m], shape (n,); minus infinity for a brick that kept its
     support. The heights come from ``bench.trial.support``."""
 
     @classmethod
@@ -76,7 +78,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """Bricks out of place, by kind; masks of shape (n,)."""
+    """Bricks out of place; each field is the mask of one kind of collapse, shape (n,)."""
 
     topple: BoolArray
     slide: BoolArray
@@ -85,12 +87,12 @@ class Faults:
 
     @property
     def any(self) -> BoolArray:
-        """Mask of the bricks out of place in any way."""
+        """Mask of the bricks out of place in any way, shape (n,)."""
         return self.topple | self.slide | self.drop | self.sink
 
     @property
     def kind(self) -> CollapseKind | None:
-        """Kind of the collapse; the first of topple, slide, drop and sink that occurs; None if no kind occurs."""
+        """Kind of the collapse: the first of topple, slide, drop and sink that occurs; None if none occurs."""
         if self.topple.any():
             return "topple"
         if self.slide.any():
@@ -108,7 +110,11 @@ def sideways(plan: Plan, position: FloatArray) -> FloatArray:
 
 
 def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
-    """Return the tilt of each brick from its plan [rad], shape (n,), without rotation about the vertical."""
+    """Return the tilt of each brick from its planned orientation [rad], shape (n,).
+
+    The tilt is the angle between the vertical and the same direction after the rotation of the brick from its planned
+    orientation. A rotation about the vertical is therefore no tilt.
+    """
     w, x, y, z = quaternion.T
     pw, px, py, pz = plan.quaternion.T
     # vector part of q * conj(planned): only its horizontal components turn the vertical
@@ -121,8 +127,8 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
 def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
     """Return the sink of each brick's level relative to the level below [m], shape (n,); the ground does not sink.
 
-    The sink compares the means of levels. Therefore a tower that leans as a rigid body does not sink: it lowers one
-    side of a level and lifts the other.
+    The sink compares the means of levels. Therefore a tower that leans as a rigid body does not sink, because one side
+    of each level falls and the other side rises.
     """
     if not len(position):
         return np.empty(0)
@@ -138,7 +144,7 @@ def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
 
 
 def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
-    """Return the bricks out of place, by kind."""
+    """Return the bricks out of place, by kind of collapse."""
     thickness = plan.thickness
     sunk = relative_sink(plan, position)
     return Faults(
@@ -152,8 +158,9 @@ def faults(plan: Plan, position: FloatArray, quaternion: FloatArray) -> Faults:
 def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk: FloatArray) -> BoolArray:
     """Return the mask of the bricks that fell through free space, shape (n,).
 
-    Such a brick has sunk by more than ``DROP_LIMIT`` and overlaps nothing by more than ``SINK_LIMIT``. A brick that
-    passed through the level below, or through the ground, counts as overlapping it.
+    A brick fell freely if its level has sunk by more than ``DROP_LIMIT``, and the brick overlaps neither a lower brick
+    nor the ground by ``SINK_LIMIT`` or more. A brick that passed through a lower brick or the ground counts as
+    overlapping.
     """
     fallen = sunk > DROP_LIMIT * plan.thickness
     if not fallen.any():
@@ -168,7 +175,7 @@ def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk:
 
 
 def intact(plan: Plan, position: FloatArray, quaternion: FloatArray) -> bool:
-    """Return True while every brick is in place."""
+    """Return whether every brick is in place."""
     return not faults(plan, position, quaternion).any.any()
 
 
@@ -200,6 +207,6 @@ def fastest(before: FloatArray, after: FloatArray, seconds: float) -> float:
     Args:
         before: centres at the beginning [m], shape (n, 3).
         after: centres at the end [m], shape (n, 3).
-        seconds: time between both [s].
+        seconds: time from the beginning to the end [s].
     """
     return float(np.linalg.norm(after - before, axis=1).max() / seconds)

@@ -1,4 +1,8 @@
-"""Monitor a stack on tilting ground: the slope of the first motion, and the limit slope of the engine's contacts."""
+"""Monitor a stack on tilting ground.
+
+The monitor measures the slope of the ground at which a brick first moves, and the greatest slope that the engine's
+contacts can hold.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +31,7 @@ class OnsetMonitor:
         Args:
             scene: a scene with at least one ``Tilt``.
             simulation: the simulation of the scene.
-            is_alone: True without an extension, because the monitor reads the engine's own contacts only then.
+            is_alone: True without an extension; only then does the monitor read the engine's own contacts.
         """
         self._scene, self._simulation = scene, simulation
         self._first: Tilt = next(action for action in scene.actions if isinstance(action, Tilt))
@@ -44,7 +48,7 @@ class OnsetMonitor:
         Args:
             time: end of the frame [s].
             position: centres of the bricks [m], shape (n, 3); the array must not change later.
-            quaternion: orientations of the bricks, shape (n, 4); the array must not change later.
+            quaternion: orientations of the bricks (w, x, y, z), shape (n, 4); the array must not change later.
         """
         if time <= self._first.time + EARLY_S:
             self._rest = position, quaternion

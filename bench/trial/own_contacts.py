@@ -1,4 +1,7 @@
-"""The engine's own contacts of a stack at rest: the greatest slope that they can hold, and their normals at ridges."""
+"""The engine's own contacts of a stack at rest: the slope that they can hold, and their normals at ridges.
+
+At a ridge, parallel edges of two planks meet.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,14 @@ from scenarios.statics.force_balance import solve_balance
 from stability_core import Contacts
 
 TOUCHING = 20e-6
-"""Greatest separation of bodies that count as touching [m]."""
+"""Greatest separation of two bodies at a contact point that counts as touching [m]."""
 STEEPEST = 45.0
-"""Greatest slope of the search [deg]."""
+"""Upper end of the search for the greatest slope [deg]."""
 PRECISION = 1e-3
-"""Tolerance of the search [deg]."""
+"""Greatest width of the final bracket of the search [deg]."""
 DIFFERENT = math.radians(1.0)
-"""Angle between the bisector and the face normal above which two planks meet at a ridge [rad]."""
+"""Angle between a face normal and the bisector of the face normals of two planks, above which the planks meet at a
+ridge [rad]."""
 
 
 class OwnContacts:
@@ -46,7 +50,9 @@ class OwnContacts:
         return [patch for pair in self._pairs.values() for patch in pair]
 
     def ridge_deg(self, bricks: Sequence[Brick]) -> float | None:
-        """Return the greatest angle between a contact normal at a ridge and the bisector [deg]; None without a ridge.
+        """Return the greatest angle between a contact normal at a ridge and the bisector of the face normals [deg].
+
+        The result is None without a ridge, or without contacts at a ridge.
 
         Args:
             bricks: bricks at their planned poses, in the order of their ids from 0 on.
@@ -70,7 +76,7 @@ def limit_slope(
 ) -> float | None:
     """Return the greatest slope at which forces in the Coulomb cones of ``patches`` can hold the bricks [deg].
 
-    None if the forces cannot hold the bricks on level ground, or still hold them at ``STEEPEST``.
+    The result is None if the forces cannot hold the bricks on level ground, or still hold them at ``STEEPEST``.
 
     Args:
         bricks: bricks with the masses and sizes to use.

@@ -20,15 +20,15 @@ MOVING_M_S = 10e-3
 """Speed of a brick's centre above which the brick is not at rest [m/s], because creep is slower and tumbling is
 faster."""
 HALF_BELOW = 1 - 0.5 ** (1 / 3)
-"""Share of a cone's height below which half of the cone's volume lies."""
+"""Share of an upright cone's height, from its base, below which half of the cone's volume lies."""
 
 
 def slope_deg(position: FloatArray) -> float | None:
     """Return the angle of repose of a pile of equal bricks [deg]; None if the median radius is zero.
 
     The angle is the slope of the cone with the same median height and median radius as the pile. The function uses
-    medians, because they do not depend on single bricks that rolled away. Half of a cone's volume lies within half its
-    radius, and half lies below ``HALF_BELOW`` of its height.
+    medians, because they do not depend on single bricks that rolled away. Half of a cone's volume lies within half the
+    radius of its base, and half lies below ``HALF_BELOW`` of its height.
 
     Args:
         position: centres of the bricks [m], shape (n, 3), world frame.
@@ -44,7 +44,7 @@ class PileMonitor:
     collapse = None
     """Collapse of the pile: always None, because no brick has a planned place."""
     is_over = False
-    """End of the trial before the end of the watch: always False."""
+    """True to end the trial before the end of the watch; always False for a pile."""
 
     def __init__(self, last_action_s: float, watch_from_s: float, creep_from_s: float) -> None:
         """Prepare to measure a pile.
@@ -52,7 +52,7 @@ class PileMonitor:
         Args:
             last_action_s: time at which the last brick is poured [s].
             watch_from_s: start of the measurement of sink [s], after the last brick has had time to land.
-            creep_from_s: start of the measurement of creep [s], the last half of the watch.
+            creep_from_s: start of the measurement of creep [s], which ends with the watch.
         """
         self._last_action_s = last_action_s
         self._watch_from_s = watch_from_s
@@ -84,7 +84,7 @@ class PileMonitor:
 
     @property
     def repose_deg(self) -> float | None:
-        """Angle of repose [deg]; None if no brick was poured."""
+        """Angle of repose in the latest frame [deg]; None if no brick was poured, or if ``slope_deg`` returns None."""
         return slope_deg(self._latest[1]) if self._latest is not None and len(self._latest[1]) else None
 
     @property
@@ -94,7 +94,7 @@ class PileMonitor:
 
     @property
     def rest_s(self) -> float | None:
-        """Time after the last action at which a brick was last seen moving [s]; None if a brick moves at the end."""
+        """Time from the last action to the last frame in which a brick moved [s]; None if a brick moves at the end."""
         if self._latest is None or self._moved_s >= self._latest[0]:
             return None
         return max(0.0, self._moved_s - self._last_action_s)

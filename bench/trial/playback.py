@@ -1,4 +1,4 @@
-"""Play one scene on one engine frame by frame, until its watch ends, the stack has fallen or the time is up."""
+"""Play one scene on one engine frame by frame, until the watch ends, the stack has fallen or the time limit passes."""
 
 from __future__ import annotations
 
@@ -28,16 +28,17 @@ from reports.records.trial import Status
 from scenarios.model import Brick, Scene, Tilt
 
 SEATING_S = 1.0
-"""Time for the last brick to settle before the watch [s], multiplied by the pace of the scene. The time is one second,
-because every other brick also has a second before the next brick."""
+"""Time after the last action in which the last brick settles [s], multiplied by the pace of the scene. The time is one
+second, because every other brick also has a second before the next brick."""
 CREEP_SHARE = 0.5
-"""Share of the watch that the measurement of creep leaves out, because the stack still settles."""
+"""Share of the watch, from its start, that the measurement of creep leaves out, because the stack still settles."""
 OnFrame: TypeAlias = Callable[
     [float, npt.NDArray[np.int64], FloatArray, FloatArray, Collection[int], Mapping[int, Brick]], None
 ]
-"""Type of a function that receives the time [s], the bodies, their poses, the frozen bodies and the bricks by body."""
+"""Type of a function that receives the time [s], the n bodies, their positions [m], shape (n, 3), their quaternions (w,
+x, y, z), shape (n, 4), the frozen bodies, and the bricks by body."""
 _ROUNDING_S = 1e-9
-"""Bound of the rounding error of frame times, which are sums [s]."""
+"""Bound on the rounding error of the simulated time at the end of a frame [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ class Snapshot:
 
 
 class Playback:
-    """Playback of one scene; its measurements are available even if it ends by an exception."""
+    """Playback of one scene; the measurements are available even if the playback ends by an exception."""
 
     def __init__(
         self,
@@ -122,7 +123,7 @@ class Playback:
         self.recorder = Recorder(simulation.info.frame_s, scene.world)
         self.rows: list[FrameRow] = []
         self.at_level: dict[int, Snapshot] = {}
-        """Stack just before the next level started, by level."""
+        """Stack at the end of each level, just before the next level started, by level."""
         self.adopted: int | None = None
         """Number of bodies of prebuilt stacks that the core froze before the first step after their placement; None
         without the core or a prebuilt stack."""
@@ -163,7 +164,10 @@ class Playback:
         return not (np.isfinite(position).all() and np.isfinite(quaternion).all())
 
     def frames_of(self, level: int) -> list[FrameRow]:
-        """Return the frames in which ``level`` was the highest level, until its last brick settled (``SEATING_S``)."""
+        """Return the frames in which ``level`` was the highest level, until the last brick of the scene has settled.
+
+        The last brick settles within ``SEATING_S``, multiplied by the pace of the scene.
+        """
         until = self._seated_s + _ROUNDING_S
         return [row for row in self.rows if row.level == level and row.time_s <= until]
 

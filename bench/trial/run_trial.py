@@ -65,7 +65,7 @@ def run_trial(
     *,
     on_frame: OnFrame | None = None,
 ) -> Outcome:
-    """Run one trial in this process. A failure of the engine gives an outcome, never an exception.
+    """Run one trial in this process; return an outcome even if the engine fails.
 
     Args:
         trial: the trial to run.

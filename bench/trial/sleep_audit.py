@@ -20,9 +20,9 @@ class _Watched:
     due: MustMove
     """Brick, start and distance of the required motion."""
     start: FloatArray | None = None
-    """Centre of the brick when its motion had to start [m], shape (3,), world frame; None before."""
+    """Centre of the brick when its motion had to start [m], shape (3,), world frame; None before that time."""
     moved_after_s: float | None = None
-    """Time that the brick needed for the required distance [s]; None until the brick has covered this distance."""
+    """Time from the required start until the brick had covered the required distance [s]; None until then."""
 
 
 class SleepAudit:
@@ -33,11 +33,12 @@ class SleepAudit:
         self._watched = [_Watched(due) for due in must_move]
         self._before: dict[int, FloatArray] = {}
         self.asleep_s = 0.0
-        """Simulated time in which a brick that must move kept its pose to the last bit [s]."""
+        """Sum of the frames in which at least one brick that must move kept its pose to the last bit [s], simulated
+        time."""
 
     @property
     def moved_after_s(self) -> float | None:
-        """Longest time that a brick needed for its required distance [s]; None if a brick has not finished."""
+        """Longest time from a required start until the brick had covered its distance [s]; None if a brick has not."""
         times = [one.moved_after_s for one in self._watched]
         return None if None in times else max(time for time in times if time is not None)
 
@@ -47,7 +48,8 @@ class SleepAudit:
         Args:
             begin: start of the frame [s].
             end: end of the frame [s].
-            poses: position [m] and quaternion of each brick in the world, shape (7,), by order of placement.
+            poses: position [m] and quaternion (w, x, y, z) of each brick in the world, shape (7,), by index in the
+                order of placement.
         """
         sleeps = False
         for one in self._watched:

@@ -39,5 +39,8 @@ class SleepStats:
             self.wakes += 1
 
     def longest_live_s(self, now: float) -> float:
-        """Return the longest time for which one body stayed live until ``now`` [s], including bodies that are live."""
+        """Return the longest time for which a body stayed live without interruption [s].
+
+        Bodies that are still live count up to the present time ``now`` [s].
+        """
         return max([self._longest_live_s, *(now - since for since in self._live_since.values())])

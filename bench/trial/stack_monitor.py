@@ -26,7 +26,7 @@ because their falls take longer in this proportion."""
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Measurements of a stack when it was last seen intact, before the next level started."""
+    """Measurements of a stack in the last frame in which it was intact, before the next level started."""
 
     level: int
     """Highest level that stands intact with all levels below it."""
@@ -45,7 +45,7 @@ class Collapse:
     time: float
     """Simulated time at which the collapse was first seen [s]."""
     level: int
-    """Number of levels placed at that time."""
+    """Number of complete levels placed when the collapse was first seen."""
     kind: CollapseKind
     """Kind of the collapse, which may change while the collapse is watched."""
     aftermath_s: float
@@ -59,7 +59,7 @@ class StackMonitor:
         """Prepare to monitor a stack.
 
         Args:
-            creep_from_s: start of the measurement of creep [s], the last half of the watch.
+            creep_from_s: start of the measurement of creep [s], which ends with the watch.
             pace: factor of the scene on times, which applies to ``LANDING_S``.
         """
         self._landing_s = LANDING_S * pace

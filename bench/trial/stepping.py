@@ -30,7 +30,7 @@ class FrameTimes:
 
     @property
     def total(self) -> float:
-        """Time of the whole frame without the bridge [s], so that it is comparable with engines in this process."""
+        """Time of the whole frame [s] without the bridge, for comparisons with engines in this process."""
         return self.engine + self.readback + self.core + self.port
 
 
@@ -56,7 +56,7 @@ class Steering:
 
 
 class PlainFrames:
-    """Frames of the engine alone, which never request its port, so that the engine need not record contacts."""
+    """Frames of the engine alone. They never request the engine's port, so that the engine need not record contacts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -127,7 +127,7 @@ class SteeredFrames:
         return times, Steering(port.contact_points, change.frozen, change.woken, reasons, instructions)
 
     def _with_instructions(self, core: Callable[[], Change]) -> tuple[Change, int | None]:
-        """Call the core; return its changes and its number of instructions without port calls, None if not counted."""
+        """Call the core; return its changes and its number of instructions without port calls (None if not counted)."""
         if self._count is None or self._counted is None:
             return core(), None
         self._counted.reset()
@@ -136,11 +136,11 @@ class SteeredFrames:
         return change, self._count() - begin - self._counted.instructions
 
     def disturb(self, bodies: Sequence[int]) -> None:
-        """Report the bodies that the user holds to the extension."""
+        """Report to the extension the bodies that the user has begun to hold."""
         self._extension.disturb(bodies)
 
     def release(self, bodies: Sequence[int]) -> None:
-        """Report the bodies that the user has released to the extension."""
+        """Report to the extension the bodies that the user has released."""
         self._extension.release(bodies)
 
     def turn_gravity(self, gravity: Vector) -> None:
@@ -149,7 +149,7 @@ class SteeredFrames:
 
 
 def _without_bridge(times: FrameTimes, simulation: Simulation) -> FrameTimes:
-    """Split the engine's time into step and bridge if the engine runs in a separate process and reports its step."""
+    """Split the engine's time into step and bridge if a separate process of the engine reports the time of the step."""
     own = simulation.own_step_s
     return times if own is None else replace(times, engine=own, bridge=times.engine - own)
 

@@ -1,4 +1,4 @@
-"""Determine the bricks that lost their support because a brick was removed, and the distance that each can fall.
+"""Determine the bricks that lost their support because a brick was removed, and their drop heights.
 
 A brick that sinks moves into the brick below. A brick whose support was removed moves down through free space. This
 module compares planned poses instead of actual poses, so that the same bricks lose their support on every engine.
@@ -19,14 +19,14 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
     """Return the heights of the centres below which bricks without their support have dropped [m], shape (n,).
 
     The height of a brick that lost its support lies below its present centre by half its thickness, or by half of the
-    room below the brick if that is less. The height is minus infinity for a brick that kept its support, which means
-    that the room below it has increased by no more than half the thickness of the removed brick; smaller increases
-    result from placement noise.
+    free height below the brick if that is less. The height is minus infinity for a brick that kept its support. A brick
+    kept its support if the free height below it has increased by no more than half the thickness of the removed brick,
+    because placement noise causes small increases.
 
     Args:
         plan: plan of the n remaining bricks.
         position: actual centres of the bricks [m], shape (n, 3), world frame.
-        taken: the removed brick at its last planned pose.
+        taken: the removed or pulled brick at its last planned pose.
         left: the same brick at its present pose while it is pulled; empty after its removal.
     """
     boxes = Boxes.at(plan.size, plan.position, plan.quaternion)

@@ -1,4 +1,4 @@
-"""Ports that measure the time or the instructions of their calls, so that the harness can subtract them.
+"""Ports that measure the time or the instructions of their calls, so that the harness can subtract both.
 
 The core itself reads no clock.
 """
