@@ -11,11 +11,11 @@ from typing import NamedTuple
 _LOOPS = 20
 """Number of timed runs of the fixed calculation in one measurement."""
 _STEPS = 2000
-"""Number of square roots in the fixed calculation."""
+"""Number of square roots in one run of the fixed calculation."""
 
 
 def calibrate(clock: Callable[[], float] = perf_counter) -> list[float]:
-    """Time several runs of the fixed calculation, about 5 ms in all.
+    """Time several runs of the fixed calculation, which take a few milliseconds in all.
 
     Args:
         clock: function that returns the time [s].
@@ -37,9 +37,9 @@ class Speed(NamedTuple):
     """Present speed and load of the machine."""
 
     calibration_ms: float
-    """Time of the undisturbed fixed calculation [ms], estimated by the 10th percentile."""
+    """Time of the undisturbed fixed calculation [ms], estimated by the 10th percentile of all runs."""
     busy: float
-    """Wall time over processor time: 1 on an idle machine, 2 if this process gets half a core."""
+    """Ratio of wall time to processor time: 1 on an idle machine, 2 if this process gets half a core."""
 
 
 def speed_now(
@@ -61,5 +61,5 @@ def speed_now(
 
 
 def typical(before: list[float], after: list[float]) -> float:
-    """Return the median time [ms] of the measurements before and after a trial."""
+    """Return the median time [ms] of the runs of the fixed calculation before and after a trial."""
     return statistics.median([*before, *after])

@@ -22,7 +22,7 @@ CORE = "stability_core"
 
 
 def digest_of(sources: Mapping[str, str]) -> str:
-    """Return the digest of source texts, given by file name: 12 hexadecimal digits."""
+    """Return the digest of ``sources``, the source texts by file name, as 12 hexadecimal digits."""
     digest = hashlib.blake2b(digest_size=6)
     for name in sorted(sources):
         digest.update(f"{name}\0{_code(ast.parse(sources[name]))}\0".encode())
@@ -55,9 +55,9 @@ def core_of_commit(commit: str) -> str | None:
 
 
 def _code(part: object) -> str:
-    """Write a syntax tree without prose.
+    """Return a syntax tree as text, without prose.
 
-    Leave out empty fields, because they differ between versions of Python.
+    The text omits empty fields, because these fields differ between versions of Python.
     """
     if _is_message(part):
         return "message"

@@ -74,7 +74,7 @@ def described_profiles(name: str) -> dict[str, dict[str, Any]]:
 
 
 def session() -> dict[str, Any]:
-    """Return the state of the machine at the start or the continuation of a run."""
+    """Return the present state of the machine, to be recorded when a run starts or continues."""
     return {
         "host": platform.node(),
         "begun": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -93,7 +93,7 @@ def allowed_cores() -> set[int]:
 
 
 def digest(environment: Mapping[str, Any]) -> str:
-    """Return the digest that identifies an environment in records: 12 hexadecimal digits."""
+    """Return the digest that identifies an environment in records, as 12 hexadecimal digits."""
     canonical = json.dumps(environment, sort_keys=True).encode()
     return hashlib.blake2b(canonical, digest_size=6).hexdigest()
 

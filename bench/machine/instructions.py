@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 
 class Event(NamedTuple):
-    """An event that the kernel counts: ``type`` and ``config`` of ``perf_event_attr``."""
+    """An event that the Linux kernel counts, given by ``type`` and ``config`` of ``perf_event_attr``."""
 
     type: int
     config: int
@@ -25,7 +25,7 @@ class Event(NamedTuple):
 INSTRUCTIONS = Event(0, 1)
 """Retired instructions: PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS."""
 COUNTED = "counted"
-"""Result of ``availability`` if instructions can be counted."""
+"""Result of ``availability`` on a machine that counts instructions."""
 _SYSCALLS = {"x86_64": 298, "aarch64": 241}
 """Number of the system call ``perf_event_open``, by the name of the architecture."""
 _SIZE = 64

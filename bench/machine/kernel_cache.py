@@ -18,7 +18,7 @@ _CORE = ROOT / "stability_core"
 
 
 def keep_kernels_apart() -> None:
-    """Set Numba's cache folder to the folder of this version, unless the user has set one.
+    """Set Numba's cache folder to the folder for this version of the core, unless the user has set a cache folder.
 
     Call this function before the first import of Numba.
     """

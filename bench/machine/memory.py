@@ -7,7 +7,7 @@ from pathlib import Path
 _STATUS = Path("/proc/self/status")
 _RESET = Path("/proc/self/clear_refs")
 _RESET_PEAK = "5"
-"""Text that resets the peak to the present size when it is written to ``clear_refs`` (proc_pid_clear_refs(5))."""
+"""Text to write to ``clear_refs``, which resets the peak to the present size (proc_pid_clear_refs(5))."""
 _KIB_PER_MIB = 1024
 
 
