@@ -1,4 +1,4 @@
-"""The archive of a frozen round: one zip file to deposit, whose bytes depend on the files of the round alone."""
+"""The archive of a frozen round: one zip file to deposit, whose bytes depend only on the files of the round."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from bench.publishing.rounds import RoundError, changes, read_manifest
 from reports.records.atomic import atomic_file
 
 CHECKSUMS = "SHA256SUMS"
-"""File of the checksums in the archive, as ``sha256sum --check`` reads it."""
+"""Name of the file with the checksums in the archive, in the format of ``sha256sum --check``."""
 _MODE = 0o100644
 """Kind and permissions of each file in the archive: a regular file that all may read."""
 _UNIX = 3
-"""Code of the system of origin in a zip file, so that all systems write the same bytes."""
+"""Code of Unix as the system of origin in a zip file, so that all systems write the same bytes."""
 
 
 def write_archive(folder: Path, to: Path) -> Path:

@@ -24,7 +24,7 @@ class Publication:
     """A study with its selection, whose results are published in a folder of ``docs/results``."""
 
     shows: str
-    """Description of the content, in one line."""
+    """Description of the publication's content, in one line."""
     study: str
     """Name of the study."""
     selection: Selection = field(default_factory=Selection)
@@ -32,13 +32,13 @@ class Publication:
     gallery: Gallery | None = None
     """Picture to publish; None for a publication without stills."""
     is_timed: bool = True
-    """False if cost is not the subject: trials may then run several at a time (``--jobs``), and the page shows no
-    times.
+    """True if the page shows times. If False, several trials may run at the same time (``--jobs``), because cost is not
+    the subject of the publication.
     """
 
     @property
     def arguments(self) -> list[str]:
-        """Arguments of ``bench run``."""
+        """Arguments of ``bench run`` that run the study with its selection."""
         chosen = self.selection
         options = {
             "--engine": chosen.engines,

@@ -9,9 +9,9 @@ from typing import Any
 import yaml
 
 CITATION = "CITATION.cff"
-"""File of a citation in the Citation File Format 1.2."""
+"""Name of the file with a citation in the Citation File Format 1.2."""
 ZENODO = ".zenodo.json"
-"""File of the metadata that Zenodo reads."""
+"""Name of the file with the metadata that Zenodo reads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ def zenodo_metadata(citation: RoundCitation) -> dict[str, Any]:
 
 
 def _name(author: dict[str, str]) -> str:
-    """Return the name of a person as "family, given", or the name of a group."""
+    """Return the name of a person as "family, given", or the name of an organisation."""
     if "name" in author:
         return author["name"]
     return ", ".join(author[key] for key in ("family-names", "given-names") if key in author)

@@ -1,6 +1,6 @@
 """Generated blocks of the documents, made from adapters, scenes and published results.
 
-``uv run python -m bench.publishing.doc_blocks`` fills the blocks, and so does the publication of a study.
+``uv run python -m bench.publishing.doc_blocks`` fills the blocks. The publication of a study fills the blocks, too.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def many_seeds_block() -> str:
 
 
 def separation_block() -> str:
-    """Return the comparison of the engines, alone and with the extension, by a figure from each of several studies."""
+    """Return the table that compares the engines, alone and with the extension, by figures from several studies."""
     table = separation_table({name: ResultsFolder(PUBLISHED / name) for name in STUDIES})
     return _untitled(table) + "".join(dict.fromkeys(map(_caveat, STUDIES)))
 
@@ -83,7 +83,10 @@ def pairs_block() -> str:
 
 
 def ratios_block() -> str:
-    """Return the table of the frame ratios of policy ``paper`` with enough pairs: a row per scene and profile."""
+    """Return the table of the frame ratios of policy ``paper``: a row per scene and profile, a column per engine.
+
+    The table leaves out groups with fewer ratios than ``paired_ratio`` needs.
+    """
     groups = [group for name in RATIOS for group in groups_of(_records(name)) if group.key.policy == "paper"]
     estimates = {group.key: paired_ratio(group.measured("frame_ratio")) for group in groups}
     timed = {key: estimate for key, estimate in estimates.items() if estimate is not None}
@@ -98,7 +101,7 @@ def ratios_block() -> str:
 
 
 def results_block() -> str:
-    """Return the table of the published studies: content, trials, command, and differences of a run today."""
+    """Return the table of the published studies: content, trials, command, and differences from a run today."""
     there = {name: one for name, one in PUBLICATIONS.items() if ResultsFolder(PUBLISHED / name).trials_file.exists()}
     rows = tuple(
         (
@@ -162,7 +165,7 @@ def _caveat(name: str) -> str:
 
 
 def scenes_block() -> str:
-    """Return each scenario with its description, and the theory and look-for of its default scene."""
+    """Return each scenario with its description, and the theory and the hint "Look for" of its default scene."""
     return "\n".join(_scene(name, scenario) for name, scenario in SCENARIOS.items())
 
 
@@ -198,13 +201,14 @@ def _untitled(table: Table) -> str:
 
 
 VERSIONS_OF_LIBRARIES = {"ode": "panda3d 1.10.16 (single precision), or libode8 where installed (double)"}
-"""Versions that documents state for engines whose library depends on the machine, so that the text does not."""
+"""Versions that documents state for engines whose library depends on the machine, so that the text is the same on every
+machine."""
 HEADLINE = "paper"
 """Publication whose table and picture ``docs/findings.md`` shows."""
 RATIOS = ("ratio", "publish")
 """Publications whose frame ratios ``docs/findings.md`` shows."""
 EXAMPLE = ROOT / "docs" / "examples" / "toy_engine.py"
-"""The example of the tutorial."""
+"""File with the example of the tutorial."""
 EXAMPLE_PARTS = ("imports", "engine", "port", "check", "main")
 """Parts of the example, in the order of the tutorial."""
 BLOCKS: Mapping[str, tuple[str, Callable[[], str]]] = {

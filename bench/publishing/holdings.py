@@ -12,7 +12,7 @@ from bench.studies.plan import plan_trials
 from reports.records.folder import ResultsFolder, published_rows
 
 _MOST_NAMES = 7
-"""Greatest number of names in a list; for more names, the text gives only their number."""
+"""Greatest number of names that the text lists; for more names, the text gives only their number."""
 _SETTINGS = ("substeps", "frame_s")
 """Settings of a profile besides its knobs."""
 
@@ -27,7 +27,7 @@ def holdings(folder: Path) -> str:
 
 
 def differences(folder: Path, publication: Publication) -> str:
-    """Describe in one line the differences of a run today from a published folder; empty without differences.
+    """Return the differences between a run today and a published folder in one line; empty without differences.
 
     The comparison uses the ids of trials, and the settings of profiles in the environment file of the folder.
     """

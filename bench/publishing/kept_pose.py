@@ -6,8 +6,8 @@ fall beside it.
 A real leaning tower turns about the edge of its lowest plank and does not break up before it hits the ground. The
 measured fall begins with the frame before the core unfreezes the tower, and ends with the first frame in which a
 falling plank touches the ground. A plank keeps its pose if, relative to the plank below, it has moved by less than half
-a thickness and turned by less than 5 degrees. The count leaves out the lowest plank, because it does not fall, and the
-second plank, because it turns on the lowest plank.
+a thickness and turned by less than 5 degrees. The count leaves out the lowest plank, because this plank does not fall,
+and the second plank, because the tower turns on the lowest plank.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ MOVED = THICKNESS / 2
 TURNED = np.radians(5.0)
 """Rotation relative to the plank below [rad] from which a plank has lost its pose."""
 STRUCK = 1e-3
-"""Height of a corner above the ground [m] below which the corner counts as touching the ground. The height is less than
-a plank falls in one frame, so that the measured fall loses no more than a frame."""
+"""Height of a corner above the ground [m] below which the corner counts as touching the ground. A plank falls farther
+than this height in one frame, so that the measured fall is at most one frame too short."""
 
 
 @dataclass(frozen=True)
 class Fall:
-    """Poses of one tower from its release to its first touch of the ground."""
+    """Poses of one tower from its release, when the core unfreezes the tower, to its first touch of the ground."""
 
     poses: list[tuple[FloatArray, FloatArray]]
     """Positions (n, 3) [m] and quaternions (n, 4) [w, x, y, z] of n planks per frame, from the frame before the
@@ -65,17 +65,17 @@ class Fall:
 
     @property
     def tilt(self) -> float:
-        """Rotation of the top plank about y in the last frame [rad]."""
+        """Absolute rotation of the top plank about y in the last frame [rad]."""
         w, x, y, z = self.poses[-1][1][-1]
         return float(abs(np.arctan2(2 * (w * y - z * x), 1 - 2 * (x * x + y * y))))
 
 
 def seen_from_below(position: FloatArray, quaternion: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the poses of all planks but the lowest, in the frame of reference of the plank below.
+    """Return the poses of all planks but the lowest, each in the frame of reference of the plank below it.
 
     Args:
         position: positions of n planks from bottom to top [m], shape (n, 3), world frame.
-        quaternion: their quaternions [w, x, y, z], shape (n, 4).
+        quaternion: quaternions [w, x, y, z] of these planks, shape (n, 4).
 
     Returns:
         Positions [m], shape (n - 1, 3), and rotation matrices, shape (n - 1, 3, 3).
@@ -132,7 +132,10 @@ def table(falls: dict[tuple[str, str], Fall]) -> str:
 
 
 def picture(fall: Fall) -> str:
-    """Draw the tower at the release, half-way and at the end of the fall, as SVG: side view, x to the right, z up."""
+    """Return an SVG picture of the tower at the beginning, in the middle and at the end of the fall.
+
+    The picture is a side view with x to the right and z up.
+    """
     moments = [0, len(fall.poses) // 2, len(fall.poses) - 1]
     pitch, height = 3.2 * LENGTH, 1.2 * LENGTH
     scale = 2000

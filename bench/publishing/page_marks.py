@@ -91,7 +91,7 @@ def write_page(page: Path, text: str, core: str) -> None:
     Args:
         page: path of the page.
         text: content of the page as Markdown.
-        core: digest of the core when the computation began, because the code may change meanwhile.
+        core: digest of the core when the computation began, because the code may change during the computation.
     """
     page.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(page, marked(text, core, present_core()).encode())
@@ -106,7 +106,7 @@ def mark(page: Path, present: str | None = None) -> None:
 
 
 def mark_all(folder: Path) -> int:
-    """Renew the banners of all pages; return the number of pages that an earlier core made."""
+    """Renew the banners of all pages below ``folder``; return the number of pages that an earlier core made."""
     present, earlier = present_core(), 0
     for page in pages(folder):
         mark(page, present)
@@ -117,7 +117,8 @@ def mark_all(folder: Path) -> int:
 def _recorded_core(page: Path) -> str:
     """Return the digest of the core for a page without the line ``core: DIGEST``, from its environment file.
 
-    The environment file records the digest or at least the commit; without the file the result is ``UNKNOWN``.
+    The environment file records the digest, or at least the commit from which the function computes the digest. Without
+    the file, or without that commit in the repository, the result is ``UNKNOWN``.
     """
     if page.name != _TABLES or not (page.parent / ENVIRONMENT).exists():
         return UNKNOWN

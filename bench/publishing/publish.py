@@ -50,7 +50,8 @@ WITHOUT_TIMES = (
 FIGURE = "figure.svg"
 """File name of the published figure."""
 _FIGURES = {"cost.svg": True, "figures/pairs.svg": False, "figures/speed.svg": True}
-"""Candidates for the figure of a publication without a picture, in order of preference; True for a figure of times."""
+"""Candidates for the figure of a publication without a picture, in order of preference; the value is True for a figure
+that shows times."""
 _EARLIER = ("trials.csv", "comparison.csv", "tables.tex", "pairs.csv", "pairs.tex", "cost.svg", "figures")
 """Files of earlier versions to remove, because "bench report" makes them from the published folder."""
 _STILL_PIXELS, _PICTURE_DPI = 480, 120
@@ -133,7 +134,7 @@ def _remove_earlier(target: Path) -> None:
 
 
 def _copy_figure(report: Path, target: Path, *, is_timed: bool) -> None:
-    """Copy the first existing figure of ``_FIGURES`` from a report to ``target``; a figure of times only if timed."""
+    """Copy the first existing figure of ``_FIGURES`` to ``target``; skip figures of times unless ``is_timed``."""
     names = (name for name, shows_times in _FIGURES.items() if is_timed or not shows_times)
     figure = next((report / name for name in names if (report / name).exists()), None)
     if figure is not None:
@@ -190,7 +191,7 @@ def main(
 
 
 def _publish(name: str, folder: Path | None) -> Path:
-    """Publish a study from its results folder, or from a run if there is none; return the published folder."""
+    """Publish a study from ``folder``, or run the study first if ``folder`` is None; return the published folder."""
     publication = look_up("publication", name, PUBLICATIONS)
     if folder is None:
         folder = ROOT / "results" / f"published-{name}"

@@ -23,9 +23,9 @@ from reports.records.folder import ENVIRONMENT, ResultsFolder
 from reports.tables.table import NOTHING, Table, to_markdown
 
 MANIFEST = "manifest.json"
-"""File with the origin of a round and the hash of each of its files."""
+"""Name of the file with the origin of a round and the hash of each of its files."""
 INDEX = "README.md"
-"""File with the list of the pages of a round."""
+"""Name of the file with the list of the pages of a round."""
 LICENCE = "LICENSE"
 _FORMAT = 1
 """Version of the format of the manifest."""
@@ -47,7 +47,7 @@ class Source:
     core: str
     """Digest of the core of the checkout."""
     citation: Path
-    """Citation of the suite."""
+    """File with the citation of the suite."""
     licence: Path
 
 
@@ -93,7 +93,8 @@ def freeze(day: str, source: Source, to: Path = ROUNDS) -> Path:
         to: folder of the rounds.
 
     Raises:
-        RoundError: if the date is invalid, not after the newest round or in the future; or a page has old marks.
+        RoundError: if the date is invalid, in the future, or not after the newest round; or if a page has the mark of
+            another core.
         MarkError: if a page does not name its core.
     """
     _check_day(day, to)
@@ -141,7 +142,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def changes(folder: Path) -> list[str]:
-    """Return the differences of a round from its manifest, one line per file; empty if the round is intact.
+    """Return the differences between a round and its manifest, one line per file; empty if the round is intact.
 
     Raises:
         RoundError: if there is no readable manifest.
@@ -194,7 +195,7 @@ def _check_day(day: str, to: Path) -> None:
 
 
 def _check_marks(source: Source) -> None:
-    """Raise an error if a page does not name the core that made it, or has the marks of another core."""
+    """Raise an error if there are no files, or a page does not name its core or has the mark of another core."""
     if not source.files:
         raise RoundError(
             f"{source.folder}: a round needs committed results, but the folder contains none; publish a study, and "
