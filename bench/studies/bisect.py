@@ -13,7 +13,8 @@ class Bisect(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     parameter: str
-    """Name of the bisected parameter, a number; ``parameters`` of the scenario must not contain it."""
+    """Name of the bisected parameter, whose value is a number; ``parameters`` of the scenario must not contain this
+    name."""
     low: StrictFloat | StrictInt
     """Lower end of the search. The search starts with trials at both ends."""
     high: StrictFloat | StrictInt

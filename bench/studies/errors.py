@@ -25,7 +25,8 @@ _PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "dict_type": lambda _: "must be a table",
     "model_type": lambda _: "must be a table",
 }
-"""Messages, by the error type of pydantic; errors of other types keep pydantic's message."""
+"""Functions that return the plain message, by the error type of pydantic; errors of other types keep pydantic's
+message."""
 
 
 def field_name(location: Iterable[str | int]) -> str:

@@ -1,4 +1,4 @@
-"""The trials of a study, identified by ids, so that a run that continues skips finished trials."""
+"""The trials of a study, each with an id, so that a continued run skips finished trials."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Trial:
     seed: int
     """Seed of the placement noise; seed 0 has no noise."""
     repeat: int
-    """Number of the repeat, from 0; repeats have the same settings."""
+    """Index of the repeat, from 0; all repeats have the same settings."""
     watch_s: float | None = None
     """Time for which the trial watches the scene after its last action [s]; None for the scene's own value."""
 
@@ -55,9 +55,10 @@ class Trial:
 def plan_trials(study: Study) -> list[Trial]:
     """Return all trials that are known before the run.
 
-    The trials of a scene follow each other, so that all engines and policies play it at similar times. The policies on
-    one stack follow each other in alternating order (A B, then B A), which cancels slow drifts of the machine's speed.
-    For a bisected parameter, the list contains only the trials at both ends; ``next_trials`` returns the others.
+    The trials of a scene follow each other, so that all engines and policies play the scene at similar times. The
+    policies on one stack follow each other in alternating order (A B, then B A), so that slow drifts of the machine's
+    speed cancel. For a bisected parameter, the list contains only the trials at both ends; ``next_trials`` returns the
+    other trials.
     """
     return [
         trial
@@ -107,9 +108,10 @@ def _next_of(first: Trial, bisect: Bisect, statuses: Mapping[str, Status]) -> li
 
 
 def later_trials(study: Study) -> list[Trial]:
-    """Return substitutes for the trials of bisections that are not known yet, for an estimate of their duration.
+    """Return substitutes for the trials of bisections that are not known yet, to estimate the duration of a run.
 
-    Their number is the greatest possible, and their parameter is the middle of the search.
+    The number of substitutes is the greatest possible number of such trials. The bisected parameter of each substitute
+    is the middle of the range of the search.
     """
     return [
         trial

@@ -16,7 +16,7 @@ class BenchPolicy:
 
     sleeping: Sleeping
     core: str | None
-    """Name in ``stability_core.POLICIES``; None runs the engine alone."""
+    """Name of the core's policy in ``stability_core.POLICIES``; None for the engine alone."""
     description: str
 
 

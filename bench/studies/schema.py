@@ -46,9 +46,11 @@ class StudyError(ValueError):
 
 
 MOST_SEEDS = 100_000
-"""Greatest number of seeds, because a greater number is a typing error whose plan would fill the memory."""
+"""Greatest number of seeds, because a greater number is a typing error, and the list of its trials would fill the
+memory."""
 MOST_REPEATS = 1_000
-"""Greatest number of repeats, because a greater number is a typing error whose plan would fill the memory."""
+"""Greatest number of repeats, because a greater number is a typing error, and the list of its trials would fill the
+memory."""
 MOST_WATCH_S = 100 * 3600.0
 """Greatest time of a watch [s], because a longer time is a typing error."""
 
@@ -129,7 +131,11 @@ class ChosenScenario(_Model):
 
 
 class Rule(_Model):
-    """A rule that includes or excludes trials; it matches a trial if each non-empty field contains the trial's name."""
+    """A rule that includes or excludes trials.
+
+    A rule matches a trial if each list that is not empty contains the trial's engine, profile, policy or scenario,
+    respectively.
+    """
 
     engines: Annotated[list[EngineName], Distinct] = []
     profiles: Annotated[list[str], Distinct] = []
@@ -173,20 +179,20 @@ class Limits(_Model):
     """Limits of a trial and of a standing stack."""
 
     trial_wall_s: float = Field(default=60.0, gt=0)
-    """Wall time [s] after which a trial stops, so that its levels are only lower bounds (censored)."""
+    """Wall time [s] after which a trial stops. The levels of a stopped trial are only lower bounds (censored)."""
     memory_mib: int = Field(default=4096, ge=1)
     """Resident memory [MiB] above which the harness ends a trial's process. The default is ample, because a hundred
     planks take about 300 MiB."""
     creep_per_min: float = Field(default=CREEP_LIMIT_PER_MIN, gt=0)
-    """Greatest creep of a stack that must stand, in thicknesses of a brick per minute."""
+    """Greatest creep of a stack that must stand [thicknesses of a brick per minute]."""
     ratio: bool = True
-    """True to measure the frame time without the extension on the same stack, in trials with the extension."""
+    """True to time the baseline (all awake), the same stack without the extension, in trials with the extension."""
     forces: bool = False
     """True to audit the contact forces while a finished stack is watched, in trials of an engine alone."""
 
 
 class Study(_Model):
-    """Plan of a comparison of engines and policies."""
+    """Definition of a comparison of engines and policies."""
 
     name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
     description: str = ""
@@ -200,7 +206,7 @@ class Study(_Model):
     repeats: int = Field(default=1, ge=1, le=MOST_REPEATS)
     """Number of repeats of each seed."""
     sweep: list[Sweep] = []
-    """Variations of profiles; the study skips engines of a sweep that it does not name."""
+    """Variations of profiles; the study skips engines of a sweep that are not in ``engines``."""
     include: list[Rule] = []
     """Rules of which a trial must match at least one; empty to include all trials."""
     exclude: list[Rule] = []
@@ -214,7 +220,7 @@ class Study(_Model):
         return self.model_copy(update={"description": other.description}) == other
 
     def set_ups(self) -> list[tuple[str, str]]:
-        """Return the distinct pairs of engine and profile."""
+        """Return the distinct pairs of engine and profile, including the profiles of sweeps."""
         plain = [(engine, profile) for profile in self.profiles for engine in self.engines]
         swept = [
             (engine, profile)
@@ -279,7 +285,7 @@ def study_names() -> list[str]:
 
 
 def load_study(name: str) -> Study:
-    """Return the study of the suite with this name, or of the TOML file ``name``.
+    """Return the study of the suite with this name, or the study in the TOML file ``name``.
 
     Raises:
         UnknownNameError: if ``name`` is neither the name of a study nor ends with ``.toml``.

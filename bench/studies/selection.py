@@ -16,7 +16,7 @@ _HOUR_S = 3600.0
 _USUAL_WATCH_S = 5.0
 """Default time for which a scene is watched [s]."""
 OWN = ".toml"
-"""Suffix of the file with a user's own scene."""
+"""Suffix of the name of a file with a user's own scene."""
 
 
 @dataclass(frozen=True, slots=True)

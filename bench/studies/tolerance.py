@@ -15,11 +15,11 @@ class Tolerance(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     levels: int = Field(default=0, ge=0)
-    """Tolerated difference [levels] in the height of a stack, or in the level of its fall. The default is zero, because
-    a user notices a missing level. A verdict that was right must stay right at any tolerance."""
+    """Tolerated difference [levels] in the height of a stack, or in its collapse level. The default is zero, because a
+    user notices a missing level. A verdict that was right must stay right at any tolerance."""
     sink_m: float = Field(default=5e-5, ge=0)
-    """Tolerated increase of the sink [m]. The default is small, because it is a quarter of the 0.2 mm at which the core
-    freezes a brick."""
+    """Tolerated increase of the sink [m]. The default is a quarter of 0.2 mm, which is the greatest depth of a brick in
+    its support at which the core freezes the brick."""
     sink_share: float = Field(default=0.2, ge=0)
     """Additionally tolerated increase of the sink, as a share of the base's sink."""
     creep_m_s: float = Field(default=1e-6, ge=0)
@@ -29,6 +29,6 @@ class Tolerance(BaseModel):
     creep_share: float = Field(default=0.5, ge=0)
     """Additionally tolerated increase of the creep, as a share of the base's creep. The default detects a doubled
     creep, and tolerates the effect of another processor's rounding on a slow slide. A creep whose interval includes
-    zero counts as none."""
+    zero counts as zero."""
     time_share: float = Field(default=0.1, ge=0)
     """Least slowdown that counts, as a share of the base's time, because a smaller slowdown needs no attention."""
