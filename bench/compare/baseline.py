@@ -34,7 +34,7 @@ class _Model(BaseModel):
 
 
 class Engine(_Model):
-    """Version and repeatability of an engine as installed on the machine of the trials."""
+    """Version and repeatability of an engine on the machine of the trials."""
 
     version: str
     deterministic: str
@@ -71,9 +71,9 @@ class Baseline(_Model):
     tolerances: Mapping[str, Tolerance] = {}
     """Tolerances of the scenarios for which the study sets them, by name of the scenario."""
     machines: Mapping[str, Machine] = {}
-    """Machines, by the digest of the environment that the records name."""
+    """Machines, by the digest of the environment; each record contains such a digest."""
     shares: Mapping[str, Mapping[Part, Annotated[float, Field(gt=0)]]] = {}
-    """Time of each part of a frame over the time of the engine's step (see ``timing``), by trial id."""
+    """Ratio of the time of each part of a frame to the time of the engine's step (see ``timing``), by trial id."""
     trials: Sequence[TrialRecord] = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -95,7 +95,7 @@ class Baseline(_Model):
         return engine is not None and engine.deterministic == "across processes"
 
     def is_limited(self, record: TrialRecord) -> bool:
-        """Return whether the time limit may have decided how the trial ended.
+        """Return whether the time limit may have determined the end of the trial.
 
         A stack that is falling at the time limit counts as collapsed, although its fall may not be complete.
         """
@@ -239,7 +239,7 @@ def _machines(folder: Path) -> dict[str, Machine]:
 
 
 def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part, float]]:
-    """Return the shares of ``Baseline``, for trials with recorded frames."""
+    """Return ``Baseline.shares`` for the trials with recorded frames."""
     kept = {path.stem: path for path in (folder / "frames").glob("*.parquet")}
     found = {}
     for record in records:

@@ -4,9 +4,11 @@
 The comparison uses only their ratio, because the times of two runs depend on the machine. Each second of frames gives
 one ratio:
 
-    frame ratio            r_k = mean frame time of the k-th second with the extension / median time of the frames
-    without the extension before head against base      r_k of the head / r_k of the base, for every k and every stack
-    of an engine
+    a_k     mean time of the frames with the extension in second k
+    b_k     median time of the frames without the extension just before second k
+    r_k     a_k / b_k, the frame ratio of second k
+
+For every k and every stack of an engine, "head against base" is the ratio of r_k of the head to r_k of the base.
 
 ``timing.judge_times`` judges the interval of the mean of "head against base". A frame counts for at most ``MOST`` times
 the median of the frames with the same index in all seconds, because the system interrupted longer frames.
@@ -36,7 +38,8 @@ FORMAT = "stillstack-frame-1"
 ALONE = "none"
 """Name of the policy of frames without the extension."""
 MOST = 2.0
-"""Greatest time of a frame that counts, over the median of the frames with the same index in all seconds."""
+"""Ratio of the greatest time that counts for a frame to the median time of the frames with the same index in all
+seconds."""
 TOLERANCE = Tolerance(time_share=0.25)
 """Tolerance between two runs. Ratios of two runs also differ by effects that the spread within one run does not show,
 such as memory placement: on two shared cores, ratios of the same code differed by up to a factor of 1.23."""
@@ -69,7 +72,8 @@ class _Frame(_Read):
     policy: str
     frames_per_second: int = Field(gt=0)
     alone_ms: list[_Time] = []
-    """Median time of a frame without the extension before each second [ms]; empty if the benchmark has no such frames.
+    """Median time of the frames without the extension before each second [ms]; empty if the benchmark has no such
+    frames.
     """
 
 
@@ -105,7 +109,7 @@ class Group(NamedTuple):
     engine: str
     profile: str
     stack: str
-    """Scene and levels."""
+    """Scene and number of levels."""
     policy: str
 
     def __str__(self) -> str:
@@ -113,7 +117,7 @@ class Group(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Name of the figure for all stacks of an engine, such as ``bullet.game.paper / none``."""
+        """Name of the figure over all stacks of an engine, profile and policy, such as ``bullet.game.paper / none``."""
         return f"{self.engine}.{self.profile}.{self.policy} / {ALONE}"
 
 
@@ -126,7 +130,7 @@ class FrameTimes:
     processor: str | None
     """Model of the processor; None if unknown."""
     circumstances: Mapping[str, str]
-    """Processor, version of Python and commit, by their names."""
+    """Processor, version of Python and commit, by the name of the property."""
     versions: Mapping[Group, str]
     """Engine version by group."""
     ratios: Mapping[Group, FloatArray]
@@ -244,7 +248,7 @@ def _incomparable(base: FrameTimes, head: FrameTimes, cell: Group, across_versio
 
 
 def _judged(base: FrameTimes, head: FrameTimes, name: str, cells: Sequence[Group]) -> Finding:
-    """Judge the frame ratios of all stacks of an engine."""
+    """Judge the frame ratios of all stacks of an engine, profile and policy."""
     pairs: list[tuple[float, float]] = []
     figures = []
     for cell in cells:

@@ -1,4 +1,4 @@
-"""Compare two sides trial by trial: gates judge comparable trials, and other trials get a finding with the reason."""
+"""Compare two sides trial by trial: gates judge comparable trials; for other trials, a finding gives the reason."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Coll
 
 
 def _yardstick(base: Machine | None, head: Machine | None, went_same_way: bool) -> Part | None:
-    """Return the reference part: the part of a frame that is unchanged.
+    """Return the reference part: the part of a frame that is the same in base and head.
 
     Returns:
         ``core`` if both sides run the same code; else ``engine`` if all poses are the same; None otherwise, and for
@@ -156,7 +156,7 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 
 
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
-    """Return processors, platforms, versions and commits of a side, by name; each is a set over machines."""
+    """Return the sets of processors, platforms, versions and commits of a side's machines, by name of the property."""
     found: dict[str, set[str]] = defaultdict(set)
     for machine in side.machines.values():
         found["processor"].add(machine.processor)

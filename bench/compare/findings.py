@@ -52,7 +52,7 @@ class Comparison:
     notes: Sequence[str] = ()
     """Differences between the runs as a whole, such as their machines."""
     about_times: str = ""
-    """Explanation of the figures of the time gate; empty if the figures are parts of a frame."""
+    """Explanation of the figures of the time gate; empty if these figures are the usual parts of a frame."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
         """Return the findings that fail one of ``gates``."""

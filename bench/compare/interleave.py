@@ -1,4 +1,4 @@
-"""Run both versions on this machine, alternating (A B, B A, A B ...), which cancels slow drifts of its speed."""
+"""Run both versions on this machine in alternating order (A B, B A, A B ...), so that drifts of its speed cancel."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ def run_interleaved(
 ) -> tuple[Baseline, Baseline]:
     """Run ``study`` with base and head, ``rounds`` times each in alternating order; return base and head.
 
-    Each side joins the repeats of all its rounds. An interrupted run continues in the same folder.
+    The result for each side joins the repeats of all runs of this side. An interrupted run continues in the same
+    folder.
 
     Args:
         sides: checkouts of base and head.

@@ -72,7 +72,7 @@ def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str
 
 
 def _lost(base: TrialRecord, head: TrialRecord) -> list[str]:
-    """Return the verdict of ``head`` in a list if ``base`` was right and ``head`` is not; else an empty list."""
+    """Return a list with the verdict of ``head`` if ``base`` was right and ``head`` is not; else an empty list."""
     if _differ_in_creep_rule(base, head):
         return []
     return [f"{head.verdict}, was right"] if base.verdict == "right" and head.verdict != "right" else []
@@ -114,7 +114,7 @@ def _certain_creep(record: TrialRecord) -> float | None:
 
 
 def _fall_error(record: TrialRecord) -> int:
-    """Return the difference [levels] between the collapse level and the level that theory demands.
+    """Return the absolute difference [levels] between the collapse level and the level that theory demands.
 
     A stack that stands counts as a stack that falls at the level above its last level.
     """

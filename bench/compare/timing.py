@@ -1,15 +1,15 @@
 """The timing gate, which judges whether a part of a frame became slower relative to a reference part of that frame.
 
 Times of two runs cannot be compared, because a shared machine may run twice as fast a minute later. The parts of one
-frame, however, run within a millisecond of each other. Therefore the median of their ratio over the frames of a trial
-varies by a few percent when the times vary by a factor of two.
+frame, however, run within a millisecond of each other. Therefore the ratio of two parts, as the median over the frames
+of a trial, varies by a few percent when the times vary by a factor of two.
 
 The reference part is the part that is unchanged between base and head:
 
 - the core, if both sides run the same sources, for example to compare two builds of an engine;
 - else the engine's step, if the engine's version and all poses are the same, because its work was then the same.
 
-The median describes a typical frame; it does not show rare events such as freezing.
+The median describes a typical frame; the median does not show rare events such as freezing.
 """
 
 from __future__ import annotations
@@ -34,14 +34,15 @@ PARTS: tuple[Part, ...] = get_args(Part)
 LEAST_PAIRS = 3
 """Fewest pairs of trials for an interval."""
 CONFIDENCE = 0.99
-"""Confidence of the interval, chosen so that fifty comparisons of the same code raise no alarm by chance."""
+"""Confidence of the interval. At this confidence, fifty measured comparisons of the same code raised no alarm
+(``docs/ci.md``)."""
 _LEAST_FRAMES = 60
-"""Fewest timed frames of a trial (one second at 60 Hz) whose median describes a typical frame."""
+"""Fewest timed frames of a trial whose median describes a typical frame: one second at 60 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A ratio of head to base, with its interval at ``CONFIDENCE``."""
+    """A ratio of head to base, with its interval at the confidence ``CONFIDENCE``."""
 
     ratio: float
     low: float
@@ -52,7 +53,7 @@ class Interval:
 
 
 def shares(rows: Sequence[FrameRow], timed_frames: int) -> dict[Part, float]:
-    """Return the time of each part over the time of the engine's step: the median over the timed frames of a trial.
+    """Return the ratio of each part's time to the time of the engine's step: the median over the timed frames.
 
     Args:
         rows: all frames of the trial.

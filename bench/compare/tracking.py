@@ -8,9 +8,9 @@ _PERCENT = 100.0
 
 
 def tracked(side: Baseline) -> list[dict[str, str | float]]:
-    """Return figures for which smaller is better: levels missed, and parts of a frame over the engine's step.
+    """Return figures for which smaller is better: missing levels, and ratios of parts of a frame to the engine's step.
 
-    The figures contain no times in milliseconds, because such times vary between CI machines.
+    The figures contain no times in milliseconds, because times vary between CI machines.
     """
     figures: list[dict[str, str | float]] = []
     for record in side.trials:
