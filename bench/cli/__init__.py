@@ -1,1 +1,1 @@
-"""The command line: one file per command; ``app`` joins the commands, ``console`` has the parts that they share."""
+"""The command line: one file per command; ``app`` joins the commands, and ``console`` contains their shared parts."""

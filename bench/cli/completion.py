@@ -1,7 +1,8 @@
 """Shell completion: the command ``bench`` with the names of studies, engines, scenes, profiles and policies.
 
-``uv run -m bench`` is no program of which a shell could complete the arguments. The installed script therefore defines
-``bench`` as a function that runs it, and completes that.
+A shell completes the arguments of a command whose name is one word, but ``uv run -m bench`` consists of several words.
+Therefore the installed script defines ``bench`` as a shell function that runs ``uv run -m bench``, and registers a
+completion for the arguments of ``bench``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from bench.studies.schema import study_names
 from scenarios.registry import SCENARIOS
 
 COMPLETE = "_BENCH_COMPLETE"
-"""Environment variable with which a shell asks for completions."""
+"""Name of the environment variable that a shell sets to request completions."""
 _BASH = f"""\
 bench() {{ uv run -m bench "$@"; }}
 _bench_names() {{
@@ -53,7 +54,7 @@ SCRIPTS = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
 
 
 def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Return a function that completes the beginning of a name to the names that begin so."""
+    """Return a completion function, which returns the names of ``names()`` that start with the text typed so far."""
 
     def complete(incomplete: str) -> list[str]:
         return sorted(name for name in names() if name.startswith(incomplete))
@@ -62,7 +63,7 @@ def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]
 
 
 def profile_names() -> set[str]:
-    """Return the names of the profiles of all engines, from their files, because engines take seconds to load."""
+    """Return the names of the profiles of all engines, from the profile files, because engines take seconds to load."""
     files = (tomllib.loads(file.read_text(encoding="utf-8")) for file in FOLDER.glob("*.toml"))
     return {name for content in files for name in content.get("profiles", ())}
 
@@ -94,7 +95,7 @@ def install_completion(wanted: bool) -> None:
 
 
 def complete_if_asked(app: typer.Typer) -> None:
-    """Print completions and exit if a shell asks for them by ``COMPLETE``; else return."""
+    """Print completions and exit if the environment contains ``COMPLETE``; else return."""
     if COMPLETE in os.environ:
         # typer registers the shells itself only if it has its own options for completion
         from typer.completion import completion_init  # type: ignore[attr-defined]

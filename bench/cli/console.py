@@ -27,7 +27,7 @@ from reports.replays.errors import ExportError
 from scenarios.lookup import UnknownNameError
 
 RESULTS = Path("results")
-"""Default folder for the results of runs; an estimate reads the earlier results in this folder."""
+"""Default folder for the results of runs; an estimate also reads the earlier results in this folder."""
 _LOG_WIDTH = 110
 for _stream in (sys.stdout, sys.stderr):  # a terminal whose encoding lacks a character shows its code
     if isinstance(_stream, io.TextIOWrapper):
@@ -40,7 +40,7 @@ ERR = Console(stderr=True)
 
 @contextmanager
 def input_errors() -> Iterator[None]:
-    """Print the error's message without a traceback and exit with status 2 if the input cannot be used."""
+    """Print the message of an input error in the block without a traceback, and exit with status 2."""
     try:
         yield
     except (

@@ -22,17 +22,19 @@ COLUMNS = 5
 CELL_IN = 2.6
 """Edge length of the picture of a scene [inch]."""
 AZIMUTH, ELEVATION = math.radians(-62), math.radians(20)
-"""Direction of the viewer [rad]: 28 degrees to the right of the -y axis and 20 degrees above the ground."""
+"""Azimuth from the +x axis and elevation above the ground of the direction toward the viewer [rad]; the azimuth lies 28
+degrees from the -y axis toward the +x axis."""
 LIGHT = np.array([0.35, -0.55, 0.76])
 """Direction toward the light, shape (3,), world frame; unit length up to rounding."""
 AMBIENT = 0.45
-"""Brightness of a face without direct light, as a share of full brightness."""
+"""Brightness of a face without direct light, as a share of the brightness of a face that faces the light."""
 FAMILY_COLOR = {"stand": "#d9a760", "fall": "#c9694f", "study": "#8fa3b5"}
-"""Colour of the bricks, by expected outcome."""
+"""Colour of the bricks, by expected outcome of the scene."""
 FIXED_COLOR = "#b9bcc0"
 """Colour of boxes that never move."""
 _GRAZE = 1e-6
-"""Greatest overlap [m] in the picture that counts as no overlap, because a reader cannot see it."""
+"""Greatest overlap of two boxes in the picture [m] that counts as no overlap, because a reader cannot see this
+overlap."""
 _FACES = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
 """Axis and sign of each face of a box."""
 
@@ -92,8 +94,8 @@ def faces(bricks: Sequence[Brick], color: str, fixed: Sequence[Brick] = ()) -> t
 def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
     """Return the order in which to paint boxes that do not intersect, as indices from back to front.
 
-    The painter's algorithm: a plane parallel to a face separates any two boxes, and the algorithm paints the box on the
-    viewer's side of the plane later. Boxes whose pictures do not overlap may come in any order.
+    The function uses the painter's algorithm. A plane parallel to a face separates any two boxes, and the box on the
+    viewer's side of this plane comes later. Boxes whose pictures do not overlap may come in any order.
 
     Args:
         boxes: n boxes that do not intersect, world frame.
@@ -114,7 +116,7 @@ def from_back_to_front(boxes: Boxes, toward: FloatArray) -> list[int]:
 
 
 def _gap(lower: FloatArray, upper: FloatArray, directions: FloatArray) -> float:
-    """Return the widest gap [m] between two boxes along any of the n directions; negative if they overlap along all.
+    """Return the widest gap [m] between two boxes along any of n directions; negative if they overlap along each.
 
     Args:
         lower: corners [m] of the first box, shape (8, 3).

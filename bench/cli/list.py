@@ -88,7 +88,7 @@ def _engines() -> Table:
 
 
 def _descriptors() -> dict[str, dict[str, Any]]:
-    """Return the description of each installed engine, by name, as a run writes it into its environment."""
+    """Return the description of each installed engine, by name, as in the environment of a run."""
     found = {}
     for name in ENGINES:
         try:

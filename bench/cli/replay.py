@@ -134,11 +134,11 @@ def replay_trial(folder: Path, records: Sequence[TrialRecord], trial: str, *, wi
 def side_by_side(
     folder: Path, records: Sequence[TrialRecord], trial: str, beside: Sequence[str] | None
 ) -> list[Replayed]:
-    """Return a trial and the trials of the same stack to draw on its left, with their recordings.
+    """Return a trial, and the trials of the same stack to draw on the left of the trial, with their recordings.
 
     Args:
         folder: a results folder.
-        records: its records.
+        records: records of that folder.
         trial: id of the trial.
         beside: policies of the trials to draw beside the trial; None for the engine alone, if that trial was recorded.
 

@@ -29,7 +29,7 @@ from reports.records.folder import PARQUET, TRIALS
 from reports.replays.live_view import open_viewer, require_rerun
 
 _VIEWER_PORT = 9876
-"""Port of the viewer, Rerun's usual one: a viewer that is already open there is used."""
+"""Port of Rerun's viewer: Rerun's default port, so that the run uses a viewer that is already open at this port."""
 Outcomes: TypeAlias = Callable[[Sequence[Trial], Interruption], Iterator[Outcome]]
 """Type of a function that runs trials until all are done or an interruption is set, and yields their outcomes."""
 
@@ -159,7 +159,7 @@ def _show_plan(study: Study, folder: Path, fresh: bool, jobs: int) -> None:
 
 
 def _run(study: Study, results: Results, outcomes: Outcomes, as_json: bool) -> None:
-    """Run the trials without a record, write each outcome at once, and note the missing trials if interrupted."""
+    """Run the trials without a record, and write each outcome at once; if interrupted, print how to continue."""
     waiting = waiting_trials(study, results.statuses)
     if results.torn:
         note("the last line of trials.jsonl is incomplete after an interruption: the run repeats that trial")
