@@ -19,8 +19,8 @@ _POLL_S = 0.5
 class CompileBar(AbstractContextManager["CompileBar"]):
     """A bar that appears with the first compiled kernel, and is replaced by one line at the end.
 
-    Another process compiles, so a thread counts the kernels in Numba's cache. On a log nothing appears, because there
-    the core logs the time that it takes.
+    A thread counts the kernels in Numba's cache, because another process compiles them. If the output is no terminal,
+    no bar appears, because the core then logs the time of the compilation.
     """
 
     def __init__(self, console: Console) -> None:
@@ -84,6 +84,6 @@ def kernels_cached() -> int:
 
 
 def _index_name(kernel: object) -> str:
-    """Return the beginning of the name of a kernel's file in the cache: module and function."""
+    """Return the beginning of the name of a kernel's file in Numba's cache: the kernel's module and function."""
     function = kernel.py_func  # type: ignore[attr-defined]
     return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"

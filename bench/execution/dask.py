@@ -1,7 +1,8 @@
 """Run a study on a Dask cluster: workers run the trials, each in its own process, and the client collects the outcomes.
 
 The user starts scheduler and workers with Dask's commands (``dask scheduler``, ``dask worker``) from the same checkout.
-A worker runs as many trials at a time as it has threads. Dask runs the trials of a lost worker again on another worker.
+A worker runs as many trials at a time as it has threads. If a worker is lost, Dask runs its trials again on another
+worker.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from bench.studies.schema import Limits
 from bench.trial.run_trial import Outcome, bare_record
 
 CONNECT_S = 10
-"""Time to wait for a scheduler [s]."""
+"""Greatest time to wait for the answer of a scheduler [s]."""
 _POLL_S = 0.2
 """Interval of the checks for an interruption [s]."""
 _DECISIVE = ("python", "packages", "lock_sha256", "sources", "settings", "engines")
@@ -178,7 +179,7 @@ def _run_trial(trial: Trial, order: Order) -> RemoteOutcome:
 
 @cache
 def _environment(engines: tuple[str, ...]) -> dict[str, Any]:
-    """Return the environment of this worker, computed once, because later changes of files do not reach its code."""
+    """Return the environment of this worker, computed once, because the worker loads its code only once."""
     return describe(engines)
 
 

@@ -1,14 +1,14 @@
 """Estimate the duration of a plan from earlier trials, here or published, scaled to this machine.
 
-The scale of an earlier wall time is the time of a fixed calculation (``bench.machine.calibration``) on this machine
-now, over the time of that calculation beside the earlier trial. The estimate is the median of the scaled wall times
-over the first of these sets that is not empty:
+The estimate scales each earlier wall time by a ratio: the time of a fixed calculation (``bench.machine.calibration``)
+on this machine now, divided by the time of the same calculation before and after the earlier trial. The estimate is the
+median of the scaled wall times over the first of these sets that is not empty:
 
 1. records of the same trial;
 2. trials with the same engine, profile, scene and policy: other seeds, or an earlier version of the engine;
-3. trials with the same engine and scene, first with equal use of the core, then with any use;
-4. trials with the same engine, else with any engine, by their wall time per level and simulated second; in both cases
-   with equal use of the core, if such trials exist.
+3. trials with the same engine and scene: first trials with the same use of the stability core (used or not), then all;
+4. trials of other scenes, by their wall time per level and simulated second: first trials with the same engine, profile
+   and use of the stability core, then with the same engine and use, then with the same use, then all.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ START_MS = 0.125
 RUN_S = 4.0
 """Time to start a run [s], which loads engines and harness once."""
 LEAST_S = 0.2
-"""Least estimated wall time of a trial [s], because opening an engine takes that long."""
+"""Least wall time of a trial that is estimated from other scenes [s], because opening an engine takes that long."""
 
 MOST_LISTED = 3
-"""Greatest number of folders with one parent that a summary lists by name."""
+"""Greatest number of folders of one parent that a summary lists by name."""
 
 Source: TypeAlias = Literal["same", "similar", "guessed"]
 """Origin of an estimated time: the same trial, trials of the same engine and scene, or trials of other scenes."""
 Setting: TypeAlias = PastTrial | Trial
-"""A trial of the past or of the plan."""
+"""An earlier trial, or a trial to estimate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Estimate:
     unknown: int
     """Number of trials without an estimate."""
     limit_s: float
-    """Longest possible time of an unknown trial [s]."""
+    """Longest possible time of a trial without an estimate [s]."""
     folders: Sequence[Path]
     """Results folders from which the times come."""
 
@@ -145,13 +145,13 @@ class _Known:
         return None
 
     def uses(self, past: Sequence[PastTrial], wanted: Sequence[Trial]) -> bool:
-        """Return True if a trial in ``past`` has the engine and the scene of a trial in ``wanted``."""
+        """Return whether a trial in ``past`` has the engine and the scene of a trial in ``wanted``."""
         engines_and_scenes = {(trial.engine, trial.scene) for trial in wanted}
         return any((trial.engine, trial.scene) in engines_and_scenes for trial in past)
 
 
 def _is_steered(trial: Setting) -> bool:
-    """Return True if a trial uses the stability core."""
+    """Return whether a trial uses the stability core."""
     return BENCH_POLICIES[trial.policy].core is not None
 
 
@@ -165,14 +165,14 @@ _KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: (trial.engine, trial.scene, _is_steered(trial)),
     lambda trial: (trial.engine, trial.scene),
 )
-"""Keys of wall times, the closest first; an estimate uses earlier trials with an equal key."""
+"""Keys of wall times, the most specific key first; an estimate uses earlier trials with an equal key."""
 _RATE_KEYS: tuple[Callable[[Setting], Hashable], ...] = (
     lambda trial: (trial.engine, trial.profile, _is_steered(trial)),
     lambda trial: (trial.engine, _is_steered(trial)),
     lambda trial: _is_steered(trial),
     lambda _: "all",
 )
-"""Keys of wall times per level and simulated second, the closest first."""
+"""Keys of wall times per level and simulated second, the most specific key first."""
 
 
 def _listed(folders: Sequence[Path]) -> str:

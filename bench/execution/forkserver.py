@@ -21,9 +21,9 @@ from pebble.concurrent import process
 from adapters import ENGINES
 
 WANTED_POLICIES = "STILLSTACK_CORE_POLICIES"
-"""Environment variable with the policies to compile, because the server takes no arguments."""
+"""Name of the environment variable with the policies to compile, because the server takes no arguments."""
 CORE_LOG = "STILLSTACK_CORE_LOG"
-"""Environment variable with the level from which the core logs in the server."""
+"""Name of the environment variable with the lowest level of messages that the core logs in the server."""
 
 
 class _Popen(popen_forkserver.Popen):
@@ -60,7 +60,7 @@ def start_server(
         engines: engines whose modules the server loads.
         core_policies: policies for which the server compiles the core; empty if no trial uses the core.
         reads_contacts: True if trials without the core also read contacts.
-        core_log: level from which the core logs that it compiles.
+        core_log: lowest level of messages that the core logs in the server, such as the message that it compiles.
     """
     modules = [ENGINES[engine].module for engine in engines]
     core = ["bench.execution.preload_core"] if core_policies else []
@@ -91,6 +91,6 @@ def stop_everything() -> None:
 
 
 def in_process(function: Callable[..., Any], timeout_s: float | None) -> Callable[..., Any]:
-    """Wrap ``function`` to run in a new process, which ends after ``timeout_s`` [s]; None sets no limit."""
+    """Wrap ``function`` to run in a new process, which pebble ends after ``timeout_s`` [s]; None sets no limit."""
     # pebble 5.2 declares the keyword as mp_context but reads it as context, and silently forks without it
     return process(name="stillstack-trial", timeout=timeout_s, context=CONTEXT)(function)  # type: ignore[call-overload, no-any-return]

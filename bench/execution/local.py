@@ -23,7 +23,7 @@ from reports.records.trial import TrialRecord
 _POLL_S = 0.2
 """Interval of the checks for progress and interruptions [s]."""
 _CALM_S = 0.2
-"""Duration of the measurement of the load of all cores, which finds idle cores [s]."""
+"""Duration of the measurement of the load of all processor cores [s], which finds idle cores."""
 
 
 class Observer(Protocol):
@@ -88,10 +88,11 @@ def run_trials(
 
 
 def _cores(jobs: int) -> list[int | None]:
-    """Return a core for each concurrent trial, the core with the lowest load last.
+    """Return a processor core for each concurrent trial, the core with the lowest load last.
 
-    All trials of a study use the same cores, so that caches stay warm. The cores are None, which lets the system
-    choose, if there are fewer cores than ``jobs`` or the system does not support affinity.
+    All trials of a study use the same cores, so that the caches of these cores keep their data. If there are fewer
+    cores than ``jobs``, or the system does not support affinity, all entries are None, and the system chooses the
+    cores.
     """
     allowed = allowed_cores()
     if jobs > len(allowed) or not hasattr(os, "sched_setaffinity"):

@@ -31,19 +31,19 @@ class PastTrial(NamedTuple):
     scene: str
     policy: str
     level_s: float
-    """Work of the trial: planned levels times simulated time [s]; 0 if unknown."""
+    """Work of the trial: number of planned levels multiplied by simulated time [s]; 0 if unknown."""
     wall_s: float
     """Wall time [s]."""
     calibration_ms: float | None
-    """Time of the fixed calculation beside the trial [ms]; the median of the folder if it was not measured, and None
-    if the folder has no such time."""
+    """Time of the fixed calculation before and after the trial [ms]; the median over the folder if the trial has no
+    such time; None if no trial of the folder has such a time."""
 
 
 def past_trials(folder: Path) -> list[PastTrial]:
     """Return the readable trials of a folder with a known wall time.
 
-    The result is empty for a published folder that says that its times are disturbed. A trial that the engine does not
-    support and that has no wall time counts with a wall time of 0.
+    The result is empty for a published folder whose environment file marks the times as disturbed. A trial that the
+    engine does not support and that has no wall time counts with a wall time of 0.
     """
     if not ResultsFolder(folder).environment.get("timed", True):
         return []  # its trials disturbed each other's times

@@ -1,4 +1,4 @@
-"""Last module that the fork server imports, which in turn imports the modules that all trials need.
+"""The last module that the fork server imports; this module imports the modules that all trials need.
 
 The module registers the engines outside this repository, because a trial inherits the registry of the server. It
 excludes the loaded objects from garbage collection, because the first collection in each trial would touch, and thereby

@@ -107,7 +107,7 @@ def show_progress(trials: Sequence[Trial], console: Console) -> LiveProgress | P
 
 
 def _counts(ends: Counter[str]) -> str:
-    """Return the counts of the statuses in words; timeouts and unsupported trials only if there are any."""
+    """Return the counts of the statuses in words; omit timeouts and unsupported trials if there are none."""
     failed = sum(ends[status] for status in _FAILED)
     rare = [
         f"{ends[status]} {name}" for status, name in (("timeout", "timed out"), ("unsupported", "n/a")) if ends[status]

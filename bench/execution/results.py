@@ -143,9 +143,10 @@ class Results:
         self._recordings.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
-        """True if an interruption left the last line of the records incomplete; the run repeats its trial."""
+        """True if an interruption left the last line of the records incomplete; the run repeats the trial of this
+        line."""
         self.statuses: dict[str, Status] = {record.trial: record.status for record in read_records(folder / TRIALS)}
-        """Status of each recorded trial, by trial id."""
+        """Status of each recorded trial, by the id of the trial."""
 
     @property
     def finished(self) -> set[str]:
@@ -153,13 +154,13 @@ class Results:
         return set(self.statuses)
 
     def know(self, environment: Mapping[str, Any]) -> None:
-        """Write the environment of another machine into a file named after its digest, which its records contain."""
+        """Write the environment of another machine into a file named after the digest in the machine's records."""
         file = self.folder / f"environment-{digest(environment)}.json"
         if digest(environment) != self._environment and not file.exists():
             write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
-        """Write frames and recording, and the record last, so that a record implies complete files."""
+        """Write frames and recording of a trial, then its record, so that a trial with a record has complete files."""
         if outcome.frames:
             write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
         if outcome.recording is not None:

@@ -36,7 +36,7 @@ class Interruption(AbstractContextManager["Interruption"]):
 
     @property
     def exit_status(self) -> int:
-        """Exit status of a program that was stopped by this signal."""
+        """Exit status of a program that ``signal`` has stopped."""
         return 128 + (self.signal or 0)
 
     @contextmanager

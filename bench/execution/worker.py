@@ -37,9 +37,9 @@ from reports.replays.live_view import live_view
 GRACE_S = 60.0
 """Time after the limit on wall time [s] at which the harness ends the process of a trial whose engine hangs."""
 _ATTEND_S = 0.1
-"""Interval of the checks of a process's memory while no message arrives [s]."""
+"""Interval between checks of a process's memory while no message arrives [s]."""
 _REPORT_S = 0.25
-"""Least interval between progress messages [s], so that they do not disturb the timing."""
+"""Least interval between progress messages [s], so that the messages do not disturb the timing."""
 _MOST_OUTPUT = 2**24
 """Greatest size of the output of a trial's process [bytes], so that an engine cannot fill the disk."""
 _TAIL = 2**16
@@ -106,7 +106,7 @@ class IsolatedTrial:
                 self._limit_memory()
 
     def _limit_memory(self) -> None:
-        """End the process if it uses more memory than its limit."""
+        """End the process if it uses more memory than the limit of the trial."""
         if self._pid is None:
             return
         try:
@@ -156,8 +156,9 @@ class IsolatedTrial:
     def _stopped_itself(self, exitcode: int | None) -> bool:
         """Return whether the alarm of ``_run_in_child`` ended the process, not an earlier alarm set by the engine.
 
-        That alarm or pebble's timeout ends a step that does not return. Pebble's timeout comes seconds late after
-        minutes, because pebble counts polls of 0.1 s, each of which takes slightly longer.
+        The alarm and pebble's timeout both end a step of the engine that does not return. For a limit of minutes,
+        pebble's timeout comes some seconds late, because pebble counts polls of 0.1 s, each of which takes slightly
+        longer.
         """
         return exitcode == -signal.SIGALRM and monotonic() - self._begun > self._limits.trial_wall_s
 
