@@ -46,7 +46,7 @@ class Creep:
 
 
 class CreepMeter:
-    """Collector of the positions of bricks after every frame, from which it computes their creep."""
+    """Meter of the creep of bricks, which collects the positions of the bricks after every frame."""
 
     def __init__(self, from_s: float) -> None:
         """Prepare to collect the positions at the ends of frames after ``from_s`` [s]."""

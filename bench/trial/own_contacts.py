@@ -25,8 +25,8 @@ STEEPEST = 45.0
 PRECISION = 1e-3
 """Greatest width of the final bracket of the search [deg]."""
 DIFFERENT = math.radians(1.0)
-"""Angle between a face normal and the bisector of the face normals of two planks, above which the planks meet at a
-ridge [rad]."""
+"""Angle between a face normal of a plank and the bisector of the face normals of both planks [rad], above which the
+planks meet at a ridge."""
 
 
 class OwnContacts:

@@ -18,10 +18,10 @@ from scenarios.model import Brick
 def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[Brick] = ()) -> FloatArray:
     """Return the heights of the centres below which bricks without their support have dropped [m], shape (n,).
 
-    The height of a brick that lost its support lies below its present centre by half its thickness, or by half of the
-    free height below the brick if that is less. The height is minus infinity for a brick that kept its support. A brick
-    kept its support if the free height below it has increased by no more than half the thickness of the removed brick,
-    because placement noise causes small increases.
+    The height of a brick that lost its support lies below its present centre by half its thickness, or by half the
+    increase of the free height below the brick if this increase is less than its thickness. The height is minus
+    infinity for a brick that kept its support. A brick kept its support if this free height has increased by no more
+    than half the thickness of the removed brick, because placement noise causes small increases.
 
     Args:
         plan: plan of the n remaining bricks.
