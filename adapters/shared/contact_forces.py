@@ -62,7 +62,10 @@ def mean_force(last: SubstepForces, normal: FloatArray, earlier: Sequence[Subste
 
 
 def _keys(body_a: IntArray, body_b: IntArray, lowest: int, span: int) -> IntArray:
-    """Return a number (n,) for each pair, independent of the order of its bodies; -1 for ids outside the span."""
+    """Return a number (n,) for each pair, independent of the order of its bodies; -1 for an unknown id.
+
+    The known ids are the ``span`` ids from ``lowest`` on.
+    """
     low, high = np.minimum(body_a, body_b) - lowest, np.maximum(body_a, body_b) - lowest
     keys: IntArray = np.where((low >= 0) & (high < span), low * span + high, -1)
     return keys

@@ -7,7 +7,7 @@ friction t_c of its contacts c across their normals n_c, and the engine's normal
     sum over c of +-t_c = f_i - sum over c of +-N_c n_c      for every live body i
     minimise  sum over c of |t_c|^2 / (mu N_c),              then  |t_c| <= mu N_c
 
-with + if body i is body b of contact c, and - if it is body a.
+with + if body i is body b of contact c, and - if body i is body a.
 
 In a column the balance determines the friction of each joint. For a body on several supports the balance
 does not determine the friction; the minimum then shares friction in proportion to the loads. The module neglects
