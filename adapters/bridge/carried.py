@@ -24,7 +24,7 @@ def carried(
         rows: contact points before the substep: bodies a and b, points on a and b, normal, and force, shape (n, 14).
         bodies: ids of the bodies that may move, in rising order, shape (m,); all other bodies are at rest.
         before: states of ``bodies`` before the substep, shape (m, 13).
-        after: states of ``bodies`` after the substep, shape (m, 13); with ``before`` again, no point moves.
+        after: states of ``bodies`` after the substep, shape (m, 13); if equal to ``before``, no point moves.
     """
     points, normals, separations = np.empty((len(rows), 3)), np.empty((len(rows), 3)), np.empty(len(rows))
     _carry(rows, bodies, before, after, points, normals, separations)

@@ -137,8 +137,7 @@ def reports_whole_faces_on_uneven_supports(rig: Rig) -> None:
 def reports_a_support_a_hair_below(rig: Rig) -> None:
     """Check that a beam on two bricks also has a contact with a third brick, between these two and 0.05 mm lower.
 
-    Under load all three bricks would bear the beam. In the same way, a V stands or falls depending on whether a roof
-    bears on one of its planks or on both.
+    The third contact matters, because under load all three bricks would bear the beam.
     """
     simulation = rig.open()
     outer, hair = LENGTH + 2e-3, 0.05e-3

@@ -141,7 +141,7 @@ def slides_on_a_tilted_platform_above_the_friction_angle(rig: Rig) -> None:
 def reports_moved_bodies(rig: Rig) -> None:
     """Check that masses list a moved body with infinite mass, even without live bodies.
 
-    The relative velocities of contacts must contain the body's velocity.
+    The relative velocities of the moved body's contacts must include the body's velocity.
     """
     simulation = rig.open()
     platform = _platform(simulation)

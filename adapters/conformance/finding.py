@@ -33,7 +33,7 @@ CORNER = 1e-3
 SAME_DIRECTION = math.radians(1.0)
 """Greatest angle [rad] between a normal and the ideal normal."""
 SAME_PLACE = 0.1e-3
-"""Greatest distance [m] of a brick, in a tower with calls of ``find_contacts``, from its place in a tower without."""
+"""Greatest distance [m] between a brick's positions in two towers, with and without calls of ``find_contacts``."""
 TOP = 0.02
 """Offset along x [m] of the third brick of the tower."""
 

@@ -24,7 +24,7 @@ from stability_core.port import GROUND, Contacts, FloatArray
 FRAMES = 20
 """Number of frames of the mean of a force; one frame is too few, because the load may shift among a brick's corners."""
 CARRYING_GAP = 0.1e-3
-"""Greatest gap [m] of a contact that bears load, because bodies of such a contact touch or overlap in all engines."""
+"""Greatest reported gap [m] of a contact with a force, because in all engines only bodies that touch exert forces."""
 PRECISION = 0.02
 """Greatest ratio of a force's error to the weight of a brick, because in a scaled world some solvers err by 1 %."""
 

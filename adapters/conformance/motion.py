@@ -213,7 +213,10 @@ def seats_on_frozen_bricks(rig: Rig) -> None:
 
 
 def holds_an_inverted_v(rig: Rig) -> None:
-    """Check that two planks that lean on each other at 72 deg are slow in two successive frames (needed to freeze)."""
+    """Check that two planks that lean on each other at 72 deg are slow in two successive frames.
+
+    A policy needs such frames to freeze the planks. After 0.2 s the planks must not have slipped.
+    """
     simulation = rig.open()
     lean = math.radians(72)
     half_height = (LENGTH * math.sin(lean) + THICKNESS * math.cos(lean)) / 2
