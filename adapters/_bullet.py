@@ -25,7 +25,7 @@ Traps:
   cannot be set, because ``sleepThreshold`` works on multibodies only. Multibodies are PyBullet's standard, which
   the profile ``default`` keeps: they stack worse than rigid bodies and have a damping of 0.04.
 - A moved body is heavy, not kinematic. The adapter disables its collisions with the ground, fixed boxes and frozen
-  bodies, because such a collision would stop it.
+  bodies, because such a collision would stop the moved body.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from adapters.shared.vectors import rows_of
 from stability_core.port import FloatArray, IntArray
 
 Listed = tuple[int, int, tuple[Any, ...]]
-"""Bodies a and b of a contact, and Bullet's row of it."""
+"""Bodies a and b of a contact, and Bullet's row of the contact."""
 
 
 def pairs_of(listed: Sequence[Listed]) -> tuple[IntArray, IntArray]:

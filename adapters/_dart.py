@@ -1,4 +1,6 @@
-"""DART: every brick is a skeleton of one box on a free joint, in a boxed linear complementarity problem.
+"""DART: a skeleton of one box on a free joint for every brick, and one boxed LCP for the forces of all contacts.
+
+An LCP is a linear complementarity problem; a boxed LCP also bounds the unknown forces from above.
 
 Mechanisms:
 

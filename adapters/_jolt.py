@@ -16,7 +16,8 @@ angles than on engines that report the normal of a face.
 
 Traps:
 
-- As shipped Jolt rounds a box by a convex radius of 50 mm, more than a plank's thickness: the adapter sets it to 0.
+- As shipped Jolt rounds a box by a convex radius of 50 mm, more than a plank's thickness: the adapter sets the radius
+  to 0.
 - As shipped Jolt never resolves an overlap of less than the slop, 20 mm.
 - No body wakes when its support is removed or gravity changes, so that the peer wakes all bodies.
 - The peer reads the fields of Jolt's objects from memory, ten times as fast as by Jolt's functions. The peer compares

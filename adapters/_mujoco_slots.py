@@ -45,8 +45,8 @@ def shape_of(brick: Brick) -> Shape:
 class SlotModel:
     """Compiled model of the ground, a slot per shape, the fixed boxes and, with ``ghosts``, a ghost per slot.
 
-    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same box, and nothing moves it.
-    MuJoCo's geom and body ids coincide: 0 is the ground, followed by the slots, their ghosts and the fixed boxes.
+    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same box; nothing moves a mocap
+    body. MuJoCo's geom and body ids coincide: 0 is the ground, followed by the slots, their ghosts and the fixed boxes.
     """
 
     def __init__(self, shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> None:

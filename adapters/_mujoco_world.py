@@ -47,7 +47,7 @@ class MujocoWorld:
 
     @property
     def slots(self) -> SlotModel:
-        """The model, compiled on first use, because ``needs_ghosts`` is not known earlier."""
+        """The model, compiled on first use, because the result of ``needs_ghosts`` is not known earlier."""
         return self._slots or self._compile(ghosts=self._needs_ghosts())
 
     @property
@@ -147,7 +147,7 @@ class MujocoWorld:
         return slot
 
     def _take_slot(self, shape: Shape) -> int:
-        """Return a free slot; if no slot is free, add one slot per body of the world first."""
+        """Return a free slot; if no slot is free, first add as many slots as the world has bodies."""
         if not self._free[shape]:
             first, more = len(self._shapes), max(1, len(self.slot_of))
             self._shapes += [shape] * more

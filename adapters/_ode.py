@@ -26,8 +26,8 @@ predicts no contacts, so that a falling brick penetrates by up to its travel in 
 
 Traps:
 
-- QuickStep shuffles the constraints by a random generator that all worlds of the process share. Each world sets the
-  generator's seed to its own before a step, and stores the seed after the step.
+- QuickStep shuffles the constraints by a random generator that all worlds of the process share. Each world sets its
+  own seed of the generator before a step, and stores the new seed after the step.
 - As shipped, ODE pushes points apart until they no longer touch (``ContactSurfaceLayer`` 0), and the bodies then fall
   back.
 - A state that is not finite ends the process by an assertion. If the square of a position, speed or spin is not

@@ -150,9 +150,9 @@ def address_of(name: str) -> int:
 def c_call(signature: Any) -> Any:
     """Return a function that compiled code calls with the address of a C function and a tuple of its arguments.
 
-    Numba's own ways to call a C function are slower: a first-class function costs 30 us as an argument, and Numba
-    cannot cache compiled code that names a C function of ctypes. Clear Numba's cache after a change of this function,
-    because Numba does not detect the change.
+    The function does not use Numba's own ways to call a C function, because a first-class function costs 30 us as an
+    argument, and because Numba cannot cache compiled code that names a C function of ctypes. Clear Numba's cache after
+    a change of this function, because Numba does not detect the change.
 
     Args:
         signature: signature of the C function, in Numba's types; handles and addresses are ``intp``.

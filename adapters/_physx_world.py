@@ -43,7 +43,10 @@ class PhysxWorld:
         self.components: dict[int, Any] = {}
         """Component of each body."""
         self.body_of: dict[Any, int] = {}
-        """Body, ground or fixed box of each component. SAPIEN returns the same object again while the map holds it."""
+        """Body, ground or fixed box of each component.
+
+        While the map holds the Python object of a component, SAPIEN returns this object for the component.
+        """
         self._removed_components: list[Any] = []  # removed after the latest step
         self.states = BodyStates(self.system, self.components, self.body_of)
 

@@ -18,9 +18,9 @@ adds the shape of a newly frozen body again, which deletes the body's arbiters. 
 depends on memory addresses: the adapter sorts both, so that runs repeat. A point in the plane represents a line across
 the bricks' depth, and the adapter reports both ends of that line.
 
-``find_contacts`` runs Chipmunk's shape query for each live brick: the collision of a step, without arbiters, which
-changes nothing. Between corners that meet, rounding determines the query's normals, with errors of up to 90 degrees;
-``BoxTable`` replaces these contacts.
+``find_contacts`` runs Chipmunk's shape query for each live brick. The query detects contacts as a step does, but
+creates no arbiters and changes nothing. Between corners that meet, rounding determines the query's normals, with errors
+of up to 90 degrees; ``BoxTable`` replaces these contacts.
 
 Friction: the coefficient of a pair is the product of both shapes' coefficients, so that each shape has the square root
 of the world's.

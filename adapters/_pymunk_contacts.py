@@ -27,8 +27,9 @@ def lift_contacts(
     depths: FloatArray,
     units_per_metre: float,
 ) -> Rows:
-    """Return the contacts that touch a live body, sorted by the suite's ids, with two points across the depth for each.
+    """Return the contacts that touch a live body, sorted by the suite's ids, in three dimensions.
 
+    Each of Chipmunk's points gives two points: the ends of a line along y, as long as the smaller depth of the pair.
     Chipmunk may swap the bodies of a pair from step to step; in the result body a has the lower id. Between corners
     that coincide to the last bit Chipmunk reports a normal of length zero and no force: the kernel skips this pair.
 

@@ -18,8 +18,8 @@ world's coefficient. The law is a cone, with one constraint per manifold for sli
 (``FrictionModel.COULOMB``, with one constraint per point, holds too little across a plank.)
 
 Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
-frequency. The solver resolves a frequency of up to a quarter of the rate of its substeps, of which there are
-``num_solver_iterations`` per step.
+frequency. The solver makes ``num_solver_iterations`` substeps per step, and resolves a frequency of up to a quarter of
+the rate of these substeps.
 
 Traps:
 

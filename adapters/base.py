@@ -152,7 +152,7 @@ class Simulation(EngineHooks):
             self._end_force(body)
 
     def drive(self, body: int, linear: Vector, angular: Vector = (0.0, 0.0, 0.0)) -> None:
-        """Move a body of the host at a velocity [m/s] and a spin [rad/s], in every step until the next call.
+        """Set the velocity [m/s] and the spin [rad/s] of a body that the host moves, until the next call.
 
         Raises:
             KeyError: if no body has this id, or the host did not spawn the body with ``Brick.moved``.
@@ -211,9 +211,9 @@ class Simulation(EngineHooks):
         A host calls this method before the first step, so that the extension can judge stacks that start in place.
         Until the next step ``port.contacts()`` returns the contacts that this call detects:
 
-        - A pair whose faces or parallel edges touch within 0.1 mm (planks; other bricks in proportion) has the corners
-          of its contact area, from the bricks' geometry (``BoxTable.with_exact_faces``), because at gaps of exactly
-          zero engines list no contacts, or normals that are rounding errors.
+        - A pair whose faces or parallel edges touch within 0.1 mm (for planks; in proportion to the size of other
+          bricks) has the corners of its contact area, from the bricks' geometry (``BoxTable.with_exact_faces``),
+          because at gaps of exactly zero engines list no contacts, or normals that are rounding errors.
         - Deeper overlaps and crossing edges have the contacts that the engine detects at the present poses.
         - Separations and relative velocities belong to the present poses and velocities. There are no forces,
           because no step has solved these contacts.

@@ -57,7 +57,7 @@ class Profile:
     scale: float = 1.0
     """Ratio of lengths in the engine's world to lengths in the scene: see ``adapters.scaled``."""
     offset: float = 0.0
-    """Distance [m] along x of the scene's origin from the origin of the engine's world: see ``adapters.scaled``."""
+    """Distance [m] along x from the origin of the engine's world to the scene's origin: see ``adapters.scaled``."""
     forces: bool = True
     """True to report the engine's contact forces in ``Contacts.force``, if the engine has forces. If False,
     ``Contacts.force`` is None."""

@@ -1,4 +1,4 @@
-"""A simulation whose engine runs a world larger than the scene, as users do with engines made for bodies of a metre.
+"""A simulation whose engine runs a world larger than the scene, because many engines are made for bodies of a metre.
 
 The profile's scale multiplies all lengths, velocities, impulses and forces, and gravity. Times, masses, angles and
 friction do not change, so that the motion is the same in larger units. This is the recipe of Bullet's wiki ("Scaling
