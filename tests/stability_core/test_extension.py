@@ -499,7 +499,7 @@ def test_malformed_input_is_refused_with_its_row(port, contacts, masses, message
 
 
 def test_a_setting_must_make_sense():
-    with pytest.raises(ValueError, match="rest_speed must be finite and not negative"):
+    with pytest.raises(ValueError, match=r"rest_speed must be finite and at least 0, got -1\.0"):
         Settings(rest_speed=-1.0)
 
 

@@ -166,7 +166,7 @@ def test_a_file_that_is_no_toml_says_so(write):
 def test_the_command_line_takes_a_file_for_a_scenario(write):
     study = selected(load_study("smoke"), Selection(scenarios=[leaning(write, 4)]))
     assert [chosen.name for chosen in study.scenario] == ["own_scene"]
-    with pytest.raises(StudyError, match="floats"):
+    with pytest.raises(StudyError, match=r"is 95\.000 mm above the nearest body"):
         selected(load_study("smoke"), Selection(scenarios=[write(plank(position=[0, 0, 0.1]))]))
 
 
