@@ -21,9 +21,9 @@ from scenarios.model import Expectation
 PAGE = Path(__file__).parents[2] / "docs" / "columns.md"
 """Path of the generated page."""
 _UNITS = {"_mib": "MiB", "_m_s": "m/s", "_ms": "ms", "_m": "m", "_s": "s", "_deg": "deg"}
-"""Units by the suffix of a column's name, longer suffixes first."""
+"""Units by the suffix of a column's name. The suffix ``_m_s`` comes before ``_s``, because the first match counts."""
 _TYPES = {"str": "text", "int64": "whole number", "Int64": "whole number", "float64": "number"}
-"""Plain names of the types of pandas."""
+"""Plain names of data types, by the name of the type in pandas."""
 _HEAD = """# Columns of the results
 
 `reports.load(DIR)` returns `.trials`, `.frames(trial)` and `.poses(trial)` as pandas data frames, of a results folder
@@ -77,7 +77,7 @@ def pose_columns() -> list[Column]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit in a column's name, at its end or before a percentile; empty if the name has none."""
+    """Return the unit that a column's name gives at its end or before a percentile; empty if the name gives no unit."""
     if "_ms_" in name:
         return "ms"
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")

@@ -1,4 +1,4 @@
-"""The creep limit, and the creep of trials from before format 3 as far as their recordings prove it."""
+"""The creep limit, and the creep that the recordings of trials from before format 3 prove."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from scenarios.lookup import UnknownNameError
 from scenarios.registry import build
 
 CREEP_LIMIT_PER_MIN = 0.01
-"""Greatest creep of a standing stack, in thicknesses of a brick per minute. A plank of 7.8 mm may creep by 1.3
-micrometres per second, so that it needs 100 minutes to move by its thickness."""
+"""Greatest creep of a standing stack, in thicknesses of a brick per minute. A plank 7.8 mm thick may creep at 1.3
+micrometres per second, so that the plank needs 100 minutes to move by its thickness."""
 _MINUTE_S = 60.0
 _RECORDED_M = math.sqrt(3) * (LENGTH_BAND + LENGTH_STEP / 2)
 """Greatest distance of a recorded centre from the true centre [m]: dead band and rounding, in three directions."""
@@ -31,11 +31,13 @@ def creep_limit_m_s(thickness_m: float, per_min: float = CREEP_LIMIT_PER_MIN) ->
 
 
 def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
-    """Return whether the whole 95 % interval of a creep lies above the limit, because vibration is not creep.
+    """Return whether the whole interval of a creep lies above the limit.
+
+    A creep whose interval includes the limit does not count, because vibration also moves a brick.
 
     Args:
         creep_m_s: the creep [m/s].
-        error_m_s: half width of its interval [m/s].
+        error_m_s: half width of the interval of the creep [m/s].
         limit_m_s: the creep limit [m/s].
     """
     return creep_m_s - error_m_s > limit_m_s
@@ -44,10 +46,10 @@ def is_creeping(creep_m_s: float, error_m_s: float, limit_m_s: float) -> bool:
 def with_creep(record: TrialRecord, recording: Recording) -> TrialRecord:
     """Add to a record of an earlier format the creep that its recording proves, and the resulting verdict.
 
-    A recording is accurate to about 0.05 mm. Therefore a recording proves only two cases:
+    A recording is accurate to about 0.05 mm in each coordinate. Therefore a recording proves only two cases:
 
-    - no creep, if all bricks were frozen;
-    - creep, if the creep of a brick exceeds the limit by more than the error of its poses.
+    - no creep, if all bricks were frozen during the last half of the watch;
+    - creep, if the creep of a brick exceeds the limit by more than the greatest error of that creep.
 
     In any other case the creep stays missing, and the verdict does not change.
     """
@@ -85,8 +87,8 @@ def _proven(recording: Recording, first: int) -> tuple[float, float, float] | No
     """Return the creep that the recording proves from frame ``first`` on; None if the recording proves nothing.
 
     Returns:
-        Creep [m/s], greatest error of the creep [m/s] and thickness [m] of the brick that is fastest for its thickness;
-        zero creep, zero error and the least thickness if all bricks are frozen.
+        Creep [m/s], greatest error of the creep [m/s], and thickness [m] of one brick. The brick has the greatest ratio
+        of creep minus error to thickness. If all bricks are frozen: zero, zero, and the least thickness of a brick.
     """
     fastest: tuple[float, float, float] | None = None
     all_frozen = True

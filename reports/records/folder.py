@@ -23,7 +23,7 @@ TRIALS = "trials.jsonl"
 PARQUET = "trials.parquet"
 """File of the trials of a published folder."""
 PUBLISHED_TRIALS = (PARQUET, "trials.csv")
-"""Files of the trials of a published folder: of this version, and of earlier versions."""
+"""Names of the file of trials in a published folder: the name in this version, then the name in earlier versions."""
 STUDY = "study.toml"
 """File of the resolved study."""
 ENVIRONMENT = "environment.json"
@@ -139,7 +139,7 @@ def published_rows(file: Path) -> Iterator[Mapping[str, Any]]:
 
 
 def replay_name(trial: TrialRecord) -> str:
-    """Return the file name, without suffix, of the replay that shows a trial beside the other policies."""
+    """Return the file name, without suffix, of the replay of a trial, which also shows the trials of other policies."""
     return f"{trial.scene}.{trial.engine}.{trial.profile}.s{trial.seed}"
 
 

@@ -19,7 +19,11 @@ builds its caches, the first brick lands, and kernels for the first contacts com
 
 
 class FrameRow(NamedTuple):
-    """Counts and times of one frame. A column with default None is null in trials without an extension."""
+    """Counts and times of one frame.
+
+    In trials without an extension, the columns from ``contacts`` to ``woken_because`` and the column
+    ``core_instructions`` are null.
+    """
 
     frame: int
     """Number of the frame, from 0. The timings of a record leave out the first five frames."""
@@ -34,7 +38,8 @@ class FrameRow(NamedTuple):
     engine_ms: float
     """Time of the engine's step [ms]."""
     frame_ms: float
-    """Time of the whole frame [ms]: the engine's step, contacts, core and port calls, without the bridge."""
+    """Time of the whole frame [ms]: the engine's step, the read-back, the core and the port calls, without the
+    bridge."""
     contacts: int | None = None
     """Number of contact points that the core read."""
     readback_ms: float | None = None
@@ -48,7 +53,8 @@ class FrameRow(NamedTuple):
     woken: int | None = None
     """Number of bodies that the core unfroze in this frame."""
     woken_because: str | None = None
-    """Reasons for which the core unfroze bodies, each with its count: "1 struck; 3 rested on what was struck"."""
+    """Reasons for which the core unfroze bodies, each with its count, such as "1 struck; 3 rested on what was
+    struck"."""
     bridge_ms: float | None = None
     """Time of the transfer to an engine in a separate process and back [ms]; null for an engine in the trial's own
     process."""

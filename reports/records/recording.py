@@ -27,9 +27,10 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 LENGTH_STEP = 1e-5
-"""Resolution of positions [m], about a thousandth of a plank's thickness, because a reader cannot see less."""
+"""Resolution of positions [m], about a thousandth of a plank's thickness, because a viewer of a replay cannot see
+smaller motions."""
 QUATERNION_STEP = 1e-4
-"""Resolution of the components of quaternions, chosen so that one step moves a plank's end by 0.01 mm."""
+"""Resolution of the components of quaternions, chosen so that one step moves a plank's end by about 0.01 mm."""
 MOST_BYTES = 1_000_000
 """Size above which the writer thins a recording [bytes]."""
 THINNED = 3
@@ -37,14 +38,15 @@ THINNED = 3
 LENGTH_BAND = 5e-5
 """Dead band of each coordinate of a position [m], which suppresses the vibration of a solver."""
 _QUATERNION_BAND = 4e-4
-"""Dead band of each component of a quaternion, chosen so that it moves a plank's end by 0.05 mm."""
+"""Dead band of each component of a quaternion, chosen so that a change by the dead band moves a plank's end by about
+0.05 mm."""
 FIXED_FIELDS = ("size", "position", "quaternion")
 """Fields of a fixed box that a recording contains."""
 _COLUMNS = ("body", "frame", "x", "y", "z", "qw", "qx", "qy", "qz", "state")
 STATES: tuple[Literal["live", "frozen", "removed"], ...] = ("live", "frozen", "removed")
 """Names of the states of a body."""
 LIVE, FROZEN, REMOVED = range(3)
-"""Indices into ``STATES``."""
+"""Index of each state in ``STATES``."""
 WORLD = World()
 """World of a recorder that is given none."""
 
@@ -90,8 +92,8 @@ class Recording:
     position: IntArray
     """Centre of the body in steps of ``LENGTH_STEP``, shape (n, 3), world frame."""
     quaternion: IntArray
-    """Orientation (w, x, y, z) in steps of ``QUATERNION_STEP``, shape (n, 4), world frame; with the sign that is nearer
-    to the previous row."""
+    """Orientation (w, x, y, z) in steps of ``QUATERNION_STEP``, shape (n, 4), world frame. Of the two signs of a
+    quaternion, a row has the sign that is nearer to the body's previous row."""
     state: IntArray
     """Index into ``STATES``, shape (n,)."""
     every: int = 1
@@ -102,7 +104,10 @@ class Recording:
     """Masses, friction and gravity; None in recordings of version 0.1.0."""
 
     def thinned(self) -> Recording:
-        """Return a smaller recording: every third frame, every change of state, and the first row of every body."""
+        """Return a smaller recording.
+
+        The recording keeps the rows in every third frame, all changes of state, and the first row of each body.
+        """
         new_state = np.ones(len(self.body), bool)
         new_state[1:] = (np.diff(self.body) != 0) | (np.diff(self.state) != 0)
         keep = new_state | (self.frame % THINNED == 0)
@@ -210,7 +215,7 @@ class Recorder:
 
 
 def write_recording(path: Path, recording: Recording) -> None:
-    """Write a recording atomically, thinned if it is larger than ``MOST_BYTES``; the folder must exist."""
+    """Write a recording atomically, thinned if the whole file would exceed ``MOST_BYTES``; the folder must exist."""
     content = _packed(recording)
     if len(content) > MOST_BYTES and recording.every == 1:
         content = _packed(recording.thinned())

@@ -69,9 +69,9 @@ class Results:
         return pd.read_parquet(self._folder.frames_file(trial))
 
     def poses(self, trial: str) -> pd.DataFrame:
-        """Return the recorded poses of a trial: a row per change of a body's pose or state, valid until its next row.
+        """Return the recorded poses of a trial, one row per change of a body's pose or state.
 
-        ``docs/columns.md`` lists the columns.
+        A row is valid until the next row of its body. ``docs/columns.md`` lists the columns.
 
         Raises:
             RecordingError: if the trial was not recorded, or its recording is incomplete.
@@ -95,7 +95,10 @@ class Results:
 
 
 def trials_frame(records: Sequence[TrialRecord]) -> pd.DataFrame:
-    """Return a table with one row per record, in their order; a missing number is NaN or NA, ``parameters`` is JSON."""
+    """Return a table with one row per record, in the order of ``records``.
+
+    A missing number is NaN or NA. The column ``parameters`` contains JSON texts.
+    """
     types = column_types()
     rows = pd.DataFrame([to_flat(record) for record in records], columns=flat_columns(), dtype=object)
     return rows.astype(types)

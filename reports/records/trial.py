@@ -48,7 +48,7 @@ class RecordError(ValueError):
 
 
 class RecordWarning(UserWarning):
-    """A file of records whose last line is incomplete."""
+    """Warning of a file of records whose last line is incomplete."""
 
 
 class TrialRecord(BaseModel):
@@ -93,7 +93,8 @@ class TrialRecord(BaseModel):
     height_levels: int = 0
     """Highest level that ever stood intact, with all levels below it, after its bricks had had time to land."""
     height_m: float | None = None
-    """Height [m] of the top of the highest intact level, when last seen intact before the next level started."""
+    """Height [m] of the top of the highest intact level, measured when this level was last seen intact before the next
+    level started."""
     collapse_level: int | None = None
     """Number of levels placed when the collapse was first seen; null without a collapse (censored)."""
     sink_m: float | None = None
@@ -104,10 +105,11 @@ class TrialRecord(BaseModel):
     intact."""
     creep_m_s: float | None = None
     """Creep [m/s]: slope of the centre's position over the last half of the watch, for the brick that is fastest
-    relative to its thickness; null if the stack did not stand throughout, and for trials from before format 3."""
+    relative to its thickness. Null if the stack did not stand throughout, and for trials from before format 3 unless
+    their recordings prove the creep."""
     frame_ms_p50: float | None = None
-    """Median time [ms] of a frame: engine, read-back, core and port calls, without the bridge to an engine in a
-    separate process; without the first five frames."""
+    """Median time [ms] of a frame: engine, read-back, core and port calls, but not the bridge to an engine in a
+    separate process. The median is over the frames that ``timed_frames`` counts."""
     frame_ms_p95: float | None = None
     """95th percentile of the time [ms] of a frame."""
     frame_ms_p99: float | None = None
@@ -124,7 +126,8 @@ class TrialRecord(BaseModel):
     port_ms: float | None = None
     """Mean time [ms] per frame in which the port freezes and unfreezes bodies; null without an extension."""
     frame_ratio: float | None = None
-    """Frame time with the extension over frame time without it, on the same standing stack."""
+    """Ratio of the frame time with the extension to the frame time without the extension, on the same standing
+    stack."""
     wakes: int | None = None
     """Number of times that the core unfroze a body; null without an extension."""
     refreezes: int | None = None
@@ -132,26 +135,32 @@ class TrialRecord(BaseModel):
     longest_live_s: float | None = None
     """Longest simulated time [s] for which one body stayed live; null without an extension."""
     realtime_factor: float | None = None
-    """Simulated time over measured time of all timed frames; a value below 1 is slower than real time."""
+    """Ratio of the simulated time to the measured time of all timed frames; a value below 1 is slower than real
+    time."""
     pose_hash: str | None = None
     """BLAKE2b digest of the float64 poses of all frames, in hexadecimal."""
     expectation: Expectation
     """The outcome that theory demands."""
     verdict: Verdict
-    """Comparison of the outcome with theory: ``right``, ``false_stand`` or ``false_collapse``; ``creeps`` if the stack
-    stood as it must, but the whole interval of a brick's creep exceeds the limit; ``failed`` if the stack sank, or the
-    trial diverged or crashed; ``undecided`` if the time limit stopped the trial; ``none`` if theory demands no outcome
-    or the engine does not support the scene."""
+    """Comparison of the outcome with theory.
+    ``right``: the outcome agrees with theory.
+    ``false_stand``: a stack that must fall stood, or fell too late.
+    ``false_collapse``: a stack that must stand fell, or a stack that must fall fell too early.
+    ``creeps``: a stack that must stand stood, but the whole interval of a brick's creep exceeds the limit.
+    ``failed``: a stack that must fall only sank, or an error, a crash or a divergence ended the trial.
+    ``undecided``: the time limit stopped the trial.
+    ``none``: theory demands no outcome, or the engine does not support the scene."""
     environment: str
     """Digest of the environment of the run (``environment.json``)."""
     collapse_kind: CollapseKind | None = None
-    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped within a second."""
+    """Kind of the collapse; ``sink`` only if nothing toppled, slid or dropped in the second after the collapse was
+    first seen."""
     collapse_s: float | None = None
     """Simulated time [s] at which the collapse was first seen."""
     frame_ratio_level: int | None = None
     """Level of the stack at which ``frame_ratio`` was measured."""
     frame_ratio_message: str = ""
-    """Reason for a missing ``frame_ratio``, if it was requested."""
+    """Reason for a missing ``frame_ratio``; empty if the study did not request the ratio, or the ratio was measured."""
     levels_planned: int
     """Number of levels of the whole scene."""
     simulated_s: float = 0.0
@@ -171,7 +180,8 @@ class TrialRecord(BaseModel):
     """Time [s] after the last action at which a brick of a poured pile was last seen moving; null if a brick still
     moved at the end, and for scenes without a pile."""
     repose_deg: float | None = None
-    """Angle of repose [deg] of a poured pile: the slope of the cone with the same median height and radius."""
+    """Angle of repose [deg] of a poured pile: the slope of the cone that has the median height and the median radius of
+    the pile."""
     live_mean: float | None = None
     """Mean number of live bricks per frame; null (unknown) without an extension."""
     live_last: int | None = None
@@ -202,13 +212,13 @@ class TrialRecord(BaseModel):
     includes. Null for an engine in the trial's own process."""
     onset_deg: float | None = None
     """Slope [deg] of tilting ground at which a brick had moved by 1 % of its thickness or turned by half a degree; null
-    if no brick moved so far, and if no ground tilts."""
+    if no brick moved or turned by that much, and if no ground tilts."""
     own_limit_deg: float | None = None
-    """Slope [deg] at which exact statics finds no equilibrium with the points and normals of the engine's own contacts;
-    null with an extension, and if no ground tilts."""
+    """Least slope [deg] at which exact statics finds no equilibrium with the points and normals of the engine's own
+    contacts; null with an extension, and if no ground tilts."""
     ridge_deg: float | None = None
-    """Greatest angle [deg] between the bisector and the engine's contact normal where two leaning planks meet; null if
-    no such contact was seen."""
+    """Greatest angle [deg] between the engine's contact normal at a ridge, where two leaning planks meet, and the
+    bisector of the normals that are possible there; null if no contact at a ridge was seen."""
     asleep_s: float | None = None
     """Simulated time [s] in which a brick that must move by theory kept its pose to the last bit; null if no brick must
     move."""
@@ -216,22 +226,22 @@ class TrialRecord(BaseModel):
     """Simulated time [s] after which all bricks that must move had covered the distance that theory demands; null if a
     brick had not covered its distance."""
     carried_share: float | None = None
-    """Weight that the ground carries by the engine's contact forces, over the weight of all bricks: mean over the
-    frames in which the finished stack is watched. Null if the trial has no audit of forces, or the engine reports no
-    forces."""
+    """Ratio of the weight that the ground carries, by the engine's contact forces, to the weight of all bricks: mean
+    over the frames in which the finished stack is watched. Null if the trial has no audit of forces, or the engine
+    reports no forces."""
     cone_excess: float | None = None
-    """Friction force of the worst contact in excess of mu times its normal force, in mean weights of a brick: mean over
-    the frames of ``carried_share``. Null if ``carried_share`` is null."""
+    """Amount by which the friction force of the worst contact exceeds mu times its normal force, in units of the mean
+    weight of a brick: mean over the frames of ``carried_share``. Null if ``carried_share`` is null."""
     complementarity: float | None = None
     """Greatest natural residual abs(min(f / w, s / h)) of a contact, with its normal force f, the mean weight w of a
     brick, its separation s (negative for an overlap) and the least thickness h of a brick: mean over the frames of
     ``carried_share``. Null if ``carried_share`` is null, and if the engine reports no separations."""
 
     memory_mib: float | None = None
-    """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus its size just before
-    the engine was opened. This includes the engine, the extension, the data recorded by the harness, the code pages
-    used for the first time and, if the trial compiles a kernel, the compiler. Null if the system does not report the
-    peak, and for an engine in a separate process."""
+    """Peak of the resident memory [MiB] of the trial's process while the scene was played, minus the resident memory
+    just before the engine was opened. The difference includes the engine, the extension, the data recorded by the
+    harness, the code pages used for the first time and, if the trial compiles a kernel, the compiler. Null if the
+    system does not report the peak, and for an engine in a separate process."""
     solver_iterations: float | None = None
     """Mean number of iterations of the engine's solver in the last step of a frame, for the island with the most
     iterations; null if the engine reports no iterations. The frames are the frames of ``frame_ms_p50``."""
@@ -341,7 +351,10 @@ def _reason(error: ValidationError) -> str:
 
 
 def _mend(path: Path) -> bool:
-    """Remove an incomplete last line from the file; return True if there was an incomplete line."""
+    """Remove an incomplete last line from the file; return True if there was an incomplete line.
+
+    A complete last line that lacks its line break receives a line break.
+    """
     if not path.exists():
         return False
     content = path.read_bytes()
