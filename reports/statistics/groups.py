@@ -16,7 +16,7 @@ from scenarios.model import Expectation
 
 Item = TypeVar("Item")
 ALONE = "none"
-"""Name of the policy without an extension, the reference of all other policies."""
+"""Name of the policy without an extension, with which the reports compare all other policies."""
 LEADING_POLICIES = (ALONE, "native", "raised", "at_rest", "paper")
 """Policies that lists begin with, in this order; other policies follow in order of appearance."""
 
@@ -65,7 +65,7 @@ class Group:
 
     @cached_property
     def draws(self) -> list[TrialRecord]:
-        """First repeat of each seed only, because further repeats add no evidence of outcomes."""
+        """First repeat of each seed; further repeats are left out, because they add no evidence of outcomes."""
         return [repeats[0] for repeats in self.by_seed.values()]
 
     @cached_property
@@ -79,7 +79,7 @@ class Group:
 
     @cached_property
     def lifetimes(self) -> dict[int, Lifetime]:
-        """Lifetime of the stack of each seed, without trials whose process failed."""
+        """Lifetimes of the stacks, by seed, without trials that show nothing about their stack."""
         return {trial.seed: life for trial in self.draws if (life := lifetime(trial)) is not None}
 
     @cached_property
@@ -139,7 +139,7 @@ def ordered_policies(names: Iterable[str]) -> list[str]:
 
 
 def compare_groups(group: Group, other: Group) -> PairedTest | None:
-    """Return the test of two groups on the same stacks, paired by seed; None if they share no seed."""
+    """Return the test of two groups on the same stacks, paired by seed; None if the groups share no seed."""
     shared = [seed for seed in group.lifetimes if seed in other.lifetimes]
     return compare_pairs([(group.lifetimes[seed], other.lifetimes[seed]) for seed in shared]) if shared else None
 

@@ -17,7 +17,8 @@ from reports.records.trial import CENSORED, TrialRecord
 from reports.statistics.groups import GroupKey, grouped
 
 LEAST_SET_UPS = 3
-"""Fewest profiles of an engine on a scene for a comparison of costs, because other tables compare two profiles."""
+"""Fewest profiles of an engine on a scene for a comparison of costs, because other tables are clearer for one or two
+profiles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,10 @@ def _frame_ms(folder: Path, record: TrialRecord) -> float | None:
 
 
 def frontier(points: Sequence[CostPoint]) -> list[CostPoint]:
-    """Return the Pareto front, sorted by frame time: points with more levels than every point of equal or less cost."""
+    """Return the Pareto front, sorted by frame time.
+
+    A point on the front has more levels than every other point whose frame time is equal or less.
+    """
     best: list[CostPoint] = []
     for point in sorted(points, key=lambda point: (point.frame_ms, -point.levels)):
         if not best or point.levels > best[-1].levels:

@@ -30,8 +30,12 @@ class Pair:
     judged: tuple[frozenset[Verdict], ...]
     """Verdicts of both scenes, for each seed for which both were decided."""
     undecided: int
-    """Number of the other seeds: the time limit stopped a trial, the engine does not support a scene, or placement
-    noise put a scene too close to its limit for a known answer."""
+    """Number of seeds without a judgement of both scenes. The reasons are:
+
+    - the time limit stopped a trial;
+    - the engine does not support a scene;
+    - placement noise moved a scene so close to its limit that its answer is unknown.
+    """
 
 
 class SetUp(NamedTuple):

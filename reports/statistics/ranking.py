@@ -22,7 +22,8 @@ from reports.statistics.states import State, state_of
 from reports.statistics.success_rates import MISSES
 
 NOT_DECIDED: tuple[State, ...] = ("not_playable", "undecided")
-"""States of a trial that make its pair undecided; the pair has the first of these states that occurs."""
+"""States of a trial in which its pair is neither right nor wrong. The pair then has the first of these states that one
+of its trials has."""
 
 
 class Unit(NamedTuple):
@@ -57,12 +58,14 @@ class Place:
     missing: int
     """Number of units of the study without records of all trials."""
     frame_ms: float | None
-    """Median over scenes of the median frame time [ms]; None without times, or with times of several machines."""
+    """Median over scenes of the median frame time [ms], without scenes whose times come from several machines; None if
+    no scene remains."""
     frame_ms_p99: float | None
-    """Median over scenes of the 99th percentile of the frame time [ms]; None without times, or with times of several
-    machines."""
+    """Median over scenes of the 99th percentile of the frame time [ms], without scenes whose times come from several
+    machines; None if no scene remains."""
     creep: Creep | None
-    """Worst creep of all stacks that must stand and stood; None if no creep was measured."""
+    """Creep with the greatest ratio to its limit, of all stacks that must stand and stood; None if no creep was
+    measured."""
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,11 @@ class PolicyScore:
     pairs: SuccessRates | None
     """Success rates of pairs of scenes; None if no pair was judged."""
     frame_ms_p99: float | None
-    """Median over scenes of the 99th percentile of frame times [ms]; None without comparable times."""
+    """Median over scenes of the 99th percentile of frame times [ms], without scenes whose times come from several
+    machines; None if no scene remains."""
     frame_ratios: tuple[Estimate, ...]
-    """Frame time with the extension over frame time without, on the same stack, for each scene with enough pairs."""
+    """Ratio of the frame time with the extension to the frame time without the extension, on the same stack, for each
+    scene with at least ``LEAST_RATIOS`` pairs of times."""
 
     @property
     def headline(self) -> SuccessRates | None:

@@ -28,7 +28,7 @@ class SoakSummary:
     failed: int
     """Number of trials that neither completed nor collapsed."""
     creep: int
-    """Number of trials whose creep has an interval that excludes zero."""
+    """Number of trials for which the 95 % interval of the creep excludes zero."""
     median_m_s: float | None
     """Median creep of the trials with a measured creep [m/s]; None without such trials."""
     shortest_s: float | None
@@ -57,7 +57,10 @@ def creeps_at_all(record: TrialRecord) -> bool:
 
 
 def time_of_a_thickness(record: TrialRecord) -> float | None:
-    """Return the time [s] until the brick that creeps fastest has moved by its thickness; None without creep."""
+    """Return the time [s] until the brick that is fastest for its thickness has moved by its thickness.
+
+    The result is None if the interval of the creep includes zero.
+    """
     if not creeps_at_all(record) or not record.creep_m_s or record.creep_thickness_m is None:
         return None
     return record.creep_thickness_m / record.creep_m_s

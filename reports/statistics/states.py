@@ -21,8 +21,12 @@ STATES: tuple[State, ...] = (
     "not_playable",
     "open",
 )
-"""All states, in the order of a legend. ``undecided``: the time limit stopped the trial; ``not_playable``: the engine
-does not support the scene; ``open``: theory demands no outcome."""
+"""All states, in the order of a legend. The states after the kinds of error are:
+
+- ``undecided``: the time limit stopped the trial;
+- ``not_playable``: the engine does not support the scene;
+- ``open``: theory demands no outcome.
+"""
 
 
 def state_of(trial: TrialRecord) -> State:

@@ -14,10 +14,10 @@ Miss: TypeAlias = Literal["false_stand", "false_collapse", "creeps", "failed"]
 MISSES: tuple[Miss, ...] = ("false_stand", "false_collapse", "creeps", "failed")
 """All kinds of error:
 
-- ``false_stand``: a stack that must fall stands;
-- ``false_collapse``: a stack falls that must not fall, or falls too early;
+- ``false_stand``: a stack that must fall stands, or falls too late;
+- ``false_collapse``: a stack that must stand falls, or a stack that must fall falls too early;
 - ``creeps``: a stack that must stand creeps;
-- ``failed``: a stack sinks, or the trial diverges or crashes.
+- ``failed``: a stack that must fall only sinks, or an error, a crash or a divergence ends the trial.
 """
 
 
@@ -50,7 +50,7 @@ def success_rates(by_scene: Sequence[Sequence[Collection[Verdict]]]) -> SuccessR
 
     Args:
         by_scene: for each scene (or pair of scenes) and each of its seeds, the verdict of the trial, or the verdicts of
-            both scenes of the pair; all must be right.
+            both trials of the pair. A pair counts as right only if both verdicts are ``right``.
 
     Returns:
         The success rates; None if nothing was judged.
@@ -71,5 +71,5 @@ def misses_shown(rates: Iterable[SuccessRates | None]) -> tuple[Miss, ...]:
 
 
 def count(estimate: Estimate) -> int:
-    """Return the number of trials or pairs for which a share stands."""
+    """Return the number of trials or pairs with an outcome, from the estimated share of this outcome."""
     return round(estimate.value * estimate.n)

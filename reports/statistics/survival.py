@@ -36,7 +36,7 @@ class Lifetime:
     """The level that one stack reached."""
 
     level: int
-    """Number of levels placed when the stack fell; else the highest level that was seen intact."""
+    """Number of levels placed when the stack fell; the highest level that was seen intact if the stack did not fall."""
     fell: bool
     """True if the stack fell; False if the level is censored."""
 
@@ -46,9 +46,10 @@ class Lifetime:
 
 
 def lifetime(trial: TrialRecord) -> Lifetime | None:
-    """Return the lifetime of a trial's stack; None for a failed process, which shows nothing about the stack.
+    """Return the lifetime of a trial's stack; None if the trial shows nothing about the stack.
 
-    A trial whose poses became non-finite counts as fallen.
+    A trial shows nothing if its process failed, or if the engine does not support the scene. A trial whose poses became
+    non-finite counts as fallen.
     """
     if trial.collapse_level is not None:
         return Lifetime(trial.collapse_level, True)
@@ -61,18 +62,18 @@ def lifetime(trial: TrialRecord) -> Lifetime | None:
 
 @dataclass(frozen=True, slots=True)
 class Survival:
-    """A survival curve with a step at each of n levels."""
+    """A survival curve, given at n levels."""
 
     level: FloatArray
     """Levels at which a stack fell or was censored, ascending, shape (n,)."""
     standing: FloatArray
     """Share of stacks that outlive each level, shape (n,)."""
     low: FloatArray | None
-    """Lower end of the pointwise interval of the share, shape (n,); equal to a share of 0 or 1; None for a single
-    stack."""
+    """Lower end of the pointwise interval of the share, shape (n,); equal to the share where the share is 0 or 1. None
+    for a single stack."""
     high: FloatArray | None
-    """Upper end of the pointwise interval of the share, shape (n,); equal to a share of 0 or 1; None for a single
-    stack."""
+    """Upper end of the pointwise interval of the share, shape (n,); equal to the share where the share is 0 or 1. None
+    for a single stack."""
 
     @property
     def median(self) -> float:
@@ -191,7 +192,10 @@ def wilcoxon_scores(lifetimes: Sequence[Lifetime]) -> FloatArray:
 
 
 def _sign_flip_p_value(difference: FloatArray) -> float:
-    """Return the two-sided p-value of the sum of ``difference``, shape (n,), if both signs are equally likely."""
+    """Return the two-sided p-value of the sum of ``difference``, shape (n,).
+
+    The hypothesis is that each difference has either sign with equal probability.
+    """
     if not difference.any():
         return 1.0
     test = scipy.stats.permutation_test(

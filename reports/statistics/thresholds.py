@@ -17,8 +17,8 @@ from scenarios.statics.contact_patch import Ridge
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXACT_SHARE = 0.02
-"""Width of the bracket by exact statics over the width of the engine's bracket, so that the error of the exact limit is
-negligible."""
+"""Ratio of the tolerance of the bisection by exact statics to the tolerance of the bisection on the engine, chosen so
+that the error of the exact limit is negligible."""
 
 
 def stood(status: Status) -> bool | None:
@@ -28,7 +28,7 @@ def stood(status: Status) -> bool | None:
 
 @dataclass(frozen=True, slots=True)
 class Threshold:
-    """The limit of one stack in one engine, profile and policy, over all seeds."""
+    """The limit of one stack on one engine and profile under one policy, over all seeds."""
 
     scene: str
     """Name of the scenario, and the parameters that the study sets."""
@@ -38,9 +38,11 @@ class Threshold:
     profile: str
     policy: str
     brackets: tuple[Bracket, ...]
-    """Brackets, one per seed and repeat."""
+    """Brackets of the limit, one per seed and repeat. A bracket is the interval of the parameter in which the outcome
+    changes between standing and falling."""
     exact: tuple[float | None, float | None]
-    """Limits by exact statics, with the bisector and with a face normal as the normal of a ridge; None if unknown."""
+    """Limits by exact statics with either convention for the normal of a ridge (where two leaning planks meet): first
+    the bisector, then a face normal. None if unknown."""
 
     @property
     def whole(self) -> Bracket | None:
@@ -70,7 +72,7 @@ def of_fixed_scenes(records: Sequence[TrialRecord], study: Mapping[str, Any]) ->
 
 
 def thresholds_of(records: Sequence[TrialRecord], study: Mapping[str, Any]) -> list[Threshold]:
-    """Return the thresholds of a study, in its order; empty without a bisected parameter.
+    """Return the thresholds of a study, in the order of its scenarios; empty without a bisected parameter.
 
     Args:
         records: records of the study's trials.
@@ -120,16 +122,17 @@ def _of_variant(
 def exact_limits(
     scenario: str, rest: tuple[tuple[str, Value], ...], parameter: str, search: Bisection
 ) -> tuple[float | None, float | None]:
-    """Return the limits by bisection with exact statics, with the bisector and with a face normal as a ridge's normal.
+    """Return the limits that a bisection with exact statics finds, for either convention for the normal of a ridge.
 
-    A limit is None if the answer is the same at both ends of the search, or if statics has no answer because bricks are
-    pushed or pulled.
+    The first limit is for the bisector, the second is for a face normal. A limit is None if the answer is the same at
+    both ends of the search, or if statics has no answer because bricks are pushed or pulled.
 
     Args:
         scenario: name of the scenario.
         rest: parameters of the scenario without the bisected parameter.
         parameter: name of the bisected parameter.
-        search: search on the engine; the tolerance by exact statics is ``EXACT_SHARE`` times its tolerance.
+        search: search on the engine. The search by exact statics has the same ends, and ``EXACT_SHARE`` times the
+            tolerance.
     """
 
     def limit(ridge: Ridge) -> float | None:
