@@ -50,7 +50,7 @@ class Section(NamedTuple):
 
     id: str
     tables: Callable[[ResultsFolder], Sequence[Table]]
-    """Function that returns the tables of a results folder; empty if the section does not apply to its study."""
+    """Function that returns the tables of a results folder, or no tables if the section does not apply to its study."""
     is_printed: bool = True
     """True if the terminal also shows the tables."""
 
@@ -76,7 +76,8 @@ SECTIONS = (
 
 
 OF_TIMES = frozenset({"frame_time", "comparison", "cost", "machine", "height_cost"})
-"""Ids of the tables that show times, because times mean little if the harness ran several trials at once."""
+"""Ids of the tables that show times. A published study leaves out these tables if several of its trials ran at once,
+because its times then mean little."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +91,11 @@ class Report:
     verdict: str
     """Verdict of the study in one sentence."""
     is_all_right: bool
-    """True if a set-up is right in all scenes with a known answer."""
+    """True if at least one set-up is right in all scenes with a known answer."""
     page: Path
     """Path of the page."""
     notices: tuple[str, ...]
-    """Messages about missing parts, with the reason."""
+    """Messages that name missing parts of the report and the reasons."""
 
 
 def tables_of(folder: ResultsFolder) -> dict[Section, Sequence[Table]]:
@@ -112,7 +113,7 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
     Args:
         folder: a results folder with at least one trial.
         missing: ids of planned trials without a record.
-        all_stills: True to draw the final states of all trials, even if there are more than ``MOST_STILLS``.
+        all_stills: True to draw all stills of the report, even if there are more than ``MOST_STILLS``.
 
     Raises:
         RecordError: if the records cannot be read, or the folder has no records.

@@ -14,7 +14,7 @@ LEAST_TRIALS = 5
 
 
 def collapse_level_tables(records: Sequence[TrialRecord]) -> list[Table]:
-    """Return the table of collapse levels; empty if no group has ``LEAST_TRIALS`` trials."""
+    """Return the table of collapse levels in a list, which is empty if no group has ``LEAST_TRIALS`` trials."""
     rows = [
         (*key, _levels(trials), *(str(count) if count else NOTHING for count in _stood_and_stopped(trials)))
         for key, trials in grouped(records, *GroupKey._fields).items()

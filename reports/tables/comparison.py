@@ -64,15 +64,16 @@ class ComparisonRow:
 
     group: Group
     judgement: str
-    """``right``, ``wrong`` or ``mixed`` outcomes of the judged trials; ``open`` if no trial was judged."""
+    """Judgement of the group: ``right`` if all judged trials are right, ``wrong`` if none is right, else ``mixed``;
+    ``open`` if no trial was judged."""
     entries: tuple[Entry, ...]
     """Entries in the order of ``COLUMNS``."""
     trouble: str
-    """Reason for which trials did not end, in words; empty if all trials ended."""
+    """Numbers of trials that neither completed nor collapsed, in words; empty if there are none."""
     note: str
     """Further note for the reader; may be empty."""
     thread: Thread | None = None
-    """Public thread from which the scene comes."""
+    """Public discussion (thread) from which the scene comes; None for other scenes."""
 
 
 def comparison_rows(groups: Sequence[Group]) -> list[ComparisonRow]:

@@ -45,7 +45,7 @@ def to_latex(rows: Sequence[ComparisonRow], caption: str, label: str) -> str:
     Args:
         rows: rows of the comparison.
         caption: caption of the table; the function adds an explanation of the columns.
-        label: label of the table, ``tab:LABEL``.
+        label: name in the label ``tab:NAME`` of the table.
     """
     return _template("tables.tex.j2").render(caption=caption, label=_label(label), scenes=_by_scene(rows))
 

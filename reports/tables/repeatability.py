@@ -16,7 +16,8 @@ from reports.statistics.groups import GroupKey, grouped
 from reports.tables.table import NOTHING, Table
 
 NOISY = 0.1
-"""Relative spread of the times of the fixed calculation above which small differences of times mean nothing."""
+"""Spread of the times of the fixed calculation above which the table warns that smaller differences of times mean
+nothing: ratio of the 95th to the 5th percentile, minus 1."""
 _PERCENTILES = (50, 95, 99)
 """Percentiles of the best times."""
 
@@ -40,10 +41,10 @@ def same_poses(repeats: Sequence[TrialRecord]) -> bool:
 
 
 def best_times(folder: Path, repeats: Sequence[TrialRecord]) -> list[float] | None:
-    """Return percentiles 50, 95 and 99 over frames of the least time of each frame in any repeat [ms].
+    """Return the percentiles 50, 95 and 99 over the frames of the least time [ms] of each frame in all repeats.
 
-    None if the repeats differ in poses, machine or number of timed frames, because their frames do not correspond; also
-    None if the frames of a repeat are missing.
+    The result is None if the repeats differ in poses, machine or number of timed frames, because their frames are then
+    not comparable. It is also None if the frames of a repeat are missing.
     """
     if not same_poses(repeats) or len({(record.host, record.timed_frames) for record in repeats}) != 1:
         return None

@@ -1,4 +1,4 @@
-"""Table that compares engines, alone and with the extension, by a figure from each of several published studies."""
+"""Table that compares engines, alone and with the extension, by results of several published studies."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ STUDIES = ("thresholds", "tilt", "soak", "heavy", "issues", "sleep")
 PROFILE = "game"
 EXTENSION = "equilibrium"
 SLEEPING = {ALONE: "native", EXTENSION: EXTENSION}
-"""Policy whose sleeping bodies count in the row of a method: an engine that never lets bodies sleep shows nothing."""
+"""Policy from which the column ``asleep`` takes its time, by the method of the row. The row of the engine alone uses
+``native``, because under the policy ``none`` no body sleeps."""
 LEAST_SHOWN = 1e-3
-"""Least creep [um/s] that the table shows as a number, because a plank then takes three months to move by its
+"""Least creep [um/s] that the table shows as a number, because at this creep a plank takes three months to move by its
 thickness."""
 
 
 def separation_table(studies: Mapping[str, ResultsFolder]) -> Table:
-    """Return a row per engine, alone and with ``equilibrium``, in profile ``game``.
+    """Return a table with two rows per engine in profile ``game``: the engine alone, and with ``equilibrium``.
 
     Args:
         studies: the results folder of each of ``STUDIES``.
@@ -62,13 +63,16 @@ def _limit(parameter: str, records: Sequence[TrialRecord], folder: ResultsFolder
 
 
 def _tilt(onsets: Sequence[Onset]) -> str:
-    """Return the number of stacks that first move at a limit, over all stacks whose limit depends on no ridge."""
+    """Return the number of stacks with an onset near a limit, over the number of all stacks, as text.
+
+    The function leaves out stacks whose limit depends on the normal of a ridge.
+    """
     counted = [one for one in onsets if not one.depends_on_ridge]
     return f"{sum(one.is_near for one in counted)}/{len(counted)}" if counted else NOTHING
 
 
 def _creep(records: Sequence[TrialRecord]) -> str:
-    """Return the median creep [um/s] of the stacks that stood, and the number of lost stacks."""
+    """Return as text the median creep [um/s] of the stacks that stood, and the number of stacks that fell or failed."""
     for one in soak_summaries(records):
         lost = one.fell + one.failed
         speed = NOTHING if one.median_m_s is None else _micrometres(one.median_m_s)
@@ -83,12 +87,12 @@ def _micrometres(speed_m_s: float) -> str:
 
 
 def _right(records: Sequence[TrialRecord]) -> str:
-    """Return the number of trials with the right verdict, over all judged trials."""
+    """Return the number of trials with the verdict ``right``, over the number of judged trials, as text."""
     judged = judged_trials(records)
     return f"{sum(trial.verdict == 'right' for trial in judged)}/{len(judged)}" if judged else NOTHING
 
 
 def _asleep(records: Sequence[TrialRecord]) -> str:
-    """Return the longest time [s] for which a brick that must move kept its pose."""
+    """Return the longest time [s] for which a brick that must move kept its pose, as text."""
     times = [record.asleep_s for record in records if record.asleep_s is not None]
     return f"{max(times):.2f}" if times else NOTHING

@@ -25,7 +25,7 @@ _KEYS = frozenset({"thread", "scene", "family", "engine", "profile", "policy", "
 _GAP = 2
 """Distance of columns on the terminal [characters]."""
 _COLOURS = {"✓": "green", "✗": "red", "~": "yellow"}
-"""Colour on the terminal of an entry with this mark."""
+"""Colours of entries on the terminal, by the mark in the entry."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ def with_short_notes(table: Table, most: int) -> Table:
 
 
 def render(table: Table, console: Console) -> None:
-    """Print a table, followed by its notes; a table that is too wide is printed in parts."""
+    """Print a table, followed by its notes; split a table that is too wide into parts."""
     for part in _parts(table, console.width):
         _render_part(part, console)
     for note in table.notes:
@@ -80,9 +80,9 @@ def render(table: Table, console: Console) -> None:
 
 
 def _parts(table: Table, width: int) -> list[Table]:
-    """Return the table in parts that fit into ``width`` [characters] if possible; all have the columns of ``_KEYS``.
+    """Return the table in parts that fit into ``width`` [characters] if possible.
 
-    A table whose entries may take several lines stays whole.
+    Each part has the columns of ``_KEYS``. A table whose entries may take several lines stays whole.
     """
     widths = [max(map(cell_len, column)) + _GAP for column in zip(table.header, *table.rows, strict=True)]
     if table.folds or sum(widths) - _GAP <= width:
@@ -147,7 +147,7 @@ def _is_figures(column: Sequence[str]) -> bool:
 
 
 def _coloured(cell: str) -> Text:
-    """Return an entry in the colour of its mark, if any; without colours, the mark alone says the same."""
+    """Return an entry in the colour of its mark, or without a colour if the entry has no mark."""
     return Text(cell, next((colour for mark, colour in _COLOURS.items() if mark in cell), ""))
 
 

@@ -40,7 +40,7 @@ def _row(one: Threshold) -> tuple[str, ...]:
 
 
 def percent_of_exact(one: Threshold) -> str:
-    """Return a threshold in percent of each exact limit, with its uncertainty; a dash without either."""
+    """Return a threshold in percent of each exact limit, with its uncertainty; a dash if either is unknown."""
     whole = one.whole
     if whole is None:
         return NOTHING
@@ -49,7 +49,7 @@ def percent_of_exact(one: Threshold) -> str:
 
 
 def _distinct(exact: tuple[float | None, float | None]) -> list[float]:
-    """Return the known exact limits; a single limit if both conventions for a ridge agree."""
+    """Return the known exact limits; a single limit if both conventions for a ridge agree within 0.1 %."""
     known = [value for value in exact if value is not None]
     return known[:1] if len(known) == 2 and math.isclose(*known, rel_tol=1e-3) else known
 

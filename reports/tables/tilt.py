@@ -17,12 +17,12 @@ TITLE = "Onset on tilting ground"
 SCENARIO = "tilt_test"
 """Name of the scenario."""
 NEAR_DEG = 0.25
-"""Greatest distance of an onset from a limit with which it agrees [deg]. The onset lags by 0.02 to 0.1 deg at 0.1
-deg/s, because a brick first has to move by 1 % of its thickness or turn by half a degree. The distance is less than
-half a degree, so that an error of half a degree shows."""
+"""Greatest difference between an onset and a limit with which the onset agrees [deg]. On ground that tilts at 0.1
+deg/s, the onset comes 0.02 to 0.1 deg after the limit, because a brick first has to move by 1 % of its thickness or
+turn by half a degree. The greatest difference is less than half a degree, so that an error of half a degree shows."""
 NAMED_DEG = 2.0
-"""Greatest angle between a ridge's normal and the bisector, or a face normal, whose name the table then gives to the
-ridge's normal [deg]."""
+"""Tolerance of the name of a ridge's normal [deg]. If the angle between the bisector and the ridge's normal differs by
+at most this from the angle of a named normal (0 for the bisector), the table shows the name instead of the angle."""
 
 
 class Onset(NamedTuple):
@@ -51,7 +51,7 @@ class Onset(NamedTuple):
 
     @property
     def off_deg(self) -> float | None:
-        """Onset minus the nearer of both limits [deg]; None without an onset."""
+        """Onset minus the nearer of the limits ``exact_deg`` and ``own_deg`` [deg]; None without an onset."""
         onset = self.trial.onset_deg
         if onset is None:
             return None
@@ -60,7 +60,7 @@ class Onset(NamedTuple):
 
     @property
     def is_near(self) -> bool:
-        """True if the stack first moves at a limit."""
+        """True if the onset differs from a limit by at most ``NEAR_DEG``."""
         return self.off_deg is not None and abs(self.off_deg) <= NEAR_DEG
 
 

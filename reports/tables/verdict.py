@@ -93,7 +93,7 @@ def reasons(ranking: Ranking) -> list[str]:
 
 
 def milliseconds(time_ms: float | None) -> str:
-    """Format a time [ms] with two significant digits; a dash for None."""
+    """Format a time [ms] with two significant digits, from 100 ms on without decimals; return a dash for None."""
     if time_ms is None:
         return NOTHING
     decimals = 3 if time_ms < 1e-3 else max(0, 1 - math.floor(math.log10(time_ms)))

@@ -1,4 +1,4 @@
-"""Formats of estimates, levels and lists as text."""
+"""Format estimates, levels and lists as text."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ def number(estimate: Estimate | None, digits: int, scale: float = 1.0) -> str:
 
 
 def ratio_text(estimate: Estimate | None) -> str:
-    """Format a ratio with its interval, such as ``0.027 [0.026, 0.030]``: to 0.001 below 0.1, else to 0.01."""
+    """Format a ratio with its interval, such as ``0.027 [0.026, 0.030]``.
+
+    A ratio below 0.1 has three decimals; any other ratio has two. The text is a dash for None.
+    """
     return number(estimate, 3 if estimate is not None and estimate.value < 0.1 else 2)
 
 
@@ -78,7 +81,10 @@ def _level(level: float, highest: float) -> str:
 
 
 def troubles(group: Group) -> str:
-    """Return the counts of trials that did not end in words, such as ``2 of 20 timed out``; empty if all ended."""
+    """Describe in words how many trials neither completed nor collapsed, such as ``2 of 20 timed out``.
+
+    The text is empty if all trials completed or collapsed.
+    """
     counts = {status: sum(trial.status == status for trial in group.draws) for status in _WENT_WRONG}
     return ", ".join(
         f"{count} of {len(group.draws)} {_WENT_WRONG[status][count > 1]}" for status, count in counts.items() if count
