@@ -44,5 +44,5 @@ def inks(policies: Sequence[str]) -> dict[str, Ink]:
 
 
 def markers(engines: Sequence[str]) -> dict[str, str]:
-    """Return the marker of each engine, as a letter of matplotlib."""
+    """Return the marker of each engine, as the letter by which matplotlib names the marker."""
     return {name: _MARKERS[number % len(_MARKERS)] for number, name in enumerate(engines)}

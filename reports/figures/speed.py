@@ -24,7 +24,8 @@ _MOST_INCHES = 10.5
 def speed_figure(engines: Sequence[EngineScores]) -> Figure | None:
     """Draw success rate against frame time; return None if no score has both.
 
-    Each profile has a panel; if there are more profiles than engines, as in a study of settings, each engine has one.
+    Each profile has a panel. If there are more profiles than engines, as in a study of settings, each engine has a
+    panel instead.
     """
     points = [
         (scores, score)

@@ -14,7 +14,7 @@ from reports.tables.outcomes import outcome
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Final state of one trial."""
+    """Picture of the final state of one trial."""
 
     policy: str
     href: str | None
@@ -25,7 +25,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Shelf:
-    """Final states of one scene on one engine and profile under every policy."""
+    """Pictures of the final states of one scene on one engine and profile under every policy."""
 
     theory: str
     """Expected outcome in words."""

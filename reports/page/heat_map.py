@@ -18,7 +18,7 @@ from reports.statistics.success_rates import MISSES
 from reports.tables.verdict import STATE_WORDS, counted
 
 MISSING = "missing"
-"""State of a cell without a trial, as a class of the page."""
+"""Name of the state of a cell without a trial, also as a class in the style sheet of the page."""
 MOST_SCENES = 30
 """Greatest number of scenes of a study without a map by family, because about 30 columns fit on a screen."""
 

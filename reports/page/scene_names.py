@@ -13,7 +13,7 @@ OWN_SCENE = "own_scene"
 _MOST_IN_TITLE = 3
 """Greatest number of scenes whose names form the title of a study."""
 _UNCHANGED = {"size": 1.0, "mass": 1.0, "yaw": 0.0}
-"""Values of parameters with which an own scene is the same as in its file."""
+"""Values of the parameters with which a user's own scene is the same as in its file."""
 
 
 def scene_name(trial: TrialRecord) -> str:
@@ -37,7 +37,10 @@ def scene_names(trials: Sequence[TrialRecord]) -> dict[str, str]:
 
 
 def title_of(trials: Iterable[TrialRecord], study: str) -> str:
-    """Return the title of a study: the names of its scenes if it has few and only own scenes, else the study's name."""
+    """Return the title of a study: the names of its scenes, or ``study``, the name of the study.
+
+    The scenes give the title if there are at most ``_MOST_IN_TITLE``, and all of them are users' own scenes.
+    """
     names = {scene_name(trial): trial.scenario for trial in trials}
     is_own = set(names.values()) == {OWN_SCENE}
     return ", ".join(names) if is_own and len(names) <= _MOST_IN_TITLE else study

@@ -55,7 +55,7 @@ def _path(link: str) -> str:
 
 
 def _still(path: Path) -> str:
-    """Return a still as a data URI, reduced to the size at which the page shows it."""
+    """Return a still as a data URI, reduced to edges of at most ``_STILL_PX``."""
     with Image.open(path) as still:
         still.thumbnail((_STILL_PX, _STILL_PX))
         data = io.BytesIO()

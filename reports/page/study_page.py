@@ -174,7 +174,7 @@ def _row_data(groups: Sequence[Group], names: Mapping[str, str], study: str | No
 
 
 def _seeds(group: Group) -> int:
-    """Return the option ``--seeds`` that plays all seeds of a group."""
+    """Return the value of the option ``--seeds`` that plays all seeds of a group."""
     return max(trial.seed for trial in group.trials) + 1
 
 
@@ -205,7 +205,10 @@ def _choices(groups: Sequence[Group], names: Mapping[str, str]) -> dict[str, lis
 
 
 def _set_up(engines: Mapping[str, Any], engine: str, profile: str) -> str:
-    """Return the description of a profile in the environment, with its variation, if any; else an empty string."""
+    """Return the description of a profile in the environment, followed by the variation of the profile, if any.
+
+    The text is empty if the environment does not describe the profile.
+    """
     name, _, varied = profile.partition("@")
     described: str = engines.get(engine, {}).get("profiles", {}).get(name, {}).get("description", "")
     return f"{described}; {varied}" if described and varied else described

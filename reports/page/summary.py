@@ -61,13 +61,16 @@ def _headline(scores: Sequence[PolicyScore]) -> str:
 
 
 def _how(perfect: Sequence[PolicyScore]) -> str:
-    """Return the policies in words; only the engine alone if listed, because this policy is the simplest."""
+    """Return the policies in words.
+
+    If the engine alone is among the policies, return only this policy, because it is the simplest.
+    """
     names = [one.policy for one in perfect]
     return "alone" if ALONE in names else f"with {' or '.join(names)}"
 
 
 def _holds_everything(one: PolicyScore) -> str:
-    """Return a warning if under a policy every stack stands, also stacks that must fall; else an empty string."""
+    """Return a warning if every stack stands under a policy, even if the stack must fall; else an empty string."""
     holds_all = one.fall is not None and one.fall.value == 0 and one.stand is not None and one.stand.value == 1
     stood = one.trials is not None and one.trials.false_stand.value > 0
     return ", so it holds every stack that comes to rest" if holds_all and stood else ""

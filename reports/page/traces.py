@@ -59,8 +59,8 @@ def _trace(folder: Path, trial: TrialRecord, most: int) -> dict[str, Any]:
     """Return the trace of a trial, with times in simulated seconds.
 
     Returns:
-        Start and end [s], median and worst frame time of at most ``most`` bins (see ``_quantised``), times at which
-        bricks were unfrozen [s], and time of the fall [s] or None.
+        Start and end [s], times at which bricks were unfrozen [s], time of the fall [s] or None, and median and worst
+        frame time of at most ``most`` bins, as ``_STEPS_A_DECADE`` times the decimal logarithm of the time in us.
     """
     path = ResultsFolder(folder).frames_file(trial.trial)
     columns = read_columns(path, ("time_s", "frame_ms", "woken"))
