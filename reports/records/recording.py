@@ -48,26 +48,28 @@ STATES: tuple[Literal["live", "frozen", "removed"], ...] = ("live", "frozen", "r
 LIVE, FROZEN, REMOVED = range(3)
 """Index of each state in ``STATES``."""
 WORLD = World()
-"""World of a recorder that is given none."""
+"""Default world of a recorder."""
 
 
 _TURN = 1e-3
-"""Least change of gravity, as a share of its strength, that a recording keeps: 0.06 deg."""
+"""Change of the gravity vector above which a recording keeps the new gravity, as a ratio of the length of the change to
+the length of the vector. The value stands for a turn of gravity by 0.06 deg."""
 
 
 @dataclass(frozen=True, slots=True)
 class Physics:
-    """What statics needs beside the poses."""
+    """Friction, masses and gravity of a trial, which statics needs in addition to the poses."""
 
     friction: float
-    """Coulomb coefficient of every pair."""
+    """Friction coefficient of Coulomb's law, equal for all contacts."""
     masses: Mapping[int, float]
     """Mass of each body [kg], by its id; without bodies that only the host moves."""
     gravity: tuple[tuple[int, Vector], ...]
-    """First frame and gravity [m/s2], in order of time, at least one."""
+    """Changes of gravity in order of time, at least one: the first frame, and the vector from this frame on [m/s2],
+    world frame."""
 
     def gravity_at(self, frame: int) -> Vector:
-        """Return gravity [m/s2] in a frame."""
+        """Return the gravity vector in a frame [m/s2], world frame."""
         return next((gravity for since, gravity in reversed(self.gravity) if since <= frame), self.gravity[0][1])
 
 

@@ -17,10 +17,10 @@ class Camera:
     """A camera that looks at the centre of the visible space, with a vertical view angle of 30 degrees."""
 
     azimuth: float
-    """Direction from the centre to the camera [deg], from x towards y, seen from above."""
+    """Angle of the direction from the centre to the camera, seen from above [deg]: 0 is +x, and 90 is +y."""
     elevation: float
-    """Angle of this direction above the horizontal [deg], from -90 to 90; at 90 the top of the picture is +y turned by
-    ``azimuth`` + 90."""
+    """Angle of the direction from the centre to the camera above the horizontal [deg], from -90 to 90. At 90, the top
+    of the picture points opposite to the direction that ``azimuth`` gives."""
     distance: float | None = None
     """Distance from the centre [m]; None for the least distance that shows the whole visible space."""
 

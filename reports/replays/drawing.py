@@ -26,8 +26,9 @@ def visible_space(recordings: Sequence[Recording], room: float = 0.0) -> tuple[F
 
     Args:
         recordings: the recordings. The space contains their fixed boxes and all bricks at their first positions.
-        room: share of its size by which the space may grow on each side for bricks that fell. A brick that rolled
-            farther leaves the picture, because the stack would become too small.
+        room: greatest growth of the space on each horizontal side for bricks that fell, as a share of the longer
+            horizontal edge of the space. The picture leaves out bricks that rolled farther, because in a larger space
+            the stack would look too small.
     """
     corners, ends = [], []
     for recording in recordings:

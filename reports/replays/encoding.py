@@ -17,15 +17,15 @@ from reports.replays.sheet import Colour
 FORMATS = (".mp4", ".gif")
 """Suffixes of videos."""
 _QUALITY = "18"
-"""Rate factor of H.264, because at 18 the loss is invisible, and a stack takes about 0.1 MB per second at 1280 x 720.
-"""
+"""Rate factor of H.264. The factor is 18, because the loss is then invisible, and a video of 1280 x 720 pixels takes
+only about 0.1 MB per second."""
 _GIF_CLOCK = 100
 """Ticks of a GIF's clock per second."""
 _COLOURS = 256
 _SHADES, _SHADE_COUNT = (0.25, 1.2), 20
 """Range and number of the shades of a brick's colour, as factors."""
 _GREY = np.array([1.0, 0.996, 0.98])
-"""Tint of the greys, as on the page."""
+"""Factors on red, green and blue that tint the greys as on the page."""
 
 
 def encoded(
@@ -95,9 +95,10 @@ def _gif(av: Any, pictures: Iterator[Image.Image], pixels: tuple[int, int], fps:
 
 
 def _palette(colours: ByteArray) -> ByteArray:
-    """Return a palette for all frames, because a palette for each frame would flicker; ARGB, shape (256, 4).
+    """Return the palette of all frames, ARGB, shape (256, 4).
 
-    The palette holds shades of each colour, for faces in light and shade, and a ramp of greys.
+    All frames share one palette, because the colours would flicker with a palette for each frame. The palette holds
+    shades of each colour, for faces in light and shade, and a ramp of greys.
 
     Args:
         colours: red, green and blue of the bricks, shape (c, 3), at most ten.

@@ -1,8 +1,7 @@
 """The margins of the bricks of a recording (``scenarios.statics.brick_margins``), and the colours that show them.
 
-Contacts are those of the recorded poses, within ``contact_patch.RECORDED``: gaps and overlaps that an engine leaves. A
-margin is that of a stack at rest in these poses; a brick that moves or flies has none. Forces of a manipulator are not
-considered.
+The contacts come from the recorded poses; ``contact_patch.RECORDED`` is the tolerance for the gaps and overlaps that an
+engine leaves. The margins assume that all bricks are at rest in these poses, and that no manipulator exerts a force.
 """
 
 from __future__ import annotations
@@ -28,34 +27,39 @@ from scenarios.statics.contact_patch import RECORDED, Patch, contact_patches
 
 Quantity: TypeAlias = Literal["load", "tilt"]
 QUANTITIES: tuple[Quantity, ...] = ("load", "tilt")
-"""The margins that pictures and replays show."""
+"""Kinds of margin that pictures and replays show: additional load, and tilt of gravity."""
 
 MOST_INSTANTS = 60
 """Greatest number of instants at which margins are computed, because each takes about 10 ms for each brick."""
 _ROUNDING_S = 1e-9
 """Bound of the rounding error of times [s]."""
 _MOST_TOUCH = 0.2
-"""Overlap, as a share of the thinnest edge, up to which bricks touch: 1.6 mm for a plank that has sunk."""
+"""Greatest overlap of two bricks that counts as contact, as a share of the thinnest edge: 1.6 mm for planks. A plank
+that has sunk into another plank can overlap that far."""
 
 MARGIN_COLOURS = ((74, 20, 60), (215, 72, 39), (252, 158, 89), (252, 226, 150), (145, 191, 219), (69, 117, 180))
-"""Colours of the classes of margins, from none to large: the scheme RdYlBu, safe for colour-blind readers
-(https://colorbrewer2.org), below it a darker colour for none."""
+"""Colours of the classes of margins, from no margin to the largest. The first colour, for no margin, is the darkest;
+the other colours are the scheme RdYlBu (https://colorbrewer2.org), which colour-blind readers can distinguish."""
 LOAD_CLASSES, TILT_CLASSES = (1.0, 3.0, 10.0, 30.0), (2.0, 5.0, 10.0, 20.0)
-"""Limits between the classes above none: additional load in weights of the brick, and tilt [deg]."""
+"""Limits between the classes of positive margins: ratio of the additional load to the brick's weight, and tilt
+[deg]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """The margins of the n bricks of a recording at some instants; between two of them the later one counts."""
+    """The margins of the n bricks of a recording at t instants.
+
+    A margin is valid from the previous instant to its own instant.
+    """
 
     bodies: npt.NDArray[np.int64]
     """Ids of the bricks, shape (n,)."""
     times: list[float]
-    """Instants [s], rising."""
+    """Simulated times of the instants [s], ascending, t entries."""
     load_n: FloatArray
     """Greatest additional load [N], shape (t, n); NaN for bricks that are not in the world or that the host moves."""
     tilt_deg: FloatArray
-    """Greatest tilt of gravity [deg], shape (t, n); NaN as above."""
+    """Greatest tilt of gravity [deg], shape (t, n); NaN where ``load_n`` is NaN."""
     weight_n: FloatArray
     """Weight of each brick [N], shape (n,)."""
 
@@ -68,12 +72,12 @@ class Margins:
         return classes
 
     def row(self, time: float) -> int:
-        """Return the index of the first instant from ``time`` [s] on, or of the last."""
+        """Return the index of the first instant that is not before ``time`` [s]; else the index of the last instant."""
         return min(bisect.bisect_left(self.times, time - _ROUNDING_S), len(self.times) - 1)
 
 
 def legend(quantity: Quantity) -> tuple[str, list[str]]:
-    """Return title and class names of the legend of a margin."""
+    """Return the title and the names of the classes for the legend of a kind of margin."""
     limits, unit = (TILT_CLASSES, "°") if quantity == "tilt" else (LOAD_CLASSES, "")
     names = ["none", *(f"<{limit:g}{unit}" for limit in limits), f"{limits[-1]:g}{unit}+"]
     return ("tilt margin " if quantity == "tilt" else "load margin / weight "), names
@@ -148,7 +152,10 @@ def _at(timeline: Timeline, time: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _touching(bricks: Sequence[Brick], walls: Sequence[Brick], time: float) -> list[Patch]:
-    """Return the patches of recorded poses, with the least overlap allowed that they need."""
+    """Return the contact patches of bricks in recorded poses.
+
+    The function increases the tolerated overlap, up to ``_MOST_TOUCH``, until the overlaps of the bricks are within it.
+    """
     tolerance = RECORDED
     while True:
         try:

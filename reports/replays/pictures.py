@@ -24,13 +24,15 @@ from reports.replays.sheet import Key, Sheet
 from reports.replays.timeline import Timeline
 
 _MOST_PIXELS = 8192
-"""Greatest edge of a picture [pixels], because renderers are limited to twice this size."""
+"""Greatest edge of a picture [pixels], because the renderer draws pictures at twice their size, and its limit is 16384
+pixels."""
 _ROOM = 0.5
-"""Share of its size by which the visible space may grow for fallen bricks."""
+"""Greatest growth of the visible space on each horizontal side for fallen bricks, as a share of the longer horizontal
+edge of the space."""
 
 
 Colouring: TypeAlias = Literal["state", "load", "tilt"]
-"""What the colours of bricks show: their state, or their margin."""
+"""Quantity that the colours of bricks show: the state, the load margin or the tilt margin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +40,10 @@ class Film:
     """Size, speed, camera and colours of a video."""
 
     pixels: tuple[int, int]
-    """Width and height."""
+    """Width and height [pixels]."""
     fps: int = 25
-    """Frames per second: 25, because GIF counts hundredths of a second, so that 25 is exact in both formats."""
+    """Frames per second. The default is 25, because GIF counts time in hundredths of a second, so that 25 is exact in
+    GIF and MP4."""
     speed: float = 1.0
     """Simulated seconds per second of the video."""
     camera: Camera = CAMERAS["corner"]
@@ -73,12 +76,12 @@ def write_still(
     """Write a picture of trials side by side, with titles and legend.
 
     Args:
-        path: file of the picture; its suffix is the format.
+        path: file of the picture, whose suffix selects the format.
         trials: trials to show, at least one.
         pixels: width and height of the picture.
         at: simulated time [s]; None for the end.
         camera: the camera.
-        colour: what the colours show.
+        colour: quantity that the colours of bricks show.
 
     Raises:
         ExportError: if a trial does not last that long, the picture is too small, or the renderer fails.
@@ -174,6 +177,9 @@ def _key(trials: Sequence[Replayed], colour: Colouring) -> Key:
 
 
 def _title(trial: Replayed) -> str:
-    """Return the policy, and whether the trial ran with the extension: only then does the record count wakes."""
+    """Return the policy, and whether the trial ran with the extension.
+
+    The record of a trial without the extension has no number of wakes.
+    """
     record = trial.record
     return f"{'with' if record.wakes is not None else 'without'} the extension: {record.policy}"

@@ -23,7 +23,7 @@ from reports.replays.timeline import BoolArray
 _ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
 _LONGEST_S = 900
-"""Time limit for pictures [s]. A video has no limit, because its length is the reader's choice."""
+"""Time limit for pictures [s]. A video has no limit, because the user chooses the length of a video."""
 _CHANNELS = 4
 
 ByteArray = npt.NDArray[np.uint8]
@@ -52,7 +52,7 @@ class View:
     camera: Camera = CAMERAS["corner"]
 
     def order(self, poses: Path, paths: Sequence[Path] = ()) -> dict[str, Any]:
-        """Write the arrays to the file ``poses``, and return the order for the renderer.
+        """Write the arrays to the file ``poses``, and return the order (the renderer's input) for this view.
 
         Args:
             poses: file of the arrays.

@@ -100,7 +100,7 @@ class _Stage:
 
 
 def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
-    """Yield the pictures of a view, one for each frame; draw equal frames once.
+    """Yield the pictures of a view, one for each frame; draw a sequence of equal frames only once.
 
     Args:
         view: fields of ``reports.replays.renderer.View``, with the path ``poses`` of the file of its arrays.

@@ -1,8 +1,8 @@
 """Recordings as files of Rerun (https://rerun.io), a viewer for logged 3-D data.
 
-Each brick is an entity ``POLICY/bricks/ID`` on the timeline ``time`` (simulated seconds); Rerun shows the latest value
-before the chosen time, as a row of a recording holds until the next row. The package ``rerun-sdk`` writes the file and
-contains the viewer; the package is optional, because it takes 0.5 GB.
+Each brick is an entity ``POLICY/bricks/ID`` on the timeline ``time`` (simulated seconds). Rerun shows each value until
+the next value of its entity, which agrees with a recording, because a row also holds until the next row of its body.
+The package ``rerun-sdk`` writes the file and contains the viewer; the package is optional, because it takes 0.5 GB.
 """
 
 from __future__ import annotations

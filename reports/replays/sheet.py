@@ -35,7 +35,10 @@ class Key:
 
 
 class Sheet:
-    """The frame around the panels of a still or video, drawn once; the panels and the time change."""
+    """Layout of a still or video: titles, caption and legend around the panels.
+
+    The class draws titles, caption and legend once, because only the panels and the time change.
+    """
 
     def __init__(self, pixels: tuple[int, int], titles: Sequence[tuple[str, str]], caption: str, key: Key) -> None:
         """Draw titles, caption and legend.
@@ -90,7 +93,7 @@ class Sheet:
         return right - draw.textlength(key.title, self._font)
 
     def frame(self, panels: Sequence[ByteArray], time: float) -> Image.Image:
-        """Return the whole picture.
+        """Return the whole picture at one time.
 
         Args:
             panels: pictures of the panels, RGBA, each of shape (height, width, 4).

@@ -17,8 +17,8 @@ from reports.replays.stills import StillsError, write_stills
 from reports.statistics.groups import ordered_policies
 
 MOST_STILLS = 120
-"""Greatest number of stills that a report draws without a request. The limit exceeds the number of the paper's stacks,
-because their stills take only about 30 s."""
+"""Greatest number of stills that a report draws without a request. The limit exceeds the number of stills of the study
+``paper``, because these stills take only about 30 s."""
 
 
 def first_stacks(folder: Path, records: Sequence[TrialRecord]) -> list[list[TrialRecord]]:
@@ -69,12 +69,12 @@ def write_stack_replay(folder: Path, trials: Sequence[Replayed], *, with_margins
 def draw_stills(folder: Path, stacks: Sequence[Sequence[TrialRecord]], *, however_many: bool) -> str:
     """Draw the stills of stacks into the report of a results folder.
 
-    Keep stills that are newer than the records.
+    A stack keeps its stills if all of them exist and are at least as new as the records.
 
     Args:
         folder: a results folder.
         stacks: the stacks to draw.
-        however_many: False to draw no stills if there are more than ``MOST_STILLS``.
+        however_many: False to draw no stills if more than ``MOST_STILLS`` stills are missing or too old.
 
     Returns:
         Message with the reason for missing stills; empty without missing stills.

@@ -14,7 +14,10 @@ BoolArray = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Poses:
-    """All bricks of a recording at one time, also bricks outside the world, in the order of their ids."""
+    """Poses and states of all n bricks of a recording at one time, in the order of their ids.
+
+    The bricks include bricks that are not yet, or no longer, in the world.
+    """
 
     position: FloatArray
     """Centres [m], shape (n, 3), world frame."""
@@ -25,7 +28,7 @@ class Poses:
     frozen: BoolArray
     """True for each frozen brick, shape (n,)."""
     fallen: BoolArray
-    """True for each brick that is farther from its first position than its smallest edge, shape (n,)."""
+    """True for each brick whose distance from its first position exceeds its least edge length, shape (n,)."""
 
     @property
     def states(self) -> list[str]:
@@ -61,7 +64,10 @@ class Timeline:
         return self.recording.frames * self.recording.frame_s
 
     def at(self, time: float) -> Poses:
-        """Return the poses at a simulated time [s]; before the start and after the end those of the nearest frame."""
+        """Return the poses at a simulated time [s].
+
+        Before the first frame and after the last frame, return the poses of the nearest frame.
+        """
         recording, count = self.recording, len(self.bodies)
         frame = min(max(time / recording.frame_s, 0.0), max(recording.frames - 1, 0))
         row = np.searchsorted(self._keys, np.arange(count) * (recording.frames + 1) + frame, side="right") - 1
