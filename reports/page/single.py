@@ -42,7 +42,7 @@ def write_single(page: Path) -> Path:
 
 
 def _packed_replays(report: Path, links: list[str]) -> str:
-    """Return the player of packed replays, with one copy of the scripts that the replays share."""
+    """Return the HTML of a player that contains the compressed replays, and one copy of the scripts that they share."""
     pages = {link: (report / _path(link)).read_text(encoding="utf-8") for link in links}
     scripts = {name for page in pages.values() for name in _SCRIPT.findall(page)}
     shared = {name: _deflated((report / "replays" / name).read_text(encoding="utf-8")) for name in sorted(scripts)}

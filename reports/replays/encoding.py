@@ -23,7 +23,7 @@ _GIF_CLOCK = 100
 """Ticks of a GIF's clock per second."""
 _COLOURS = 256
 _SHADES, _SHADE_COUNT = (0.25, 1.2), 20
-"""Range and number of the shades of a brick's colour, as factors."""
+"""Least and greatest factor on a brick's colour that give its shades, and the number of shades."""
 _GREY = np.array([1.0, 0.996, 0.98])
 """Factors on red, green and blue that tint the greys as on the page."""
 

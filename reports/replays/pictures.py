@@ -131,7 +131,10 @@ def write_video(
 def _frames(
     trials: Sequence[Replayed], times: Sequence[float], film: Film, instants: Sequence[float] | None = None
 ) -> Iterator[Image.Image]:
-    """Yield the whole picture at each time [s]; margins are those at ``instants`` [s], by default when bricks rest."""
+    """Yield the whole picture at each time [s].
+
+    Colours by margin show the margins at ``instants`` [s]; without them, the margins at ``settled_times``.
+    """
     space = visible_space([trial.recording for trial in trials], _ROOM)
     if space is None:
         raise ExportError(

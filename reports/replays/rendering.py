@@ -31,8 +31,8 @@ _OVERSAMPLING = 2
 _TO_SUN = np.array([-0.5, -0.9, 1.6])
 """Direction toward the sun, shape (3,), world frame, not normalised."""
 _SUNS, _SUN_RADIUS = 8, 0.12
-"""Number of points on the disc of the sun, and radius of the disc for a distance of 1. The average of the shadows of
-these points has soft edges; PyVista's own shadows are hard and grey."""
+"""Number of points on the disc of the sun, and ratio of the disc's radius to the sun's distance. The picture shows the
+average of the shadows of these points, because its edges are soft; PyVista's own shadows are hard and grey."""
 _DARKEST, _BLUR = 110, 1 / 210
 """Opacity of the full shadow (0 to 255), and radius of its blur as a share of the edge of its picture."""
 _SHADOW_SHARE, _LEAST_SHADOW, _MOST_SHADOW = 1.5, 320, 2048
