@@ -222,9 +222,9 @@ def missing_corners(
 
 @numba.njit(cache=True)
 def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float) -> list[tuple[int, int]]:
-    """Return pairs of rows, the lower row first, of a live box and a near box that the engine does not list.
+    """Return the pairs of a live box and a near box, without the pairs that the engine lists.
 
-    The cost is O(boxes) per live box.
+    A pair consists of two rows, the lower row first. The cost is O(boxes) per live box.
 
     Args:
         boxes: all boxes, shape (n, 13).
@@ -256,7 +256,7 @@ def _neighbours(boxes: FloatArray, live: IntArray, listed: IntArray, way: float)
 def near_corners(
     boxes: FloatArray, live: IntArray, listed: IntArray, slack: float, way: float
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
-    """Return the corners of the contact areas of near boxes that the engine does not list.
+    """Return the corners of the contact areas of near boxes, without the pairs that the engine lists.
 
     Args:
         boxes: all boxes, shape (n, 13).
