@@ -1,6 +1,6 @@
 """DART: a skeleton of one box on a free joint for every brick, and one boxed LCP for the forces of all contacts.
 
-An LCP is a linear complementarity problem; a boxed LCP also bounds the unknown forces from above.
+An LCP is a linear complementarity problem; a boxed LCP also has bounds for the unknown forces.
 
 Mechanisms:
 

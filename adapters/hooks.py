@@ -156,14 +156,14 @@ class EngineHooks(ABC):
     def _freeze(self, body: int) -> None:
         """Stop and hold a live body, so that nothing moves the body by a single bit until ``_unfreeze`` or ``_move``.
 
-        The call may come at any time between steps, for one body at a time, which is still in ``bodies.live``.
+        The call may come at any time between steps. During the call ``bodies.live`` still contains the body.
         """
 
     @abstractmethod
     def _unfreeze(self, body: int) -> None:
         """Make a frozen body live again, at rest, with its own mass and under the present gravity.
 
-        The call may come at any time between steps, for one body at a time, which is still in ``bodies.frozen``.
+        The call may come at any time between steps. During the call ``bodies.frozen`` still contains the body.
         """
 
     @abstractmethod

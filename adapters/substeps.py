@@ -138,7 +138,9 @@ class SubstepSimulation(Simulation):
         return replace(contacts, force=force)
 
     def _borne_forces(self, bodies: IntArray, before: FloatArray, seconds: float) -> tuple[IntArray, FloatArray]:
-        """Return the live bodies among ``bodies``, and the mean sum of contact forces [N] on each, from its momentum.
+        """Return the live bodies among ``bodies``, and the mean total contact force [N] on each in the frame.
+
+        The forces follow from the changes of the bodies' momentum.
 
         Args:
             bodies: ids in rising order, shape (k,).

@@ -51,7 +51,8 @@ from stability_core.port import Contacts, FloatArray, IntArray
 _INSTANT_S = 1e-6
 """Step [s] in which ``find_contacts`` detects contacts. The step is short, so that no body moves."""
 _CLOCK_S = 1e-3
-"""Greatest difference [s] between the durations that the engine's and the suite's clocks measure for one frame."""
+"""Time [s] by which the reported time of the engine's steps may exceed the wall time of the frame, because the clocks
+of the engine and of the suite differ."""
 
 
 class BridgeSimulation(Simulation):
