@@ -1,4 +1,4 @@
-"""Events that bodies at rest must not sleep through: a removed support, a common fall, an arriving load.
+"""Bodies that must move and therefore must not sleep: after a removed support, in a common fall, under a new load.
 
 Theory, by case:
 
@@ -7,8 +7,8 @@ Theory, by case:
 - ``pair``: two blocks, one on the other, fall together. They touch and do not move relative to each other, but both
   fall: 0.2 m in 0.202 s.
 - ``striker``: a plank lies balanced on a pillar for ``PAUSE_S``; then a block drops on its end. About the pillar's
-  edge, the plank's mass m has a lever arm of 0.05 m and the block's mass 3 m has a lever arm of 0.10 m, so the plank
-  tips.
+  edge, the plank's weight has a lever arm of 0.05 m, and the block's weight, three times as large, has a lever arm of
+  0.10 m, so the plank tips.
 
 Look for: a body that hangs in the air, and a plank that carries a load beyond its balance.
 """
@@ -30,7 +30,7 @@ EDGE = 0.1
 PILLAR = 0.4
 """Height of the pillar [m]."""
 FALL = 0.2
-"""Distance [m] that a falling body must have moved."""
+"""Distance [m] that a falling body must move."""
 FALL_S = math.sqrt(2 * FALL / GRAVITY)
 """Time [s] of a fall by ``FALL``, from rest."""
 DROP = 1.0
@@ -40,7 +40,7 @@ PLANK = (0.3, EDGE, 0.02)
 STRIKER = 0.05
 """Edge of the striker [m], and its drop height [m]."""
 TIPPED = 0.01
-"""Distance [m] that the plank's centre has moved once the plank has tipped."""
+"""Distance [m] that the centre of the balanced plank must move; from this distance the plank has tipped."""
 
 
 @dynamic_scenario

@@ -6,7 +6,7 @@ if a > g / n. The column does not slide while a < mu g. At half of g / n the bel
 one and a half times g / n the column tips, if the acceleration lasts long enough to move the centre of mass beyond the
 edge.
 
-Look for: a frozen column must travel with the belt, and must tip where a live column tips.
+Look for: a frozen column must travel with the belt, and must tip where a column that is awake tips.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ START_S = 0.5
 """Time for which the belt accelerates, and then decelerates [s]: three times as long as four cubes take to tip at one
 and a half times the limit."""
 MIN_FACTOR = 1.4
-"""Factor on either side of the limit beyond which the answer is known."""
+"""Least ratio of the acceleration to its limit, or of the limit to the acceleration, at which the answer is known."""
 
 
 @dynamic_scenario
@@ -38,7 +38,7 @@ def belt_tower(*, start: Annotated[float, Real(0.1, 3.0)] = 1.5, levels: Annotat
     """Build a column of cubes on a conveyor belt that starts and stops.
 
     Args:
-        start: acceleration of the belt, in units of g / n, at which the column tips.
+        start: ratio of the belt's acceleration to g / n, the acceleration at which the column tips.
         levels: number of cubes.
     """
     belt = Brick(BELT, 1.0, (0.0, 0.0, BOTTOM + BELT[2] / 2), moved=True)

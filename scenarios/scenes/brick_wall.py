@@ -42,7 +42,7 @@ def brick_wall(
 
 
 def _course(level: int, width: int, gap: float) -> list[Brick]:
-    """Return one course, left to right, with gaps of ``gap`` [m]: two half planks and their gap make a whole plank."""
+    """Return one course, left to right, with gaps of ``gap`` [m]; two half planks and a gap are as long as a plank."""
     pitch, half = LENGTH + gap, (LENGTH - gap) / 2
     wholes = width - (level + 1) % 2
     row = [lay((index - (wholes - 1) / 2) * pitch, level=level) for index in range(wholes)]

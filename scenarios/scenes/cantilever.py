@@ -26,7 +26,7 @@ COUNTERWEIGHT = 2.0
 BEAM_ARM, COUNTERWEIGHT_ARM, LOAD_ARM = -0.05, -0.4, 0.3
 """Positions of the centres along x, from the pier's edge, in lengths of the beam."""
 PIECE = 0.3
-"""Length of counterweight and load, in lengths of the beam."""
+"""Length of the counterweight and of the load, in lengths of the beam."""
 LIMIT = -(BEAM_ARM + COUNTERWEIGHT * COUNTERWEIGHT_ARM) / LOAD_ARM
 """Mass of the load at the limit of balance, over the mass of the beam."""
 
@@ -42,7 +42,7 @@ def cantilever(
 
     Args:
         margin: share by which the load is lighter than the limit; negative if the load is heavier.
-        taken: weight that is removed two seconds after the load was placed: "nothing", "load" or "counterweight".
+        taken: brick that is removed two seconds after the placement of the load: "nothing", "load" or "counterweight".
         scale: factor on all lengths, relative to the standard plank.
     """
     if taken != "nothing" and margin <= 0:

@@ -11,6 +11,7 @@ and more ridges whole planks do not fit, so the planks between the outermost two
 
 Theory. A plank of weight w that leans at theta from the ground and carries P at its top is pushed sideways at the
 ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), while its foot carries w + P.
+
 - If the ridge's normal is horizontal, only the foot needs friction: mu >= H / (w + P). The limit grows with the load,
   from (cot theta - t / L) / 2 for a V alone toward cot theta - t / L. Exact statics at 72 deg, where roofs hold the
   ridges together by their friction: 0.129, 0.183 and 0.208 for one, two and three storeys.
@@ -44,7 +45,8 @@ RIDGE_GAP = 0.2e-3
 OVERHANG = 2.5e-3
 """Overhang [m] of a roof plank beyond the outermost edges that carry it, which exceeds the largest placement error."""
 MIN_FACTOR = 1.05
-"""Factor between the friction and its limit beyond which the answer holds under placement noise."""
+"""Least ratio of the friction to its limit, or of the limit to the friction, at which the answer holds under placement
+noise."""
 
 
 @scenario
@@ -88,7 +90,7 @@ def expected(theta: float, friction: float) -> Expectation:
 
 
 def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
-    """Return the groups in order of placement: single Vs on the ground, then whole roofs and whole storeys."""
+    """Return the groups in order of placement: single Vs on the ground, then whole roofs and whole storeys in turn."""
     spread, edge = _half_foot_spread(theta), THICKNESS * math.sin(theta)
     spacing = LENGTH - 2 * (edge + RIDGE_GAP / 2 + OVERHANG)
     if storeys > 1 and spacing < 2 * (spread + edge) + gap:

@@ -1,12 +1,12 @@
 """A plank on a pedestal and a prop, with a character moving on its inner end; the prop is removed, then the character.
 
-Theory: moments about the pedestal's edge. Without the prop, the plank stands because the character's weight acts on its
-inner end. Without the character, the plank stands if its own centre of mass is above the pedestal, and tips if the
-centre is beyond the edge. The margin is the distance of that centre from the edge, inward, over half the plank's
-length.
+Theory: moments about the pedestal's edge. Without the prop, the plank stands because the character's weight acts on the
+plank's inner end. Without the character, the plank stands if its own centre of mass is above the pedestal, and tips if
+the centre is beyond the edge. The margin is the distance of the plank's centre of mass from the edge, inward, over half
+the plank's length.
 
-The character is struck eight times a second, alternately to the left and to the right, at 0.05 m/s: friction stops it
-after v^2 / (2 mu g) = 0.28 mm. So the character is never at rest for long, like a player's figure in a game.
+Eight pushes a second, alternately to the left and to the right, give the character a speed v of 0.05 m/s each. Friction
+stops the character after v^2 / (2 mu g) = 0.28 mm. So it is never at rest for long, like a player's figure in a game.
 
 Look for: a stack that stood with the character's help must be judged again when the character leaves.
 """
@@ -48,7 +48,8 @@ def character(*, margin: Margin = 0.3, scale: Scale = 2.0) -> Plan:
     """Build a plank on pedestal and prop, on which a character moves; remove the prop, then the character.
 
     Args:
-        margin: distance of the plank's middle inside the pedestal's edge, over half its length; negative if outside.
+        margin: distance of the plank's middle inside the pedestal's edge, over half the plank's length; negative if the
+            middle is outside.
         scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)

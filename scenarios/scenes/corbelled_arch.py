@@ -1,12 +1,12 @@
 """A corbelled arch: planks on two sides step inward, one a course, until a capstone bridges the gap.
 
-Theory: each side alone is a leaning tower of n planks and stands while n d < L (d: the step). The capstone adds half a
-plank's weight to each side. This force acts at best at the outer end of the overlap, o from the top plank's end, so at
-(n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about the inner edge of the lowest plank give the
-largest step: d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push the sides apart by mu / 2 of its
-weight, (n - 1) t above that edge (t: thickness), which adds mu t to L. The answer counts as known if the arch stands
-without this friction, or falls in spite of it. Upper parts of a side are shorter, so they are safer. Both sides are
-mirror images and are placed together.
+Theory: each side alone is a leaning tower of n planks and stands while n d < L (d: step, L: length of a plank). The
+capstone adds half a plank's weight to each side. This force acts at best at the outer end of the overlap o between the
+capstone and the top plank, so at (n - 1) d + L / 2 - o from the middle of the lowest plank. Moments about the inner
+edge of the lowest plank give the largest step: d = (L + o / (n - 1)) / (n + 1). Friction below the capstone may push
+the sides apart by mu / 2 of the capstone's weight, (n - 1) t above this edge (t: thickness), which adds mu t to L. The
+answer counts as known if the arch stands without this friction, or falls in spite of it. Upper parts of a side are
+shorter, so they are safer. Both sides are mirror images, and the scene places both sides of a course together.
 
 Look for: only weight locks a corbelled arch. Beyond the limit both sides turn inward, about their lowest planks' edges,
 as soon as the capstone lies on them.
@@ -23,7 +23,7 @@ from scenarios.planks import MU, box, one_a_second, plank_of
 from scenarios.scenario import Plan, scenario
 
 SHARED = 0.15
-"""o: overlap of the capstone with each side, in lengths of a plank."""
+"""Overlap o of the capstone with each side, in lengths of a plank."""
 
 
 @scenario
@@ -31,7 +31,7 @@ def corbelled_arch(*, courses: Annotated[int, Whole(2, 30)] = 5, margin: Margin 
     """Build two sides of planks that step inward, and a capstone across the gap.
 
     Args:
-        courses: planks of each side.
+        courses: number of planks of each side.
         margin: share by which the steps are smaller than the limit without friction; if negative, the steps are larger
             than the limit with friction. Below about -1 / ``courses`` the sides would fall before the capstone is
             placed.

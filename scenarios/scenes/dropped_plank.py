@@ -1,9 +1,9 @@
 """A plank that is dropped from a height onto a tower.
 
 Theory: the drop supplies the energy m g h. To tip the upper k planks over a long edge of the plank below takes
-k m g (sqrt(e^2 + z^2) - z), with e = half a width and z = k t / 2; the topmost plank alone needs the least energy.
-While m g h is less than half of this energy, nothing can tip, wherever the energy goes, and nothing slides, because the
-plank strikes the middle. Beyond this height, dynamics decide, and the scene is a study.
+k m g (sqrt(e^2 + z^2) - z), with half the width e and z = k t / 2 (t: thickness); the topmost plank alone needs the
+least energy. While m g h is less than half of this least energy, nothing can tip, whichever plank gets the energy, and
+nothing slides, because the plank strikes the middle. From a greater height, dynamics decide, and the scene is a study.
 
 Look for: a blow on a frozen brick must unfreeze the bodies that it can move, and no others; a stack that withstands
 every blow is a false stand.
@@ -22,7 +22,7 @@ from scenarios.scenario import Plan, dynamic_scenario
 PAUSE_S = 2.0
 """Time from the last plank to the drop [s]."""
 TIPS = math.hypot(WIDTH / 2, THICKNESS / 2) - THICKNESS / 2
-"""Energy that tips one plank over its long edge, over the weight of the plank [m]."""
+"""Ratio of the energy that tips one plank about its long edge to the weight of the plank [m]."""
 
 
 @dynamic_scenario

@@ -13,15 +13,20 @@
     size = [0.02, 0.1, 0.1]
     position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
 
-Bricks must touch their support to within 0.2 mm, and must not overlap. The module then lowers or
-raises bricks with the same time as one group, until the group touches exactly. The level follows from the bricks below:
-a brick on the ground is of level 1, any other brick is one level above the highest brick that it stands on or leans
-against. Bricks with the same time that form several levels are a prebuilt stack, placed without a gap and not dropped
-from ``CLEARANCE``.
+Bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts bricks with the same time
+along z, as one group, so that the group touches its support exactly. The module also finds the level of each brick: a
+brick on the ground has level 1, and any other brick is one level above the highest brick that it stands on or leans
+against. Bricks with the same time that form several levels are a prebuilt stack: the scene places the stack without a
+gap, instead of dropping it from ``CLEARANCE``.
 
-``size``, ``mass`` and ``yaw`` change the whole scene: a factor on lengths, the clearance included; a factor on masses;
-a turn about z. Statics does not depend on these factors, so the answer must not depend on them either. Falls take
-sqrt(``size``) times as long, so for a ``size`` above 1 all times grow by that factor, including ``watch_s``.
+Three parameters change the whole scene:
+
+- ``size``: factor on all lengths, including the clearance;
+- ``mass``: factor on all masses;
+- ``yaw``: turn about z.
+
+Statics does not depend on these parameters, so the answer must not depend on them either. Falls take sqrt(``size``)
+times as long, so for a ``size`` above 1 all times grow by this factor, including ``watch_s``.
 
 Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. If the two answers
 differ, or no proof is found, the scene is a study. Statics ignores energy: keep the deciding quantity 5 % away from its
@@ -74,7 +79,7 @@ WATCH_S = 5.0
 MOST_WATCH_S = 100 * 3600.0
 """Greatest duration [s] of the trial after the last action."""
 SNAP = 0.2e-3
-"""Gap or overlap [m] that counts as rounding in the file."""
+"""Greatest gap or overlap [m] that counts as rounding in the file."""
 
 
 @dynamic_scenario
@@ -85,11 +90,11 @@ def own_scene(
     mass: Annotated[float, Real(1e-3, 1e3)] = 1.0,
     yaw: Annotated[float, Real(-360, 360)] = 0.0,
 ) -> Scene:
-    """Build your own bricks, from a TOML file.
+    """Build a scene of your own, from the bricks in a TOML file.
 
     Args:
         file: path of the file, or the name of a file in ``scenarios/examples``.
-        size: factor on all lengths; above 1 its square root is the factor on all times. Masses do not change.
+        size: factor on all lengths, but not on masses; above 1, the square root of ``size`` is the factor on all times.
         mass: factor on all masses.
         yaw: turn of the whole scene about the z axis [deg].
     """
@@ -151,7 +156,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
 
 
 def _variant(text: str, parameters: Mapping[str, Value]) -> str:
-    """Return the id: name and digest of a file other than the default, then the changes of the whole scene."""
+    """Return the id of the variant: name and digest of a file other than the default, then all changed parameters."""
     default = own_scene.defaults["file"]
     file = str(parameters["file"])
     name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
@@ -161,7 +166,7 @@ def _variant(text: str, parameters: Mapping[str, Value]) -> str:
 
 
 def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) -> list[Brick]:
-    """Return the bricks with heights corrected so that each group touches the bricks placed before it."""
+    """Return the bricks, each group shifted along z by at most ``SNAP`` so that it touches the bodies below."""
     settled: list[Brick] = []
     for _, group in groupby(range(len(bricks)), key=times.__getitem__):
         coming = [bricks[index] for index in group]
@@ -173,7 +178,10 @@ def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) ->
 
 
 def _room_below(boxes: Boxes, there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
-    """Return how far [m] boxes can sink together until a box meets a placed brick, a fixed box or the ground."""
+    """Return the distance [m] that boxes can sink together until one meets a placed brick, a fixed box or the ground.
+
+    The distance is negative if the boxes must rise.
+    """
     room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
     return min(room, float(vertical_clearance(boxes, Boxes.of(there)).min(initial=math.inf)))
 
@@ -237,7 +245,7 @@ def _actions(
 
 
 def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
-    """Return the placement of a group: of several levels without a gap, of one level from ``clearance`` [m]."""
+    """Return the action that places a group: with a gap of ``clearance`` [m], or without a gap for several levels."""
     is_prebuilt = len({brick.level for brick in group}) > 1
     return Place(time, group, 0.0 if is_prebuilt else clearance)
 

@@ -3,19 +3,20 @@
 Theory, for a bar of weight W in a groove that is tilted by t along its length and whose sides rise at the angle a from
 the horizontal (a = 45 deg, because the bar's section is square):
 
-- Across the groove the two normal forces N balance the weight's component normal to it, 2 N cos(a) = W cos(t).
-- Along it friction must balance 2 mu N >= W sin(t).
+- Across the groove the two normal forces N balance the weight's component normal to the groove's length:
+  2 N cos(a) = W cos(t).
+- Along the groove friction must balance the weight's other component: 2 mu N >= W sin(t).
 - So the bar stands if mu >= k = tan(t) cos(a): the groove makes friction 1 / cos(a) = 1.41 times as strong.
-- A bar that was pressed into the groove may stay wedged there by friction across it, which adds to N. At best this
-  wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below it no forces hold the bar.
+- A bar that was pressed into the groove may stay wedged by friction across the groove, which adds to N. At best this
+  wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below this lower limit no forces hold the bar.
 
 An engine that replaces the friction cone by a box, with no axis along the slope of a side, holds up to sqrt(2) times as
 much: DART always does, Bullet and PhysX do for a bar at rest. So the default margin is 0.35; within 29 % beyond the
 limit the outcome depends on an engine's law of friction.
 
-Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges them into one
-contact, with a normal between both normals, treats the bar as lying on a flat floor, and lets it slide or stand at the
-wrong tilt.
+Look for: two contacts with fixed boxes, whose normals differ by a right angle. A rule that merges both contacts into
+one contact, with a normal between both normals, treats the bar as lying on a flat floor, and lets the bar slide or
+stand at the wrong tilt.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from scenarios.planks import DENSITY, one_a_second
 from scenarios.scenario import Plan, scenario
 
 RISE = math.radians(45)
-"""Angle [rad] of a side of the groove to the horizontal, across the groove."""
+"""Angle [rad] between each side of the level groove and the horizontal."""
 BAR: Vector = (0.10, 0.025, 0.025)
 """Edges of the bar [m]."""
 SIDE: Vector = (0.60, 0.04, 0.02)
@@ -41,9 +42,9 @@ SIDE: Vector = (0.60, 0.04, 0.02)
 RELIEF = 0.005
 """Distance [m] of the groove's sides from its deepest line, which leaves the bar's lower edge free."""
 ABOVE = 0.05
-"""Height of the lower end of the deepest line [m]."""
+"""Height of the lower end of the groove's deepest line above the ground [m]."""
 LIES_AT = 0.40
-"""Distance of the bar's middle from the groove's lower end [m]."""
+"""Distance of the bar's middle from the groove's lower end, along the groove [m]."""
 
 
 @scenario
@@ -71,7 +72,10 @@ def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35)
 
 
 def _beside(side: int) -> FloatArray:
-    """Return the middle of one side of the level groove [m], from its deepest line; ``side`` is 1 for +y, -1 for -y."""
+    """Return the vector [m] from the deepest line of the level groove to the middle of one side, shape (3,).
+
+    ``side`` is 1 for the side at +y, and -1 for the side at -y.
+    """
     across = np.array([0.0, side * math.cos(RISE), math.sin(RISE)])
     inward = np.array([0.0, -side * math.sin(RISE), math.cos(RISE)])
     middle: FloatArray = (RELIEF + SIDE[1] / 2) * across - SIDE[2] / 2 * inward
@@ -79,13 +83,13 @@ def _beside(side: int) -> FloatArray:
 
 
 def _along_groove(tilt: float, size: Vector, along: float, side: int, off_line: FloatArray) -> Brick:
-    """Return a box that is turned about the groove's length by ``RISE``, and with the groove by ``tilt``.
+    """Return a box that is turned about the groove's length by ``RISE``, and then tilted with the groove by ``tilt``.
 
     Args:
         tilt: tilt of the groove [rad]; the groove rises toward +x.
         size: edges of the box [m]; the first edge lies along the groove.
         along: distance of the box's middle from the lower end, along the groove [m].
-        side: 1 or -1: the direction of the turn.
+        side: sign of the turn about the groove's length, 1 or -1.
         off_line: offset of the box's middle from the deepest line, in the level groove [m], shape (3,).
     """
     lift: Quaternion = (math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0)

@@ -1,9 +1,10 @@
 """The harmonic overhang: planks at a table's edge, each reaching as far beyond the plank below as it can.
 
-Theory: of n planks of length L, the k-th from the top may reach L / (2 k) beyond the plank below it (the lowest plank:
-beyond the table). Then the centre of mass of the upper k planks lies just above the edge that carries them, for every
-k. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge; if they are larger by s, the
-centre lies as far outside. Before the last plank is placed, the planks are farther from their limits.
+Theory: of n planks of length L, the k-th from the top may reach L / (2 k) beyond the plank below (the lowest plank:
+beyond the table). Then, for every k, the centre of mass of the upper k planks lies just above the edge that carries
+these planks. If all offsets are smaller by a share s, the centre lies s L / 2 inside every edge; if all offsets are
+larger by a share s, the centre lies s L / 2 outside. Before the last placement, the planks are farther from their
+limits.
 
 Look for: all joints reach their limit at once, so the planks tip together or not at all; the tip reaches out by
 L (1 + 1/2 + 1/3 ...) / 2. A tower that settles by some tenths of a millimetre leans outward, and falls early.
@@ -29,7 +30,7 @@ def harmonic_overhang(*, bricks: Annotated[int, Whole(2, 50)] = 5, margin: Margi
 
     Args:
         bricks: number of planks, without the table.
-        margin: share by which the offsets are smaller than the limit; negative if they are larger.
+        margin: share by which the offsets are smaller than the limit; negative if the offsets are larger.
         scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, _ = plank_of(scale)

@@ -1,9 +1,9 @@
-"""A tile on a ramp: the oldest test of friction.
+"""A tile on a ramp, held by friction.
 
 Theory: the tile slides if tan(theta) > mu, at any mass. The ramp is a heavy slab that stands on its lower edge and
-leans on a heavy block's edge. The slab itself needs less than two thirds of that friction (exact statics), because most
-of its weight presses on the ground and on the block's corner. On the lower half of the ramp, the tile's centre is lower
-than the ramp's centre, although the tile lies on the ramp.
+leans on a heavy block's edge. The slab itself needs less than two thirds of the tile's friction (exact statics),
+because most of the slab's weight presses on the ground and on the block's edge. On the lower half of the ramp, the
+tile's centre is lower than the ramp's centre, although the tile lies on the ramp.
 
 Look for: a tile that creeps down at mu just above tan(theta) shows a solver's soft friction; a tile that sticks at mu
 just below tan(theta) was frozen where it landed.

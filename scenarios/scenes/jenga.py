@@ -1,14 +1,15 @@
 """Jenga: three planks a level, each level across the level below; then two planks of one or more levels are removed.
 
-Theory: the part above a robbed level has its centre of mass over the tower's middle. If the middle plank remains, that
-centre lies half a width (11.7 mm) inside the plank's edges, so the tower stands, with any number of such levels. If a
-side plank remains, the centre lies half a width and the gap between planks (13.7 mm) beyond the nearest edge, so the
-tower falls. With two planks left the tower stands in either case, so the first removal from a level does no harm.
+Theory: a robbed level is a level from which two planks are removed. The part above a robbed level has its centre of
+mass over the tower's middle. If the middle plank remains, this centre lies half a width (11.7 mm) inside the plank's
+edges, so the tower stands, with any number of robbed levels. If a side plank remains, the centre lies half a width and
+the gap between planks (13.7 mm) beyond the nearest edge, so the tower falls. With two remaining planks the tower stands
+in either case, so it also stands after the first removal from a level.
 
 Planks are removed at once, or pulled out slowly along their length. A pulled plank drags the tower with mu times the
-load that it bears; the other planks of the level hold the tower with mu times their loads, which are larger: of three
-planks the pulled plank bears a third, and a side plank beside the middle plank bears at most 11.7 / 25.4 of the middle
-plank's load.
+load that it bears; the other planks of the level hold the tower with mu times their loads. These loads are larger in
+both cases: of three planks the pulled plank bears a third, and of two planks the pulled side plank bears at most
+11.7 / 25.4 of the middle plank's load.
 
 Look for: whether, after the last removal, the tower turns over about the remaining plank, in one piece.
 """

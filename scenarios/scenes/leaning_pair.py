@@ -1,8 +1,8 @@
 """Two planks that lean against each other, at rest: an inverted V that is placed without a gap.
 
-Theory: see ``card_house``. The feet need the friction (cot(theta) - t / L) / 2 if the force at the ridge is horizontal,
-which is the normal of two edges that meet (*bisector*). Where an engine reports a plank's face as the normal there
-(*face*), the ridge needs cot(theta).
+Theory: see ``card_house``. If the ridge's normal is horizontal (*bisector*), only the feet need friction:
+(cot(theta) - t / L) / 2. If an engine reports the normal of a plank's face at the ridge (*face*), the ridge needs the
+friction cot(theta).
 
 Look for: the least angle at which the pair holds. A bisection of ``theta`` (study ``thresholds``) finds the
 engine's own limit, which measures the quality of its contacts at the ridge.

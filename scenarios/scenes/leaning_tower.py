@@ -2,9 +2,9 @@
 
 Theory: the n - 1 planks above the lowest have their centre of mass at n d / 2 from its middle and tip over its edge at
 L / 2, so n planks fall once n d > L (L: a plank's length). All upper parts are shorter, so they are safer. At
-exactly n d = L the tower balances on an edge, and within 5 % of that the energy of placing a plank decides, so the
-scene claims no answer there. The default ratio L / d = 8.5 lies half-way: with eight planks the centre of mass lies 3.4
-mm inside the edge, with nine 3.4 mm beyond it.
+exactly n d = L the tower balances on an edge. Within 5 % of this limit the scene claims no answer, because the energy
+of placing a plank decides. The default ratio L / d = 8.5 lies half-way between two limits: with eight planks the centre
+of mass lies 3.4 mm inside the edge, and with nine planks 3.4 mm beyond the edge.
 
 Look for: a real tower turns about the edge of its lowest plank and stays whole until it strikes the ground. A tower
 that stands at ten levels is a false stand; a tower that falls early has slid or sunk.

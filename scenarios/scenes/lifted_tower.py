@@ -1,8 +1,8 @@
 """A tower of planks on a platform that lifts it and then tilts it.
 
 Theory: a lift that accelerates at less than g carries the bricks on it. On a slope of angle a, a plank holds
-while tan a <= mu, under any load: below the friction angle of 24.2 deg the tower stands, above it the planks slide.
-The planks lie along the slope, and the tower is much longer than high, so that it cannot tip.
+while tan a <= mu, under any load: below the friction angle of 24.2 deg the tower stands, above this angle the planks
+slide. The planks lie along the slope, and the tower is much longer than high, so that the tower cannot tip.
 
 Look for: a frozen stack must travel with the platform, and must react to its tilt.
 """

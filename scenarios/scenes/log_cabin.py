@@ -18,7 +18,7 @@ from scenarios.planks import LENGTH, MU, WIDTH, lay, one_a_second
 from scenarios.scenario import Plan, scenario
 
 APART = (LENGTH - WIDTH) / 2
-"""Distance from the cabin's middle to the middle of a plank [m], at which ends and sides are flush."""
+"""Distance from the cabin's middle to the middle of a plank [m], so that planks end flush with the sides of others."""
 
 
 @scenario

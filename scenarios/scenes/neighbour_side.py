@@ -1,10 +1,10 @@
-"""A brick that overhangs its pedestal beside a heavy neighbour that it touches; then its counterweight is removed.
+"""A brick that overhangs its pedestal and touches a heavy neighbour; then the brick's counterweight is removed.
 
 Theory: alone, the brick stands if its centre of mass is above the pedestal, and tips about the pedestal's edge if the
-centre is beyond. The neighbour touches the brick's inner end, but cannot hold it. When the brick begins to turn about
-the edge, at angle w and with the edge as origin, a point (-a, z) of its inner end moves by (w z, w a): up, and away
-from the neighbour. So the neighbour never presses on the brick, and without pressure there is no friction. The margin
-is the distance of the centre of mass from the edge, inward, over half a brick's length.
+centre is beyond. The neighbour touches the brick's inner end, but cannot hold the brick. When the brick begins to turn
+about the edge by an angle w, a point (-a, z) of its inner end, with the edge as origin, moves by (w z, w a): up, and
+away from the neighbour. So the neighbour never presses on the brick, and without pressure there is no friction. The
+margin is the distance of the centre of mass from the edge, inward, over half the brick's length.
 
 Coulomb forces that would hold the brick do exist: the brick and the pedestal could squeeze the neighbour and balance an
 overhang of up to mu^2 L / 2 (margin -0.2) by friction at the sides. Such forces need prestress, which nothing supplies.
@@ -27,10 +27,10 @@ PEDESTAL = 6.0
 NEIGHBOUR, COUNTERWEIGHT = 10.0, 2.0
 """Masses of the neighbour and of the counterweight, over the mass of the brick."""
 PIECE, INWARD = 0.3, 0.3
-"""Lengths of the counterweight, over the length of a plank:
+"""Lengths over the length of a plank:
 
-- PIECE: its length;
-- INWARD: its distance from the brick's middle, inward.
+- PIECE: length of the counterweight;
+- INWARD: distance of the counterweight's middle from the brick's middle, inward.
 """
 PAUSE_S = 2.0
 """Time from the last brick to the removal [s], in which the stack settles."""
@@ -41,7 +41,8 @@ def neighbour_side(*, margin: Annotated[float, Real(-0.25, 0.25)] = 0.15, gap: G
     """Build a brick that overhangs its pedestal beside a heavy neighbour; then remove its counterweight.
 
     Args:
-        margin: distance of the brick's middle inside the pedestal's edge, over half its length; negative if outside.
+        margin: distance of the brick's middle inside the pedestal's edge, over half the brick's length; negative if the
+            middle is outside.
         gap: distance between the brick and its neighbour [mm]; at 0 they touch.
         scale: factor on all lengths, relative to the standard plank.
     """

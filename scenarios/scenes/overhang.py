@@ -1,4 +1,4 @@
-"""A plank at rest on a fixed table, reaching beyond its edge: the simplest stack that tips.
+"""A plank that rests on a fixed table and reaches beyond the table's edge: the simplest stack that tips.
 
 Theory: the plank tips if more than half of its length lies beyond the edge.
 
@@ -23,10 +23,10 @@ TABLE = 6 * THICKNESS
 
 @dynamic_scenario
 def overhang(*, reach: Annotated[float, Real(0.1, 0.9)] = 0.4) -> Plan:
-    """Build a plank at rest on a table, reaching beyond its edge.
+    """Build a plank that rests on a table and reaches beyond the table's edge.
 
     Args:
-        reach: part beyond the edge, as a share of the plank's length.
+        reach: length of the part beyond the edge, as a share of the plank's length.
     """
     table = box((2 * LENGTH, 2 * WIDTH, TABLE), -LENGTH, level=1)
     return Plan(

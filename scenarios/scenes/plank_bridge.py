@@ -1,10 +1,11 @@
 """A bridge: two planks reach out from piers toward each other, and a third lies on their tips.
 
-Theory: an outer plank of mass m has its middle 0.2 L behind the pier's edge and its tip 0.3 L before it. The middle
-plank, of mass k, overlaps each outer plank by 0.1 L, so half its weight acts at best 0.2 L before the edge. By moments
-about either edge, the bridge stands while k / 2 < m. Friction below the middle plank may push the outer planks apart by
-mu k / 2, a thickness t above the edge, which shortens that arm by mu t. The answer counts as known if the bridge stands
-without this friction, or falls in spite of it. The two outer planks are mirror images and are placed together.
+Theory: an outer plank of mass m and length L has its middle 0.2 L behind the pier's edge and its tip 0.3 L beyond the
+edge. The middle plank, of mass k, overlaps each outer plank by 0.1 L, so half its weight acts at best 0.2 L beyond the
+edge. By moments about either edge, the bridge stands while k / 2 < m. Friction below the middle plank may push the
+outer planks apart by mu g k / 2, a thickness t above the edge, which shortens the arm of 0.2 L by mu t. The answer
+counts as known if the bridge stands without this friction, or falls in spite of it. The two outer planks are mirror
+images, and the scene places them together.
 
 Look for: both outer planks tip at once, and the middle plank drops between them. Each outer plank alone stands easily.
 """
@@ -28,7 +29,7 @@ BEHIND, SHARED, GAP = 0.2, 0.1, 0.4
 """
 TIP = 0.5 - BEHIND
 ARM = TIP - SHARED
-"""Distance before the edge at which half the middle plank's weight acts at best, in lengths of a plank."""
+"""Least distance beyond the edge at which half the middle plank's weight can act, in lengths of a plank."""
 
 
 @scenario
@@ -36,8 +37,8 @@ def plank_bridge(*, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
     """Build two planks that reach out from piers, and a third plank that lies on their tips.
 
     Args:
-        margin: share by which the middle plank is lighter than the limit without friction; if negative, it is heavier
-            than the limit with friction.
+        margin: share by which the middle plank is lighter than the limit without friction; if negative, share by which
+            the middle plank is heavier than the limit with friction.
         scale: factor on all lengths, relative to the standard plank.
     """
     length, width, thickness, mass = plank_of(scale)

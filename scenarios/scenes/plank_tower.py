@@ -3,7 +3,7 @@
 Theory: the centre of mass of any upper part lies over the middle of the plank that carries it, 58 mm from the nearest
 edge along x and 11.7 mm across. The tower stands at any height.
 
-Look for: sinking, because the top shows the sum over all levels, even of a tenth of a millimetre each; then slow
+Look for: sinking, which is visible at the top even if each level sinks by a tenth of a millimetre only; then slow
 swaying, which grows until the tower topples if a solver does not converge over 26 contacts.
 """
 
@@ -22,7 +22,7 @@ def plank_tower(*, levels: Annotated[int, Whole(1, 500)] = 26) -> Plan:
     """Build a tower of flat planks straight above each other, one plank a level.
 
     Args:
-        levels: number of planks. With the default of 26, another plank follows level 25, at which frames are timed.
+        levels: number of planks. The default is 26, so that a plank follows level 25, at which the suite times frames.
     """
     planks = [lay(0.0, level=level) for level in range(1, levels + 1)]
     return Plan(

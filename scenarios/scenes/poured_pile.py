@@ -5,8 +5,8 @@ Theory: none, because dynamics decide where a brick comes to rest. Metrics:
 - the time until the pile is at rest;
 - the sinking and the creep of the pile at rest;
 - the time of a frame, and the number of bricks awake;
-- the height and the slope of the pile. The slope is at least atan(mu), which friction alone holds, because bricks also
-  interlock. In a flatter pile bricks have slipped.
+- the height and the slope of the pile. Friction alone holds a slope of atan(mu), and bricks also interlock, so a
+  flatter pile shows that bricks have slipped.
 
 The planned height of each brick assumes that every brick stays where it first touches the pile.
 
@@ -50,7 +50,7 @@ def poured_pile(
         bricks: number of bricks.
         height: release height [mm] above the pile.
         friction: Coulomb coefficient of every pair.
-        draw: number of the pile, from which all random poses follow.
+        draw: number from which all random poses follow; each number gives another pile.
     """
     poured = _poured(bricks, random.Random(draw))
     return Plan(
@@ -66,7 +66,10 @@ def poured_pile(
 
 
 def _poured(count: int, generator: random.Random) -> list[Brick]:
-    """Return bricks in random poses around the z axis, each at the height where it first touches an earlier brick."""
+    """Return bricks in random poses near the z axis, each at the height of its first contact.
+
+    A brick sinks straight down, without turning, until it touches an earlier brick or the ground.
+    """
     bricks: list[Brick] = []
     for level in range(1, count + 1):
         x, y = generator.gauss(0.0, SPREAD), generator.gauss(0.0, SPREAD)
@@ -77,7 +80,10 @@ def _poured(count: int, generator: random.Random) -> list[Brick]:
 
 
 def _random_turn(generator: random.Random) -> Quaternion:
-    """Return a rotation, all equally likely (Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992)."""
+    """Return a random rotation; all rotations are equally likely.
+
+    The method is from Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
+    """
     share, first, second = generator.random(), *(2 * math.pi * generator.random() for _ in range(2))
     low, high = math.sqrt(1 - share), math.sqrt(share)
     return (high * math.cos(second), low * math.sin(first), low * math.cos(first), high * math.sin(second))

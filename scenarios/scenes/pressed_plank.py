@@ -20,8 +20,8 @@ PAUSE_S = 2.0
 PRESS_S = 1.0
 """Duration of the press [s], long enough because at 1.5 times the limit a plank slides its thickness in 0.1 s."""
 MIN_FACTOR = 1.2
-"""Factor on either side of the limit beyond which the answer is known, because near the limit planks creep in some
-engines."""
+"""Least ratio of the force to its limit, or of the limit to the force, at which the answer is known, because nearer the
+limit planks creep in some engines."""
 
 
 @dynamic_scenario
@@ -29,7 +29,7 @@ def pressed_plank(*, force: Annotated[float, Real(0.01, 10)] = 1.5, levels: Anno
     """Press the topmost plank of a tower steadily along its length.
 
     Args:
-        force: force in units of the friction that holds the plank, mu m g.
+        force: ratio of the force to mu m g, the greatest friction that holds the plank.
         levels: number of planks.
     """
     actions: tuple[Action, ...] = one_a_second([lay(0.0, level=level)] for level in range(1, levels + 1))

@@ -1,11 +1,11 @@
 """A block on a prop between two fixed walls that the block touches; then the prop is removed.
 
-Theory: the walls touch the block without pressure, so their friction carries no weight: without its prop the block
-falls freely, at any friction. The partner scene has a ledge at each wall, below the block's ends, on which the block
-stands.
+Theory: the walls touch the block without pressure, so friction at the walls carries no weight: without its prop the
+block falls freely, at any coefficient of friction. The partner scene has a ledge at each wall, below the block's ends,
+on which the block stands.
 
-In theory forces that hold the block exist, because rigid walls may squeeze it with any force. But nothing causes these
-forces.
+In theory forces that hold the block exist, because rigid walls may squeeze the block with any force. But nothing causes
+these forces.
 
 Look for: a block that stays between the walls is held by prestress that nothing supplies.
 """
@@ -26,7 +26,7 @@ PROP: Vector = (0.08, 0.05, 0.12)
 WALL: Vector = (0.04, 0.10, 0.20)
 """Edges of a wall [m]."""
 LEDGE = 0.015
-"""Length of a ledge [m], which ends 5 mm beside the prop."""
+"""Length of a ledge along x [m], so that it ends 5 mm beside the prop."""
 PAUSE_S = 2.0
 """Time from the block to the removal [s], in which the stack settles."""
 

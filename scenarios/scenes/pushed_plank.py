@@ -5,8 +5,8 @@ drags the tower below with at most mu m g, which the tower's own friction exceed
 plank counts as out of place once it has moved by its thickness. With s at half a thickness the stack stands; with s
 well above a thickness the plank has slid; with s beyond L / 2 the plank falls off.
 
-Look for: only the struck plank may move. A frozen stack must react to the blow: the host names the brick that it
-strikes to the extension.
+Look for: only the struck plank may move. A frozen stack must react to the blow: the host reports the struck brick to
+the extension.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from scenarios.scenario import Plan, dynamic_scenario
 PAUSE_S = 2.0
 """Time from the last plank to the blow [s]."""
 MIN_FACTOR = 1.5
-"""Factor on the slide, over or under a thickness, beyond which the answer is known, because engines apply friction in
-steps, and a real plank yaws a little."""
+"""Least ratio between the slide and the distance at which the outcome changes (a thickness or half a length) at which
+the answer is known, because engines apply friction in steps, and a real plank yaws a little."""
 
 
 @dynamic_scenario

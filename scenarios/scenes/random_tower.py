@@ -1,14 +1,14 @@
 """A tower of planks, each placed at random on the plank below, with its middle anywhere between that plank's ends.
 
-Theory: n planks stand if, for every plank, the centre of mass of all planks above lies over it. The tower falls at the
-first n for which this does not hold. Two planks always stand. The third plank tips the second if the offsets satisfy
-u2 + u3 / 2 > L / 2 or < -L / 2, which has probability 1/8; on average such a tower falls at its 7.11th plank.
+Theory: n planks stand if each plank lies below the centre of mass of all planks above. The tower falls at the first n
+for which this does not hold. Two planks always stand. The third plank tips the second if the offsets u2 and u3 satisfy
+|u2 + u3 / 2| > L / 2 (L: length), which has probability 1/8. On average a tower falls at its 7.11th plank.
 
 Each draw is one tower with a known answer, unless a centre of mass lies so near an edge that the energy of placing a
 plank may decide. To tip k planks takes the energy k m g e^2 / (k t) (e: distance from the edge, t: thickness). This
 energy exceeds ten times the energy of placing a plank if e > sqrt(10 t c), 6.2 mm (c: release height).
 
-Look for: which joint gives way. This need not be the topmost joint, and the fall must not come a plank early or late.
+Look for: the joint that gives way, which need not be the topmost joint. The tower must not fall a plank early or late.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def random_tower(*, draw: Annotated[int, Whole(0, 10**9)] = 1, levels: Annotated
     """Build a tower of planks, each with its middle at a random position over the plank below.
 
     Args:
-        draw: number of the tower, from which all its offsets follow.
+        draw: number from which all offsets follow; each number gives another tower.
         levels: number of planks.
     """
     middles = middles_of(draw)[:levels]
@@ -57,7 +57,10 @@ def middles_of(draw: int) -> list[float]:
 
 
 def room(middles: Sequence[float]) -> float:
-    """Return the least distance [m] of an upper part's centre of mass from the edges below; negative beyond an edge."""
+    """Return the least distance [m] of an upper part's centre of mass from the ends of the plank below it.
+
+    The distance is negative if the centre lies beyond an end.
+    """
     least, total = math.inf, 0.0
     for above, middle in enumerate(reversed(middles)):
         if above:
@@ -67,7 +70,7 @@ def room(middles: Sequence[float]) -> float:
 
 
 def falls_at(middles: Sequence[float]) -> int | None:
-    """Return the first number of planks that cannot stand; None if all planks stand."""
+    """Return the least number of planks, from the lowest, that cannot stand; None if all planks stand."""
     return next((n for n in range(2, len(middles) + 1) if room(middles[:n]) < 0), None)
 
 

@@ -1,8 +1,9 @@
 """A tilted plank that lies on two fixed edges, and a heavy block on its lower half.
 
-Theory: moments about the lower edge, in horizontal distances. A block of mass M that lies b beyond the edge tips the
-plank, of mass m and with its middle p before the edge, once M b > m p. Here M b = 4 m p, so the plank tips. A block
-between the edges presses on both, and the stack stands, because tan(15 deg) = 0.27 is less than the friction of 0.45.
+Theory: moments about the lower edge, in horizontal distances. The plank has the mass m and its middle at the distance p
+from the lower edge, on the side of the upper edge. A block of mass M at the distance b on the other side tips the plank
+if M b > m p. Here M b = 3.6 m p, so the plank tips. A block between the edges presses on both edges, and the stack
+stands, because tan(15 deg) = 0.27 is less than the coefficient of friction, 0.45.
 
 Look for: the block lies on the plank, although its centre is lower than the plank's. A rule that takes the higher of
 two bodies as the carried body concludes that the block carries the plank.
@@ -66,8 +67,8 @@ def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: i
     Args:
         size: edges [m].
         mass: mass [kg].
-        along: distance of its middle from the plank's lower end, along the plank [m].
-        above: height of its lower face above the plank's lower face [m].
+        along: distance of the box's middle from the plank's lower end, along the plank [m].
+        above: distance of the box's lower face from the plank's lower face [m].
         level: level of the box.
     """
     along, across = along - LOWER, above + size[2] / 2
@@ -77,6 +78,6 @@ def _on_slope(size: Vector, mass: float, along: float, above: float, *, level: i
 
 
 def _support(along: float) -> Brick:
-    """Return a fixed box whose upper left edge meets the plank's lower face, ``along`` [m] from the plank's end."""
+    """Return a fixed box whose upper edge at -x meets the plank's lower face, ``along`` [m] from the lower end."""
     x, height = (along - LOWER) * math.cos(TILT), HEIGHT + (along - LOWER) * math.sin(TILT)
     return box((*SUPPORT, height), x + SUPPORT[0] / 2, level=1)

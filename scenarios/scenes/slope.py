@@ -1,12 +1,12 @@
-"""A block at rest on a fixed slope, placed without a gap: it slides by friction, or tips over its lower edge.
+"""A block at rest on a fixed slope, placed without a gap: it stands, slides, or tips over its lower edge.
 
 Theory: with angle theta, friction mu and a ratio r of height over width
 
 - the block slides if mu < tan(theta);
 - the block tips if r > 1 / tan(theta), because its centre of mass then lies beyond the lower edge.
 
-Look for: each engine has its own limits, the least friction and the greatest ratio with which the block holds. A
-bisection finds them (study ``thresholds``). Nothing is dropped, so that contact and friction alone decide.
+Look for: each engine has its own limits, the least friction and the greatest ratio with which the block stands. A
+bisection finds these limits (study ``thresholds``). Nothing is dropped, so that contact and friction alone decide.
 """
 
 from __future__ import annotations

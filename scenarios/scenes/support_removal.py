@@ -10,7 +10,7 @@ Flat stacks stand on tall pedestals, one below each of their lowest bricks, and 
 brick falls far enough to be seen, not just by a thickness onto the next brick.
 
 Look for: an engine may leave sleeping bricks hanging in the air when their support is removed. The bricks that rested
-on it must fall, and no others.
+on the removed support must fall, and no other bricks.
 """
 
 from __future__ import annotations
@@ -42,15 +42,15 @@ class _Robbery:
     """A stack, and the bricks that may be removed."""
 
     build: Callable[..., Scene]
-    """Builder of the stack. It takes the argument ``gap`` [mm] if ``has_gap``."""
+    """Builder of the stack, which has a parameter ``gap`` [mm] if ``has_gap`` is True."""
     load: tuple[int, ...]
-    """Bricks on top, which carry nothing, as indices in the order of placement."""
+    """Indices of the bricks on top, which carry nothing, in the order of placement without pedestals."""
     support: int
-    """A brick of the lowest level, as an index in the order of placement."""
+    """Index of a brick of the lowest level in the order of placement: a pedestal if the stack stands on pedestals."""
     is_raised: bool = True
-    """True if the stack stands on pedestals; then the indices above count from the first brick that is no pedestal."""
+    """True if the stack stands on pedestals."""
     has_gap: bool = False
-    """True if the gap between neighbours can be chosen."""
+    """True if the user can choose the gap between neighbours."""
 
 
 STACKS: Mapping[str, _Robbery] = {
@@ -74,7 +74,7 @@ def robbed_stack(
     """Build a stack that stands; then remove the topmost load, or a support of the lowest level.
 
     Args:
-        stack: a name of ``STACKS``.
+        stack: name of the stack, a key of ``STACKS``.
         taken: brick that is removed, "load" or "support".
         gap: distance between neighbours of a level [mm], for stacks that have neighbours; at 0 they touch.
         pause: time from the last brick to the removal [s]; after some seconds at rest an engine puts bricks to sleep.
@@ -122,7 +122,7 @@ def _two_blocks() -> Scene:
 
 
 def _raised(scene: Scene, narrower: float) -> Scene:
-    """Return the scene on pedestals, which are placed together, a second before its first brick; see ``pedestals``."""
+    """Return the scene on pedestals (see ``pedestals``), all placed one second before the first brick of the scene."""
     higher: list[Action] = [
         Place(action.time + 1.0, tuple(lifted(brick) for brick in action.bricks))
         for action in scene.actions

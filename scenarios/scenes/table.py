@@ -1,9 +1,9 @@
 """A table: one plate on two, three or four legs, and a load beyond them.
 
 Theory: toward the load, the foremost legs reach to the line x = a, and the centre of mass of the plate (mass m) lies at
-x = 0. So the table tips about that line if the moment of the load p at x = a + q is greater: p q > m a. With two legs
-the table is a beam in the x-z plane. With three legs, two legs stand on the load's side; a load as far out on the other
-side would tip the table sooner.
+x = 0. So the table tips about this line if the moment of the load (mass p) at x = a + q is greater than the moment of
+the plate: p q > m a. With two legs the table is a beam in the x-z plane. With three legs, two legs stand on the load's
+side.
 
 Look for: the rear legs lift off while the front legs take the whole load. An engine that shares the load wrongly (a
 third to each leg, for instance) lifts no leg, and nothing falls.
@@ -25,23 +25,23 @@ over."""
 FOOT = 0.2
 """Edge of a leg's square foot, in lengths of the plate; with two legs, the foot's edge along x."""
 REACH = 0.22
-"""a: distance of the foremost legs' ends from the plate's middle, in lengths of the plate."""
+"""Distance a along x from the plate's middle to the outer faces of the foremost legs, in lengths of the plate."""
 ARM = 0.2
-"""q: distance of the load's middle beyond those ends, in lengths of the plate."""
+"""Distance q along x from the outer faces of the foremost legs to the load's middle, in lengths of the plate."""
 LIMIT = REACH / ARM
-"""Mass of the load that balances the plate, over the plate's mass."""
+"""Ratio of the mass of a load that balances the plate to the plate's mass."""
 _FRONT, _BACK, _ASIDE = REACH - FOOT / 2, -0.3, 0.3
 LEGS = {
     2: ((_FRONT, 0.0), (_BACK, 0.0)),
     3: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (_BACK, 0.0)),
     4: ((_FRONT, _ASIDE), (_FRONT, -_ASIDE), (_BACK, _ASIDE), (_BACK, -_ASIDE)),
 }
-"""Middles of the legs in x and y, in lengths of the plate."""
+"""Middles of the legs in x and y, in lengths of the plate, by the number of legs."""
 
 
 @scenario
 def table(*, legs: Annotated[int, Whole(2, 4)] = 4, margin: Margin = 0.3, scale: Scale = 2.5) -> Plan:
-    """Build a plate on legs, and a load that lies beyond them.
+    """Build a plate on legs, and a load that lies beyond the legs.
 
     Args:
         legs: number of legs, 2, 3 or 4; two legs carry a plank, more legs a square plate.

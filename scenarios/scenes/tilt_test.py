@@ -1,16 +1,17 @@
-"""A prebuilt stack on ground that tilts slowly until a brick moves: gravity turns, 0.1 deg/s near the exact angle.
+"""A prebuilt stack on ground that tilts until a brick moves: gravity turns, at 0.1 deg/s near the exact angle.
 
 Theory (mu = 0.45; L, b, t: length, width and thickness of a plank; theta = 72 deg: angle of leaning planks):
 
 - column of 10 planks, along them: it slides at atan(mu) = 24.228 deg;
 - column, across: it tips at atan(b / 10 t) = 16.699 deg;
-- V along: its four forces are statically determinate. Moments about both feet give the ridge's force (h, v), with
-  v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))) at a slope a. The
-  ridge slips where v / h = mu if its normal is the bisector, which is horizontal: 2.117 deg. With the face of either
-  plank as the normal, the limits follow from v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
-- V and card house of three storeys, across: they tip at atan(b / 2 z), z the height of the centre of mass: 11.631 and
-  4.714 deg;
-- card house along: its top V slips first, as the V alone.
+- V, along the planks: the forces at its feet and its ridge are statically determinate. Moments about both feet give the
+  ridge's force (h, v) at a slope a, with
+  v / h = tan(a) sin(theta) (L sin(theta) + t cos(theta)) / (cos(theta) (L cos(theta) - t sin(theta))). If the ridge's
+  normal is the bisector, which is horizontal, the ridge slips at v / h = mu: 2.117 deg. With the face of either plank
+  as the normal, the ridge slips at v / h = tan(atan(mu) +- (90 deg - theta)): 4.263 and 0.513 deg;
+- V and card house of three storeys, across the planks: they tip at atan(b / 2 z), where z is the height of the centre
+  of mass: 11.631 and 4.714 deg;
+- card house, along the planks: its top V slips first, at the angles of the V alone.
 
 Look for: the onset, when a brick has moved by 1 % of its thickness or turned by 0.5 deg. The harness measures the angle
 of the onset, and the angle at which exact statics finds no equilibrium with the engine's own contact normals.
@@ -33,7 +34,7 @@ from scenarios.scenes.shared.prebuilt import closed
 THETA = 72.0
 """Angle [deg] between leaning planks and the ground."""
 PLANKS = 10
-"""Planks of the column."""
+"""Number of planks of the column."""
 AXES = {"along": (0.0, 1.0), "across": (-1.0, 0.0)}
 """Axes of the tilt, by heading; the low end is at +x for "along", at +y for "across"."""
 REST_S = 2.0
@@ -57,9 +58,9 @@ class TiltLimits(NamedTuple):
     exact: float
     """Slope with the bisector as the normal of a ridge."""
     least: float
-    """Slope with the face of a plank as the normal of a ridge, for the worse face."""
+    """Slope with the normal of a plank's face as the normal of a ridge, for the face with the lesser slope."""
     greatest: float
-    """Slope with the face of a plank as the normal of a ridge, for the better face."""
+    """Slope with the normal of a plank's face as the normal of a ridge, for the face with the greater slope."""
 
 
 @dynamic_scenario

@@ -4,10 +4,11 @@ Theory: a post of width b and height h balances on an edge at atan(b / h), 5.711
 of mass beyond the vertical above the edge, and R = sqrt(b^2 + h^2) / 2 the distance of the centre from the edge,
 
     phi'' = k sin(phi),    k = 3 g / (4 R)          (moment of inertia about the edge: m (b^2 + h^2) / 3)
-    t(phi0 -> phi) = (K(m) - F(asin(cos(phi / 2) / cos(phi0 / 2)), m)) / sqrt(k),    m = cos(phi0 / 2)^2
+    t(phi0 -> phi) = (K(n) - F(asin(cos(phi / 2) / cos(phi0 / 2)), n)) / sqrt(k),    n = cos(phi0 / 2)^2
 
-with the complete and the incomplete elliptic integral of the first kind. Released 0.2 (0.05) deg beyond the balance,
-the post lies on the ground after 1.77 (2.14) s; 0.5 s after its release its centre moves at 22 (5.7) mm/s.
+with the mass m, and with the complete and the incomplete elliptic integral of the first kind, K and F, of parameter n.
+Released 0.2 (0.05) deg beyond the balance, the post lies on the ground after 1.77 (2.14) s; 0.5 s after its release its
+centre moves at 22 (5.7) mm/s.
 
 Look for: an engine that puts slow bodies to sleep lets the post stand at an angle at which it cannot stand.
 """
@@ -69,8 +70,8 @@ def post_fall_s(start: float, end: float) -> float:
     """Return the time [s] in which the post turns, from rest, between two angles [deg] beyond its balance.
 
     Args:
-        start: initial angle; above 0.
-        end: final angle; ``90 - BALANCE`` is flat on the ground.
+        start: initial angle [deg], above 0.
+        end: final angle [deg]; at ``90 - BALANCE`` the post lies flat on the ground.
     """
     first, last = math.radians(start) / 2, math.radians(end) / 2
     rate = math.sqrt(3 * GRAVITY / (2 * math.hypot(WIDTH, HEIGHT)))

@@ -1,7 +1,7 @@
 """Planks that lie across a table and a trapdoor, which drops away below them.
 
 Theory: the door drops faster than in free fall, so that it neither pulls nor pushes the planks. Then only the table
-carries the planks, and they stand if their centre of mass is above it.
+carries the planks, and the planks stand if their centre of mass is above the table.
 
 Look for: a frozen stack on a door must react when the door opens; a stack that does not need the door must stay.
 """
@@ -30,8 +30,8 @@ DROP_M_S, DROP_S = 2.0, 0.06
 PAUSE_S = 2.0
 """Time from the last plank to the drop [s]."""
 MIN_DISTANCE = 4.0
-"""Distance [mm] of the centre from the table's edge beyond which the answer is known, because a dropped plank, or an
-edge that yields, may shift by tenths of a millimetre."""
+"""Least distance [mm] of the planks' centres from the table's edge at which the answer is known, because a dropped
+plank, or an edge that yields, may shift by tenths of a millimetre."""
 
 
 @dynamic_scenario
@@ -39,7 +39,8 @@ def trapdoor(*, beyond: Annotated[float, Real(-40.0, 40.0)] = 10.0, levels: Anno
     """Build planks that lie across a table and a trapdoor, which drops away below them.
 
     Args:
-        beyond: distance [mm] of the planks' centres beyond the table's edge; negative if above the table.
+        beyond: distance [mm] of the planks' centres beyond the table's edge; negative if the centres are above the
+            table.
         levels: number of planks.
     """
     table = Brick((2 * LENGTH, 3 * WIDTH, TOP), 1.0, (-LENGTH, 0.0, TOP / 2))

@@ -10,7 +10,8 @@ The wall may be split vertically, so that each half holds one corner of the plan
 tiles. In theory this changes nothing, but more than two bodies then hold the plank, and the paper's rule allows only
 two.
 
-Look for: the foot slips, and the plank slides down the wall; a plank that stays below the limit is a false stand.
+Look for: the foot slips, and the plank slides down the wall. A plank that stays at rest with less friction than the
+limit is a false stand.
 """
 
 from __future__ import annotations

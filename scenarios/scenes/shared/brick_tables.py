@@ -14,11 +14,11 @@ from scenarios.parameters import Real
 FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
 FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
 LARGEST = 1e3
-"""Upper limit [m, s] of a number in a file, because a larger number is a typing error."""
+"""Upper limit of a length [m], a coordinate [m] or a time [s] in a file, because a larger number is a typing error."""
 _HEAVIEST = 1e6
 """Upper limit [kg] of a mass in a file, because a larger mass is a typing error."""
 _UNIT = 1e-6
-"""Tolerance of a quaternion's length."""
+"""Greatest difference between a quaternion's length and 1."""
 
 
 def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int) -> list[Mapping[str, Any]]:
@@ -34,7 +34,11 @@ def read_tables(content: Mapping[str, Any], name: str, *, least: int, most: int)
 
 
 def read_number(name: str, value: object, least: float, most: float) -> float:
-    """Return the number of the required field ``name``."""
+    """Return the number in the required field ``name``.
+
+    Raises:
+        ValueError: if ``value`` is None (the field is missing), or no number from ``least`` to ``most``.
+    """
     if value is None:
         raise ValueError(f"{name} is missing: add this field")
     return Real(least, most).check(name, value)

@@ -8,7 +8,7 @@ from scenarios.model import Brick, Scene, Vector
 from scenarios.planks import THICKNESS
 
 PEDESTAL = 6 * THICKNESS
-"""Height of a pedestal [m] below a standard plank: high enough for a plank to tilt by more than 15 degrees."""
+"""Height of a pedestal [m], which lets a standard plank without its pedestal tilt by more than 15 degrees."""
 
 
 def pedestals(scene: Scene, narrower: float) -> tuple[Brick, ...]:
@@ -16,8 +16,8 @@ def pedestals(scene: Scene, narrower: float) -> tuple[Brick, ...]:
 
     Args:
         scene: the scene before it is raised.
-        narrower: difference [m] between a brick's and its pedestal's edges in x and y. Pedestals must not touch where
-            bricks do, because a brick that has moved by a micrometre would rest on its neighbour's pedestal.
+        narrower: difference [m] between a brick's and its pedestal's edges in x and y. Pedestals must not touch even if
+            the bricks do, because a brick that has moved by a micrometre would rest on its neighbour's pedestal.
     """
     return tuple(_pedestal(brick, narrower) for brick in scene.bricks if brick.level == 1)
 

@@ -14,10 +14,12 @@ The cases:
 statics alone: a body that a policy freezes before the first step must also fall later. A scene of case 1 and a scene of
 case 3 form a pair if they come from the two sides of a pair.
 
-The removed brick is the first, level by level from the lowest, without which exact statics finds no equilibrium under
-either ridge convention, and whose loss can be seen: a brick loses all of its support, or the support was ``TALL`` times
-as tall as the brick is thin. If no brick qualifies (flat planks with two supports each), the stack stands on
-pedestals, and one pedestal is removed.
+The removed brick is the first, level by level from the lowest, that fulfils two conditions. If no brick qualifies (flat
+planks with two supports each), the stack stands on pedestals, and one pedestal is removed. The conditions:
+
+- Without the brick, exact statics finds no equilibrium, under both ridge conventions.
+- The loss of the brick is visible: a brick on it loses all of its support, or the removed brick was at least ``TALL``
+  times as high as the least edge of a brick on it.
 """
 
 from __future__ import annotations
@@ -38,24 +40,24 @@ from scenarios.statics.falling import fall_time
 from scenarios.statics.truth import equilibrium_among
 
 STANDS_S = 3.0
-"""Time [s] for which a prebuilt stack must stand: several times the fall time of any engine."""
+"""Time [s] for which a prebuilt stack must stand: several times the time of a fall in any engine."""
 WITHIN = 3.0
-"""Allowed time of a fall over ``fall_time``, because engines may tip a stack about a softer edge, and show the fall a
-frame later."""
+"""Ratio of the allowed time of a fall to ``fall_time``, because engines may tip a stack about a softer edge, and show
+the fall a frame later."""
 TALL = 3.0
-"""Height of a support, over the least edge of the brick on it, above which its loss is visible: with one end on the
-ground, the brick's centre has then sunk by more than half of that edge."""
+"""Least ratio of a support's height to the least edge of the brick on it at which the loss of the support is visible:
+when one end of the brick has sunk to the ground, the brick's centre has sunk by 1.5 times its least edge."""
 RIDGES: tuple[Ridge, ...] = ("bisector", "face")
 """Conventions of the normal of a ridge; a scene removes a brick only if the rest falls under both conventions."""
 _UPWARD = 0.1
-"""Vertical component of the normal above which a contact bears load."""
+"""Vertical component of the unit normal from which a contact counts as a support; a contact below counts as a ridge."""
 
 
 def at_once(scene: Scene) -> Scene:
     """Return the prebuilt variant of a scene.
 
     Raises:
-        ValueError: if the scene is dynamic or has no known answer, or if no single brick bears the rest.
+        ValueError: if the scene is dynamic or has no known answer, or if there is no brick without which it falls.
     """
     _check(scene)
     scene = closed(scene)
@@ -145,7 +147,7 @@ def _merged(scene: Scene, built: str) -> Scene:
 
 
 def _falling(scene: Scene, bricks: Sequence[Brick]) -> Scene:
-    """Return the scene of prebuilt bricks that must fall at once."""
+    """Return the scene with ``bricks`` as a prebuilt stack that must fall at once."""
     seconds = fall_time(bricks, scene.world)
     within = round(WITHIN * seconds, 3)
     theory = f"{scene.expectation.theory}; within {within:.2f} s, because its mechanism takes {seconds:.2f} s from rest"
@@ -198,7 +200,7 @@ def _load_bearing(scene: Scene) -> int | None:
 def _seen_without(
     index: int, gone: set[int], bricks: Sequence[Brick], patches: Sequence[Patch], height: float
 ) -> list[int]:
-    """Return the neighbours of a brick whose fall could be seen if they need the brick."""
+    """Return the indices of the bricks that touch the brick ``index`` and that would fall visibly if they need it."""
     present = [patch for patch in patches if not gone & {patch.first, patch.second}]
     touching = {*(p.second for p in present if p.first == index), *(p.first for p in present if p.second == index)}
     rest = [patch for patch in present if index not in (patch.first, patch.second)]
@@ -232,7 +234,7 @@ def _removed(scene: Scene) -> set[int]:
 
 
 def _raised(scene: Scene) -> Scene:
-    """Return a prebuilt stack on pedestals."""
+    """Return a prebuilt stack on pedestals; the scene itself with fixed boxes, or if its lowest bricks lean."""
     lowest = [brick for brick in scene.bricks if brick.level == 1]
     if scene.world.fixed or any(brick.quaternion[1:3] != (0.0, 0.0) for brick in lowest):
         return scene

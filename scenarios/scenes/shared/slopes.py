@@ -10,7 +10,7 @@ from scenarios.planks import MU
 TILT_S = 3.0
 """Duration [s] of the tilt."""
 MIN_ANGLE = 2.0
-"""Distance [deg] from the friction angle beyond which the answer is known."""
+"""Least distance [deg] from the friction angle at which the answer is known."""
 
 
 def on_slope(angle: float, falls_at: int, tilts_at_s: float) -> Expectation:
@@ -18,7 +18,7 @@ def on_slope(angle: float, falls_at: int, tilts_at_s: float) -> Expectation:
 
     Args:
         angle: final angle of the slope [deg], reached within ``TILT_S``.
-        falls_at: level at which they fall if they slide.
+        falls_at: level at which the scene falls if the planks slide.
         tilts_at_s: start of the tilt [s].
     """
     limit = math.degrees(math.atan(MU))

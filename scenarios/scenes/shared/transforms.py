@@ -1,4 +1,4 @@
-"""Transforms of a whole scene that do not change statics: its size, its mass and its direction.
+"""Transforms of a whole scene that do not change statics: changes of its size, its mass and its direction.
 
 ``resized`` enlarges a scene of statics. Gravity stays the same, so with the factor L
 
