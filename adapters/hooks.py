@@ -42,8 +42,8 @@ class EngineHooks(ABC):
     """The bricks that the host plans to spawn; the host may spawn other bricks as well."""
 
     @staticmethod
-    def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to the check of their file of profiles
-        """Return whether a varied profile may set a knob of this name that no file of profiles sets."""
+    def knows_knob(name: str, /) -> bool:  # noqa: ARG004 - adapters set it to the check of their profile file
+        """Return whether a varied profile may set the knob ``name`` although the profile file does not set it."""
         return False
 
     # -- the world ---------------------------------------------------------------------------------

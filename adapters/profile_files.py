@@ -39,7 +39,7 @@ Knobs = Mapping[str, Knob]
 
 
 class ProfileFileError(ValueError):
-    """Error for an invalid file of profiles; the message names the file, the entry and the fix."""
+    """Error for an invalid profile file; the message names the file, the entry and the fix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ def _settings(content: Mapping[str, Any]) -> EngineSettings:
     tables = _table("profiles", content)
     if "default" not in tables:
         raise ProfileFileError(
-            "the table [profiles.default] is missing; add this table, with the settings that the package ships"
+            "the table [profiles.default] is missing; add this table, with the settings that the engine's package ships"
         )
     profiles = {name: _profile(name, table, shared) for name, table in tables.items()}
     unused = set(shared) - {name for table in tables.values() for name in table.get("shared", ())}

@@ -348,7 +348,10 @@ class StabilityExtension:
         return self._send(batch)
 
     def _send(self, batch: Batch) -> Change:
-        """Send a batch to the engine and record its reasons; if the engine raises, the next update tries again."""
+        """Send a batch to the engine and record the reasons of the batch.
+
+        If the engine raises, the next update tries again.
+        """
         try:
             change = batch.hand_over(self.port)
         except BaseException:

@@ -19,7 +19,7 @@ def track(bodies: Bodies, masses: MassArrays, dt: float) -> int:
     A new body has no speed yet and counts as infinitely fast. ``kinematic.follow_host`` updates kinematic bodies.
 
     Returns:
-        Number of frozen bodies in the list.
+        Number of frozen bodies in ``masses``.
     """
     ids, mass, center = masses.body, masses.mass, masses.center
     frozen = 0

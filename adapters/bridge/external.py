@@ -79,7 +79,7 @@ class ExternalEntry:
 
         Raises:
             PeerError: if the engine cannot be started, or its hello message is not valid.
-            ProfileFileError: if its file of profiles is invalid.
+            ProfileFileError: if its profile file is invalid.
         """
         return _class_of(self)
 

@@ -78,10 +78,11 @@ class Baseline(_Model):
 
     @model_validator(mode="after")
     def _shares_are_whole(self) -> Baseline:
-        if any(set(parts) != set(PARTS) for parts in self.shares.values()):
-            raise ValueError(
-                f"shares: each trial must have exactly the parts {', '.join(PARTS)}, but a trial has other parts"
-            )
+        for trial, parts in self.shares.items():
+            if set(parts) != set(PARTS):
+                raise ValueError(
+                    f"shares of trial {trial!r}: must be exactly the parts {', '.join(PARTS)}, got {', '.join(parts)}"
+                )
         return self
 
     def machine(self, record: TrialRecord) -> Machine | None:

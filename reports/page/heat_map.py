@@ -66,7 +66,8 @@ class HeatMap:
     """Heat map with its columns, rows and legend."""
 
     by: str
-    """Filter of the comparison that selects a column: ``scene`` for a scene, ``text`` for a family."""
+    """Name of the comparison's filter that selects the rows of one column of this map: ``scene`` if columns are scenes,
+    ``text`` if columns are families."""
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
     legend: tuple[tuple[str, str], ...]

@@ -56,8 +56,8 @@ TOGETHER = 12
 """Greatest number of candidates judged together within a budget, because few bodies hold each other in a pile, and a
 solve of fifty bodies that lean on each other takes 0.5 s."""
 DEAR = 16
-"""Number of bodies above which a solve is expensive. The policy does not judge bodies that an expensive solve
-leaves in doubt again within ``doubt_s``, even if their surroundings change."""
+"""Number of bodies above which a solve is expensive. If an expensive solve leaves bodies in doubt, the policy judges
+these bodies again only after ``doubt_s``, even if their surroundings change earlier."""
 FEW_TOGETHER = 16
 """Greatest number of bodies in a joint solve of live bodies with the stack below them. The limit is ``FEW_BODIES`` if
 all contacts of the live bodies are load-bearing."""
@@ -373,5 +373,8 @@ class Equilibrium(Policy):
         return ids[:0]
 
     def _prove(self, graph: Graph, ids: IntArray) -> None:
-        """Record that the frozen bodies ``ids`` stand together, lowest first; a region builds on lower regions."""
+        """Record that the frozen bodies ``ids`` stand together.
+
+        The records are made from the lowest body up, because a region builds on lower regions.
+        """
         keep_proofs(graph, self._regions, ids[np.argsort(graph.bodies["center"][ids, 2], kind="stable")])

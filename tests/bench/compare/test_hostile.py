@@ -61,7 +61,7 @@ HOSTILE = {
     "no trial": (lambda good: edited(good, trials=[]), "trials"),
     "trial twice": (lambda good: edited(good, trials=json.loads(good.read_text())["trials"] * 2), "occurs twice"),
     "negative share": (lambda good: edited(good, shares={"x": {"engine": 1, "readback": 1, "core": -1}}), "shares"),
-    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "each trial must have exactly the parts"),
+    "half a share": (lambda good: edited(good, shares={"x": {"core": 1}}), "must be exactly the parts"),
     "negative tolerance": (lambda good: edited(good, tolerances={"x": {"levels": -1}}), "tolerances"),
 }
 
