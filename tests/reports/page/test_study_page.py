@@ -237,6 +237,7 @@ def test_a_row_of_a_public_thread_names_it(tmp_path, open_page) -> None:
     opened.select_option("#filters [name=scene]", "issue_bullet3_3049")
     assert [row.split("\t")[0].split() for row in shown(opened)] == [["issue_bullet3_3049", thread.name]]
     opened.locator("#table tr:visible summary").click()
+    opened.locator("#table details[open] .command").first.wait_for()  # the page writes commands once a row is opened
     details = opened.locator("#table details[open]").inner_text()
     assert f"Reported in {thread.name}, of its own engine and settings: {thread.reported}." in details
     assert "--scenario own_scene" in details

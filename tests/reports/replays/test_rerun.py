@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import subprocess
@@ -74,7 +75,10 @@ def test_a_viewer_receives_the_bricks_that_change(tmp_path) -> None:
         port = free.getsockname()[1]
     out = tmp_path / "live.rrd"
     viewer = subprocess.Popen(
-        [sys.executable, "-m", "rerun", "--save", str(out), "--port", str(port)], stderr=subprocess.DEVNULL
+        [sys.executable, "-m", "rerun", "--save", str(out), "--port", str(port)],
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # the viewer is a child of this process, and gets its signals through the group
+        preexec_fn=_heed_interrupts,
     )
     try:
         _await_port(port)
@@ -103,15 +107,17 @@ def _await_port(port: int) -> None:
     pytest.fail("the viewer did not open its port")
 
 
+def _heed_interrupts() -> None:
+    """Undo an ignored SIGINT, which processes inherit from a shell that runs them in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def _end(viewer: subprocess.Popen[bytes]) -> None:
-    """Let the viewer write its file and exit; the first signal may come before the viewer handles signals."""
+    """Let the viewer write its file and exit; then end what is left of its process group."""
+    os.killpg(viewer.pid, signal.SIGINT)
     try:
-        for _ in range(12):
-            viewer.send_signal(signal.SIGINT)
-            with suppress(subprocess.TimeoutExpired):
-                viewer.wait(5)
-                return
-        pytest.fail("the viewer did not exit within a minute")
+        viewer.wait(60)
     finally:
-        viewer.kill()
+        with suppress(ProcessLookupError):
+            os.killpg(viewer.pid, signal.SIGKILL)
         viewer.wait()
