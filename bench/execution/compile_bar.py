@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from stability_core.compiled import KEPT, NOT_KEPT
 
+_TEXT = "compiling the core, once per version"
 _POLL_S = 0.5
 """Interval of the counts of compiled kernels [s]."""
 
@@ -26,7 +27,7 @@ class CompileBar(AbstractContextManager["CompileBar"]):
     def __init__(self, console: Console) -> None:
         self._console = console
         self._bar = Progress(
-            TextColumn("compiling the core, once per version"),
+            TextColumn(_TEXT),
             BarColumn(bar_width=24),
             TextColumn("{task.completed:.0f} of up to {task.total:.0f} kernels"),
             TimeElapsedColumn(),
@@ -70,6 +71,8 @@ class CompileBar(AbstractContextManager["CompileBar"]):
         while not self._is_over.wait(_POLL_S):
             count = kernels_cached()
             if count > self._cached and self._task is None:
+                if self._console.is_dumb_terminal:  # which cannot move its cursor, so that no bar is drawn
+                    self._console.print(_TEXT, highlight=False)
                 self._bar.start()
                 self._task = self._bar.add_task("", total=len(KEPT))
             if self._task is not None:

@@ -34,9 +34,9 @@ def cache(tmp_path, monkeypatch) -> Path:
     return folder
 
 
-def shown(*, terminal: bool, compiles: tuple[str, ...], cache: Path) -> str:
+def shown(*, terminal: bool, compiles: tuple[str, ...], cache: Path, kind: str = "xterm") -> str:
     page = io.StringIO()
-    with CompileBar(Console(file=page, force_terminal=terminal, width=120)):
+    with CompileBar(Console(file=page, force_terminal=terminal, width=120, _environ={"TERM": kind})):
         for name in compiles:
             (cache / f"frame.{name}-1.py311.nbi").touch()
         time.sleep(0.5)
@@ -55,7 +55,7 @@ def test_the_real_cache_names_kernels_as_is_assumed() -> None:
     from stability_core.compiled import KEPT
 
     folders = {Path(one.stats.cache_path) for one in KEPT}
-    if not any(folder.glob("*.nbi") for folder in folders):
+    if not [index for folder in folders for index in folder.glob("*.nbi")]:
         pytest.skip("no kernel of the core is compiled yet")
     assert 0 < kernels_cached() <= len(KEPT)
 
@@ -65,6 +65,12 @@ def test_a_terminal_shows_a_bar_and_then_one_line(cache: Path) -> None:
     assert "compiling the core, once per version" in text
     assert "3 of up to 3 kernels" in text
     assert "compiled the core: 2 kernels in" in text.splitlines()[-1]
+
+
+def test_a_terminal_that_cannot_move_its_cursor_shows_two_lines(cache: Path) -> None:
+    first, last = shown(terminal=True, compiles=("resolve",), cache=cache, kind="dumb").split("\n", 1)
+    assert first == "compiling the core, once per version"
+    assert last.strip().startswith("compiled the core: 1 kernels in")
 
 
 @pytest.mark.parametrize(("terminal", "compiles"), [(True, ()), (False, ("resolve",))])
