@@ -34,7 +34,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
-from adapters._bullet_world import HEAVY, KNOBS, BulletWorld
+from adapters._bullet_world import KNOBS, BulletWorld
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
 from adapters.shared.contact_forces import SubstepForces
@@ -129,10 +129,7 @@ class BulletSimulation(SubstepSimulation):
 
     def _drive(self, body: int, linear: Vector, angular: Vector, seconds: float) -> None:  # noqa: ARG002
         handle = self._handles[body]
-        place, _ = pybullet.getBasePositionAndOrientation(handle, self._client)
-        x, y, z = self.world.gravity
-        lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)
-        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self._client)
+        self._engine.cancel_gravity(handle, self.world.gravity)
         pybullet.resetBaseVelocity(handle, linear, angular, self._client)
 
     def _set_gravity(self, gravity: Vector) -> None:
@@ -176,10 +173,7 @@ class BulletSimulation(SubstepSimulation):
 
     def _freeze(self, body: int) -> None:
         handle = self._handles[body]
-        self._engine.stop(handle)
-        pybullet.changeDynamics(
-            handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self._client
-        )
+        self._engine.freeze(handle)
         for other in self.bodies.moved:  # heavy, not kinematic: the brick would stop it, and be kicked when unfrozen
             self._engine.let_collide(self._handles[other], handle, do=False)
 

@@ -103,6 +103,20 @@ class BulletWorld:
         """End the engine's own sleep of a body, because a new velocity alone does not end it."""
         pybullet.changeDynamics(handle, -1, activationState=self.awake, physicsClientId=self.client)
 
+    def freeze(self, handle: int) -> None:
+        """Make a body static and asleep."""
+        self.stop(handle)
+        pybullet.changeDynamics(
+            handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self.client
+        )
+
+    def cancel_gravity(self, handle: int, gravity: Vector) -> None:
+        """Apply the force to a moved body that cancels ``gravity`` [m/s2] in the next step."""
+        place, _ = pybullet.getBasePositionAndOrientation(handle, self.client)
+        x, y, z = gravity
+        lift = (-HEAVY * x, -HEAVY * y, -HEAVY * z)
+        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, self.client)
+
     def stop(self, handle: int) -> None:
         """Set both velocities of a body to zero."""
         pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self.client)
