@@ -45,8 +45,8 @@ from scipy.optimize import linprog
 from scipy.sparse import csc_array, hstack
 
 from scenarios.geometry import FloatArray
-from scenarios.statics.contact_patch import GROUND, Patch
-from scenarios.statics.contact_wrenches import Corners
+from scenarios.statics.contact_patch import Patch
+from scenarios.statics.contact_wrenches import Corners, patches_among
 from scenarios.statics.force_balance import BALANCED, SOLVER, Balance
 
 SIDES = 16
@@ -167,7 +167,9 @@ class _Stack:
         None if no body stays.
         """
         while len(present):
-            corners = Corners(self.centers[present], self.weights[present], _among(present, self.patches), self.length)
+            corners = Corners(
+                self.centers[present], self.weights[present], patches_among(present.tolist(), self.patches), self.length
+            )
             angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
             solution = Balance(corners).solve(self.friction, angles)
             if solution.residual <= BALANCED:
@@ -216,13 +218,3 @@ def _moving(motion: FloatArray) -> BoolArray:
     speeds = np.abs(motion.reshape(-1, 6)).max(axis=1)
     moving: BoolArray = speeds >= _MOVES * speeds.max()
     return moving
-
-
-def _among(present: npt.NDArray[np.int64], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between the bodies ``present``, with the bodies' indices in ``present``."""
-    place = {body: index for index, body in enumerate(present.tolist())} | {GROUND: GROUND}
-    return [
-        patch._replace(first=place[patch.first], second=place[patch.second])
-        for patch in patches
-        if patch.first in place and patch.second in place
-    ]

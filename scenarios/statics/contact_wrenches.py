@@ -58,6 +58,16 @@ class Corners:
         return csc_array(entries, shape=(6 * self.bodies, p * k))
 
 
+def patches_among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
+    """Return the patches between the bodies ``present``, with the bodies' indices in ``present``."""
+    place = {body: index for index, body in enumerate(present)} | {GROUND: GROUND}
+    return [
+        patch._replace(first=place[patch.first], second=place[patch.second])
+        for patch in patches
+        if patch.first in place and patch.second in place
+    ]
+
+
 def _tangents(normals: FloatArray) -> FloatArray:
     """Return two unit vectors perpendicular to each normal (p, 3) and to each other, shape (2, p, 3)."""
     least = np.eye(3)[np.abs(normals).argmin(axis=1)]

@@ -27,7 +27,8 @@ import numpy as np
 
 from scenarios.geometry import Boxes, FloatArray
 from scenarios.model import Brick, Place, Remove, Scene, World
-from scenarios.statics.contact_patch import GROUND, Patch, Ridge, contact_patches
+from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
+from scenarios.statics.contact_wrenches import patches_among
 from scenarios.statics.force_balance import Statics, solve_balance
 from scenarios.statics.loading import Loading, load_from_zero
 
@@ -74,7 +75,7 @@ def equilibrium_among(
         patches: contact patches of all bricks, from ``contact_patch.contact_patches``.
         world: friction and gravity.
     """
-    return _judge([bricks[index] for index in present], _among(present, patches), world)
+    return _judge([bricks[index] for index in present], patches_among(present, patches), world)
 
 
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
@@ -151,16 +152,6 @@ def judge(
         if loading.verdict != "stands":
             return replace(statics, by="loading", why=f"needs prestress with {less:.3g} of friction: {loading.why}")
     return replace(statics, verdict="stable", by="loading", why="")
-
-
-def _among(present: Sequence[int], patches: Sequence[Patch]) -> list[Patch]:
-    """Return the patches between the bricks ``present``, with the bricks' indices in ``present``."""
-    place = {brick: index for index, brick in enumerate(present)} | {GROUND: GROUND}
-    return [
-        patch._replace(first=place[patch.first], second=place[patch.second])
-        for patch in patches
-        if patch.first in place and patch.second in place
-    ]
 
 
 def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World) -> Statics:
