@@ -19,13 +19,14 @@ from adapters.shared.bodies import NO_FORCE, Bodies
 from adapters.shared.contact_completion import fixed_id, prepare
 from adapters.shared.ground import ground_box
 from adapters.shared.input_checks import (
-    check_box,
+    check_body,
     check_finite,
     check_mass,
     check_pose,
     check_pose_in_plane,
     check_vector_in_plane,
 )
+from adapters.shared.refusals import check_capable
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, FloatArray, IntArray
 
@@ -38,18 +39,23 @@ class Simulation(EngineHooks):
     port_type: ClassVar[type[EnginePort]] = EnginePort
 
     def __init__(self, profile: Profile, world: World, sleeping: Sleeping, expected: Sequence[Brick]) -> None:
-        """Open an empty world with its ground and its fixed boxes.
+        """Open an empty world with its ground and its fixed bodies.
 
         Args:
             profile: one of ``profiles``.
-            world: friction, gravity and fixed boxes.
+            world: friction, restitution, gravity and fixed bodies.
             sleeping: mode of the engine's own sleeping: off, as shipped, or with its threshold raised.
             expected: the bricks that the host plans to spawn, for engines that must allocate in advance.
                 An adapter may ignore this list, and must also accept other bricks.
+
+        Raises:
+            ValueError: if a fixed body is not valid.
+            NotImplementedError: if the adapter cannot build a fixed or an expected body; the message gives the reason.
         """
-        for box in world.fixed:
-            check_box(box)
-            self._check_pose_in_plane(box.position, box.quaternion)
+        for body in world.fixed:
+            check_body(body)
+            self._check_pose_in_plane(body.position, body.quaternion)
+        check_capable(self.engine, self.capabilities, world, (*world.fixed, *expected))
         self._check_vector_in_plane("gravity", world.gravity, "m/s2")
         self.world = world
         self.expected = tuple(expected)
@@ -97,11 +103,13 @@ class Simulation(EngineHooks):
         """Add a brick at rest to the world, live or moved by the host; return its id.
 
         Raises:
-            ValueError: if size or mass is not positive and finite, or the pose is not finite, or leaves the plane of a
-                planar engine.
+            ValueError: if size or mass is not positive and finite, or the shape is not valid, or the pose is not
+                finite, or leaves the plane of a planar engine.
+            NotImplementedError: if the adapter cannot build the brick; the message gives the reason.
         """
         check_mass(brick)
-        check_box(brick)
+        check_body(brick)
+        check_capable(self.engine, self.capabilities, self.world, (brick,))
         self._check_pose_in_plane(brick.position, brick.quaternion)
         body = self.bodies.new_id()
         (self._spawn_moved if brick.moved else self._spawn)(body, brick)

@@ -120,6 +120,14 @@ class Capabilities:
     both edges, as between ideal bricks. With "face" a V holds only if its planks are steeper than 90 deg - atan(mu)."""
     planar: bool = False
     """True for a 2-D engine, which runs planar scenes only."""
+    shapes: tuple[str, ...] = ("box",)
+    """Names of the shapes that the adapter builds: see ``scenarios.shapes.name_of``."""
+    own_friction: bool = False
+    """True if bodies may have coefficients of friction of their own, of which a pair has the geometric mean."""
+    restitution: bool = False
+    """True if bodies may have coefficients of restitution above 0, of which a pair has the geometric mean."""
+    own_moments: bool = False
+    """True if a body may have moments of inertia of its own."""
 
 
 @dataclass(frozen=True, slots=True)

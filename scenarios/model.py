@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from scenarios.shapes import Shape
+
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 
@@ -26,30 +28,45 @@ class World:
     """Properties that all bricks of a scene share. The ground's upper face is z = 0."""
 
     friction: float = 0.45
-    """Coulomb coefficient of every pair: brick on brick, on ground and on fixed boxes."""
+    """Coulomb coefficient of the ground, and of every brick and fixed body without its own. A pair has the geometric
+    mean of both coefficients."""
     gravity: Vector = (0.0, 0.0, -9.81)
     """Gravitational acceleration [m/s2]."""
     fixed: tuple[Brick, ...] = ()
-    """Boxes that never move: walls, tables, ceilings. Fixed boxes may touch each other and the ground; their mass and
-    level have no effect. In contacts, fixed boxes count as part of the ground."""
+    """Bodies that never move: walls, tables, ceilings. They may touch each other and the ground; their mass and level
+    have no effect. In contacts, they count as part of the ground."""
+    restitution: float = 0.0
+    """Coefficient of restitution of the ground, and of every brick and fixed body without its own. A pair has the
+    geometric mean of both coefficients."""
 
 
 @dataclass(frozen=True, slots=True)
 class Brick:
-    """A homogeneous rigid box in its planned pose."""
+    """A rigid convex body in its planned pose: a homogeneous box unless ``shape`` and ``moments`` say otherwise.
+
+    ``scenarios.solids`` makes bricks of other shapes.
+    """
 
     size: Vector
-    """Edge lengths [m] along the brick's own x, y and z."""
+    """Edge lengths [m], along the brick's own x, y and z, of the smallest box that holds the brick."""
     mass: float
     """Mass [kg]."""
     position: Vector
-    """Centre [m]. Its height is only planned: see ``Place``."""
+    """Centre of mass [m]. Its height is only planned: see ``Place``."""
     quaternion: Quaternion = UPRIGHT
     level: int = 1
     """Level of the brick in the stack; the lowest level is 1."""
     moved: bool = False
     """True for a body that only the host moves: a lift, a belt, a door. The body carries bricks. It must not touch the
-    ground, fixed boxes or other moved bodies. Its mass has no effect."""
+    ground, fixed bodies or other moved bodies. Its mass has no effect."""
+    shape: Shape = "box"
+    """Shape, in the brick's own frame: see ``scenarios.shapes``."""
+    friction: float | None = None
+    """Coulomb coefficient; None for the world's."""
+    restitution: float | None = None
+    """Coefficient of restitution; None for the world's."""
+    moments: Vector | None = None
+    """Moments of inertia [kg m2] about the brick's own axes; None for a homogeneous brick."""
 
 
 @dataclass(frozen=True, slots=True)

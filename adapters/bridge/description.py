@@ -13,6 +13,8 @@ from adapters.profile import Capabilities
 Detection = Literal["start", "end"]
 """Time of the poses at which the engine detects contact points: the start of the latest substep, or its end."""
 
+_NOT_IN_PROTOCOL = ("shapes", "own_friction", "restitution", "own_moments")
+"""Capabilities that an external engine cannot have, because the messages describe boxes of one friction only."""
 _UNLESS_SAID = {"relative_velocity": "from the velocities before the step", "frozen_contacts": False}
 
 
@@ -64,7 +66,7 @@ def _capabilities(said: Any) -> Capabilities:
     if not isinstance(said, dict):
         raise ProtocolError(f"hello: 'capabilities' must be a JSON object, got {said!r}")
     said = _UNLESS_SAID | said
-    known = {field.name: field for field in fields(Capabilities)}
+    known = {field.name: field for field in fields(Capabilities) if field.name not in _NOT_IN_PROTOCOL}
     for name, value in said.items():
         if name not in known:
             raise ProtocolError(f"hello: unknown capability '{name}'; use these: {', '.join(known)}")

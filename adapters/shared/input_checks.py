@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from scenarios.model import Brick, Quaternion, Vector
+from scenarios.solids import check_solid
 
 MAX_OFF_PLANE = 1e-9
 """Tolerance for rounding of a pose in a planar engine: distance from the plane [m], and quaternion component."""
@@ -24,10 +25,9 @@ def check_mass(brick: Brick) -> None:
         raise ValueError(f"brick mass must be positive and finite, got {brick.mass} kg")
 
 
-def check_box(brick: Brick) -> None:
-    """Raise ``ValueError`` unless a brick has three positive, finite edges and a valid pose."""
-    if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
-        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
+def check_body(brick: Brick) -> None:
+    """Raise ``ValueError`` unless a brick has a valid shape, size and pose."""
+    check_solid(brick)
     check_pose(brick.position, brick.quaternion)
 
 

@@ -9,7 +9,15 @@
     time = 0.0                         # time of placement, s; bricks with the same time are placed together
     yaw = 30.0                         # deg, optional; or quaternion = [w, x, y, z]
     removed = 8.0                      # time of removal, s, optional
-    [[fixed]]                          # a box that never moves: a wall, a table, a ceiling; optional
+    friction = 0.3                     # its own coefficient, optional; a pair has the geometric mean of both
+    [[brick]]
+    shape = "cylinder"                 # or "capsule", "sphere" (radius), "polyhedron" (vertices = [[x, y, z], ...])
+    radius = 0.03                      # m; the axis is the body's own z
+    length = 0.1                       # m; of a capsule, without both caps
+    position = [0.2, 0.0, 0.05]
+    density = 557.0                    # kg/m3, in place of the mass
+    time = 1.0
+    [[fixed]]                          # a body that never moves: a wall, a table, a ceiling; optional
     size = [0.02, 0.1, 0.1]
     position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
 
@@ -63,14 +71,14 @@ from scenarios.model import (
 from scenarios.parameters import Real, Value
 from scenarios.planks import MU
 from scenarios.scenario import dynamic_scenario
-from scenarios.scenes.shared.brick_tables import LARGEST, read_brick, read_fixed_box, read_number, read_tables
+from scenarios.scenes.shared.brick_tables import LARGEST, read_brick, read_fixed_body, read_number, read_tables
 from scenarios.scenes.shared.transforms import transformed
 from scenarios.statics.contact_patch import GROUND, contact_patches
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MOST_FIXED = 200
-"""Greatest number of fixed boxes in a file."""
+"""Greatest number of fixed bodies in a file."""
 MOST = 200
 """Greatest number of bricks in a file, because each build of the scene solves statics, which takes about a minute for
 the largest scenes."""
@@ -125,7 +133,7 @@ def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
         look_up("field", field, dict.fromkeys(("friction", "watch_s", "brick", "fixed")))
     tables = read_tables(content, "brick", least=1, most=MOST)
     fixed = tuple(
-        read_fixed_box(f"fixed[{n}]", one)
+        read_fixed_body(f"fixed[{n}]", one)
         for n, one in enumerate(read_tables(content, "fixed", least=0, most=MOST_FIXED))
     )
     watch_s = Real(WATCH_S, MOST_WATCH_S).check("watch_s", content.get("watch_s", WATCH_S))

@@ -24,6 +24,7 @@ import numpy as np
 
 from scenarios.geometry import Boxes, FloatArray, height_above_ground
 from scenarios.model import Brick
+from scenarios.shapes import name_of
 
 Ridge = Literal["bisector", "face"]
 
@@ -104,8 +105,11 @@ def contact_patches(
         tolerance: tolerances with which boxes touch.
 
     Raises:
-        ValueError: if two bricks overlap, or a brick overlaps a wall or the ground.
+        ValueError: if two bricks overlap, or a brick overlaps a wall or the ground, or a body is no box.
     """
+    for index, brick in enumerate([*bricks, *walls]):
+        if brick.shape != "box":
+            raise ValueError(f"{_name(index, bricks)} is a {name_of(brick.shape)}, but statics judges boxes only")
     boxes = Boxes.of([*bricks, *walls])
     reach = boxes.reach
     thin = 2 * np.linalg.norm(boxes.half_axes, axis=2).min(axis=1)

@@ -27,6 +27,7 @@ import numpy as np
 
 from scenarios.geometry import Boxes, FloatArray
 from scenarios.model import Brick, Place, Remove, Scene, World
+from scenarios.solids import friction_of
 from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
 from scenarios.statics.contact_wrenches import patches_among
 from scenarios.statics.force_balance import Statics, solve_balance
@@ -169,6 +170,8 @@ def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> Non
             raise ValueError(f"brick {index} must have finite numbers only, got {brick}: check for NaN")
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
+        if friction_of(brick, world) != world.friction:
+            raise ValueError(f"brick {index} has a friction of its own, but statics judges one friction for all only")
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):
         raise ValueError(f"gravity must be finite and not zero, got {world.gravity}")
     if not (np.isfinite(world.friction) and world.friction >= 0):

@@ -1,4 +1,4 @@
-"""Read bricks and fixed boxes from the tables of a TOML file; errors name table, field and allowed values."""
+"""Read bricks and fixed bodies from the tables of a TOML file; errors name table, field and allowed values."""
 
 from __future__ import annotations
 
@@ -8,15 +8,30 @@ from dataclasses import replace
 from typing import Any
 
 from scenarios.lookup import look_up
-from scenarios.model import UPRIGHT, Brick, Quaternion
-from scenarios.parameters import Real
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector
+from scenarios.parameters import Choice, Real
+from scenarios.shapes import SIMPLE_SHAPES
+from scenarios.solids import MAX_FRICTION, capsule, cylinder, polyhedron, sphere, volume_of
 
-FIELDS = ("size", "position", "mass", "time", "yaw", "quaternion", "removed")
-FIXED_FIELDS = ("size", "position", "yaw", "quaternion")
+SHAPE = Choice(*SIMPLE_SHAPES, "polyhedron")
+DIMENSIONS = {
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "sphere": ("radius",),
+    "polyhedron": ("vertices",),
+}
+"""Fields that give the dimensions of each shape."""
+FIXED_FIELDS = ("shape", "position", "yaw", "quaternion", "friction", "restitution")
+FIELDS = (*FIXED_FIELDS, "mass", "density", "time", "removed")
 LARGEST = 1e3
 """Upper limit of a length [m], a coordinate [m] or a time [s] in a file, because a larger number is a typing error."""
 _HEAVIEST = 1e6
 """Upper limit [kg] of a mass in a file, because a larger mass is a typing error."""
+_DENSEST = 1e5
+"""Upper limit [kg/m3] of a density in a file, because no substance is as dense."""
+_SMALLEST = 1e-4
+"""Lower limit [m] of an edge, a diameter or a length in a file, because a smaller number is an error in units."""
 _UNIT = 1e-6
 """Greatest difference between a quaternion's length and 1."""
 
@@ -52,22 +67,61 @@ def _numbers(name: str, value: object, count: int, least: float) -> tuple[float,
 
 def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
     """Return the brick of the table ``name``."""
-    box = _box(name, table, FIELDS)
-    return replace(box, mass=read_number(f"{name}.mass", table.get("mass"), 1e-6, _HEAVIEST))
+    brick = _solid(name, table, FIELDS)
+    if "density" not in table:
+        return replace(brick, mass=read_number(f"{name}.mass", table.get("mass"), 1e-6, _HEAVIEST))
+    if "mass" in table:
+        raise ValueError(f"{name} must have mass or density, got both: delete mass or density")
+    density = read_number(f"{name}.density", table["density"], 1e-3, _DENSEST)
+    return replace(brick, mass=density * volume_of(brick.shape, brick.size))
 
 
-def read_fixed_box(name: str, table: Mapping[str, Any]) -> Brick:
-    """Return the fixed box of the table ``name``, with a mass of 1 kg."""
-    return _box(name, table, FIXED_FIELDS)
+def read_fixed_body(name: str, table: Mapping[str, Any]) -> Brick:
+    """Return the fixed body of the table ``name``, with a mass of 1 kg."""
+    return _solid(name, table, FIXED_FIELDS)
 
 
-def _box(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
-    """Return the box of a table, with a mass of 1 kg."""
+def _solid(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
+    """Return the body of a table, with a mass of 1 kg."""
+    shape = SHAPE.check(f"{name}.shape", table.get("shape", "box"))
     for field in table:
-        look_up(f"field of {name}", field, dict.fromkeys(fields))
-    length, width, height = _numbers(f"{name}.size", table.get("size"), 3, 1e-4)
+        look_up(f"field of {name}", field, dict.fromkeys((*DIMENSIONS[shape], *fields)))
     x, y, z = _numbers(f"{name}.position", table.get("position"), 3, -LARGEST)
-    return Brick((length, width, height), 1.0, (x, y, z), _turn(name, table))
+    brick = _shaped(name, table, shape, (x, y, z), _turn(name, table))
+    return replace(
+        brick,
+        friction=_optional(f"{name}.friction", table.get("friction"), MAX_FRICTION),
+        restitution=_optional(f"{name}.restitution", table.get("restitution"), 1.0),
+    )
+
+
+def _shaped(name: str, table: Mapping[str, Any], shape: str, position: Vector, turn: Quaternion) -> Brick:
+    """Return a body of the shape and the dimensions in a table, with a mass of 1 kg."""
+    if shape == "box":
+        length, width, height = _numbers(f"{name}.size", table.get("size"), 3, _SMALLEST)
+        return Brick((length, width, height), 1.0, position, turn)
+    if shape == "polyhedron":
+        points = _points(f"{name}.vertices", table.get("vertices"))
+        try:
+            return polyhedron(points, position=position, quaternion=turn, mass=1.0)
+        except ValueError as error:
+            raise ValueError(f"{name}.vertices: {error}") from error
+    radius = read_number(f"{name}.radius", table.get("radius"), _SMALLEST / 2, LARGEST)
+    if shape == "sphere":
+        return sphere(radius, position=position, quaternion=turn, mass=1.0)
+    make = cylinder if shape == "cylinder" else capsule
+    length = read_number(f"{name}.length", table.get("length"), _SMALLEST, LARGEST)
+    return make(radius, length, position=position, quaternion=turn, mass=1.0)
+
+
+def _points(name: str, value: object) -> list[tuple[float, ...]]:
+    if not isinstance(value, list):
+        raise ValueError(f"{name} must be a list of points such as [[0.0, 0.0, 0.1], ...], got {value!r}")
+    return [_numbers(f"{name}[{k}]", point, 3, -LARGEST) for k, point in enumerate(value)]
+
+
+def _optional(name: str, value: object, most: float) -> float | None:
+    return None if value is None else read_number(name, value, 0.0, most)
 
 
 def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:

@@ -17,18 +17,16 @@ from scenarios.model import Action, Brick, Place, Remove, Scene, pace_of
 from scenarios.parameters import short
 from scenarios.scenario import SIZE
 from scenarios.scenes.shared.prebuilt import is_static
+from scenarios.solids import enlarged, reweighted
 
 
 def transformed(brick: Brick, size: float, mass: float, yaw: float) -> Brick:
     """Return a brick with lengths times ``size`` and mass times ``mass``, turned about the z axis by ``yaw`` [deg]."""
-    length, width, height = brick.size
     x, y, z = brick.position
     turn = math.radians(yaw)
     cos, sin = math.cos(turn), math.sin(turn)
     return replace(
-        brick,
-        size=(length * size, width * size, height * size),
-        mass=brick.mass * mass,
+        reweighted(enlarged(brick, size), mass),
         position=((cos * x - sin * y) * size, (sin * x + cos * y) * size, z * size),
         quaternion=turned(brick.quaternion, turn),
     )

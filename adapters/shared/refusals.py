@@ -1,0 +1,43 @@
+"""Refusal of bodies that an adapter cannot build; a trial that meets one ends as ``unsupported``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from adapters.profile import Capabilities
+from scenarios.model import Brick, World
+from scenarios.shapes import name_of
+from scenarios.solids import friction_of, restitution_of
+
+
+def check_capable(engine: str, can: Capabilities, world: World, bricks: Iterable[Brick]) -> None:
+    """Raise ``NotImplementedError``, which gives the reason and the fix, if an engine cannot build one of ``bricks``.
+
+    Args:
+        engine: name of the engine.
+        can: its capabilities.
+        world: the world of the bricks.
+        bricks: the bricks.
+    """
+    if world.restitution > 0 and not can.restitution:
+        raise NotImplementedError(f"{engine}: the adapter has restitution 0 only: set the world's restitution to 0")
+    for brick in bricks:
+        shape = name_of(brick.shape)
+        if shape not in can.shapes:
+            raise NotImplementedError(
+                f"{engine}: the adapter builds no {shape}: use one of {', '.join(can.shapes)}, or another engine"
+            )
+        if not can.own_friction and friction_of(brick, world) != world.friction:
+            raise NotImplementedError(
+                f"{engine}: the adapter gives no body a friction of its own, got {brick.friction} in a world of "
+                f"{world.friction}: use one friction for all, or another engine"
+            )
+        if not can.restitution and restitution_of(brick, world) > 0:
+            raise NotImplementedError(
+                f"{engine}: the adapter has restitution 0 only, got {brick.restitution}: use 0, or another engine"
+            )
+        if brick.moments is not None and not can.own_moments:
+            raise NotImplementedError(
+                f"{engine}: the adapter builds homogeneous bodies only, got moments of inertia {brick.moments} kg m2: "
+                "leave out the moments, or use another engine"
+            )

@@ -1,0 +1,286 @@
+"""Bricks of any convex shape: makers, checks, mass properties, and friction and restitution of a pair.
+
+can = cylinder(0.033, 0.12, position=(0.0, 0.0, 0.06), density=700.0)
+lying = replace(can, quaternion=(math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0), friction=0.2)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from scenarios import shapes
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
+from scenarios.shapes import SIMPLE_SHAPES, FloatArray, Polyhedron, Shape
+
+MAX_FRICTION = 10.0
+"""Greatest Coulomb coefficient, because a larger number is an error."""
+_EXCESS = 1e-9
+"""Relative excess of one moment of inertia over the sum of the other two that counts as rounding."""
+
+
+def cylinder(
+    radius: float,
+    length: float,
+    *,
+    position: Vector,
+    quaternion: Quaternion = UPRIGHT,
+    mass: float | None = None,
+    density: float | None = None,
+    level: int = 1,
+) -> Brick:
+    """Return a cylinder with its axis along its own z.
+
+    Args:
+        radius: radius [m].
+        length: length [m].
+        position: centre [m].
+        quaternion: orientation (w, x, y, z).
+        mass: mass [kg]; give either the mass or the density.
+        density: density [kg/m3].
+        level: level of the brick, from 1.
+
+    Raises:
+        ValueError: if a value is not allowed; the message names the fix.
+    """
+    return _made("cylinder", (2 * radius, 2 * radius, length), position, quaternion, mass, density, level)
+
+
+def capsule(
+    radius: float,
+    length: float,
+    *,
+    position: Vector,
+    quaternion: Quaternion = UPRIGHT,
+    mass: float | None = None,
+    density: float | None = None,
+    level: int = 1,
+) -> Brick:
+    """Return a capsule with its axis along its own z: see ``cylinder``; ``length`` [m] leaves out both caps."""
+    return _made("capsule", (2 * radius, 2 * radius, length + 2 * radius), position, quaternion, mass, density, level)
+
+
+def sphere(
+    radius: float,
+    *,
+    position: Vector,
+    quaternion: Quaternion = UPRIGHT,
+    mass: float | None = None,
+    density: float | None = None,
+    level: int = 1,
+) -> Brick:
+    """Return a sphere: see ``cylinder``."""
+    return _made("sphere", (2 * radius, 2 * radius, 2 * radius), position, quaternion, mass, density, level)
+
+
+def polyhedron(
+    points: npt.ArrayLike,
+    *,
+    position: Vector,
+    quaternion: Quaternion = UPRIGHT,
+    mass: float | None = None,
+    density: float | None = None,
+    level: int = 1,
+) -> Brick:
+    """Return the convex hull of points; the brick's own frame is at the centre of mass, along principal axes.
+
+    Args:
+        points: points [m] in any frame, shape (n, 3).
+        position: origin of that frame [m], which need not be the centre of mass.
+        quaternion: orientation (w, x, y, z) of that frame.
+        mass: mass [kg]; give either the mass or the density.
+        density: density [kg/m3].
+        level: level of the brick, from 1.
+
+    Raises:
+        ValueError: if the points enclose no volume, or a value is not allowed; the message names the fix.
+    """
+    from scenarios.polyhedra import own_frame  # here, because trimesh is slow to import
+
+    frame = own_frame(points)
+    center = np.array(position) + _turned(quaternion, frame.center)
+    turn = _product(quaternion, _quaternion(frame.axes))
+    x, y, z = center.tolist()
+    return _made(frame.polyhedron, frame.polyhedron.extents, (x, y, z), turn, mass, density, level)
+
+
+def enlarged(brick: Brick, factor: float) -> Brick:
+    """Return a brick with its own lengths times ``factor``; mass and pose remain.
+
+    Given moments of inertia grow by the square of the factor.
+    """
+    shape, size = brick.shape, _times(factor, brick.size)
+    if isinstance(shape, Polyhedron):
+        shape = shape.scaled(factor)
+        size = shape.extents
+    moments = None if brick.moments is None else _times(factor**2, brick.moments)
+    return replace(brick, size=size, shape=shape, moments=moments)
+
+
+def reweighted(brick: Brick, factor: float) -> Brick:
+    """Return a brick with its mass and its moments of inertia times ``factor``."""
+    moments = None if brick.moments is None else _times(factor, brick.moments)
+    return replace(brick, mass=brick.mass * factor, moments=moments)
+
+
+def volume_of(shape: Shape, size: Vector) -> float:
+    """Return the volume [m3] of a shape."""
+    if isinstance(shape, Polyhedron):
+        from scenarios.polyhedra import mass_properties
+
+        return mass_properties(shape).volume
+    return shapes.volume(shape, size)
+
+
+def moments_of(brick: Brick) -> Vector:
+    """Return the moments of inertia [kg m2] of a brick about its own axes, which are principal axes."""
+    if brick.moments is not None:
+        return brick.moments
+    if isinstance(brick.shape, Polyhedron):
+        from scenarios.polyhedra import mass_properties
+
+        x, y, z = np.diag(mass_properties(brick.shape).gyration).tolist()
+    else:
+        x, y, z = shapes.gyration(brick.shape, brick.size)
+    return brick.mass * x, brick.mass * y, brick.mass * z
+
+
+def reach_of(brick: Brick) -> float:
+    """Return the greatest distance [m] of a point of a brick from its centre of mass."""
+    return shapes.reach(brick.shape, brick.size)
+
+
+def friction_of(brick: Brick, world: World) -> float:
+    """Return the Coulomb coefficient of a brick: its own, else the world's."""
+    return world.friction if brick.friction is None else brick.friction
+
+
+def restitution_of(brick: Brick, world: World) -> float:
+    """Return the coefficient of restitution of a brick: its own, else the world's."""
+    return world.restitution if brick.restitution is None else brick.restitution
+
+
+def of_pair(first: float, second: float) -> float:
+    """Return the coefficient of a pair, of friction or of restitution: the geometric mean of both bodies' own."""
+    return first if first == second else math.sqrt(first * second)
+
+
+def has_one_friction(bricks: Iterable[Brick], world: World) -> bool:
+    """Return whether all bricks, the fixed bodies and the ground have the same coefficient of friction."""
+    return all(friction_of(brick, world) == world.friction for brick in (*bricks, *world.fixed))
+
+
+def check_solid(brick: Brick) -> None:
+    """Raise ``ValueError``, which names the fix, unless shape, size, friction, restitution and moments are valid."""
+    if not all(math.isfinite(edge) and edge > 0 for edge in brick.size):
+        raise ValueError(f"brick size must be three positive lengths, got {brick.size} m")
+    if brick.shape != "box":
+        _check_shape(brick)
+    if brick.friction is not None and not 0 <= brick.friction <= MAX_FRICTION:
+        raise ValueError(f"brick friction must be None or a number from 0 to {MAX_FRICTION:g}, got {brick.friction}")
+    if brick.restitution is not None and not 0 <= brick.restitution <= 1:
+        raise ValueError(f"brick restitution must be None or a number from 0 to 1, got {brick.restitution}")
+    if brick.moments is not None:
+        _check_moments(brick.moments)
+
+
+def _check_shape(brick: Brick) -> None:
+    shape, (x, y, z) = brick.shape, brick.size
+    if isinstance(shape, Polyhedron):
+        from scenarios.polyhedra import check_polyhedron
+
+        check_polyhedron(shape)
+        if brick.size != shape.extents:
+            raise ValueError(
+                f"the size of a polyhedron must be the extents of its vertices, {shape.extents} m, got {brick.size} m: "
+                "make the brick with scenarios.solids.polyhedron, and change its size with scenarios.solids.enlarged"
+            )
+    elif shape not in SIMPLE_SHAPES:
+        raise ValueError(f"brick shape must be a Polyhedron or one of {', '.join(SIMPLE_SHAPES)}, got {shape!r}")
+    elif x != y or (shape == "sphere" and x != z):
+        raise ValueError(
+            f"the size of a {shape} must have equal edges along x {'and y' if shape != 'sphere' else ', y and z'}, got "
+            f"{brick.size} m: make the brick with scenarios.solids.{shape}"
+        )
+    elif shape == "capsule" and z < x:
+        raise ValueError(f"a capsule must be at least as long as thick, got {brick.size} m: use a sphere")
+
+
+def _check_moments(moments: Vector) -> None:
+    largest = max(moments)
+    if not all(math.isfinite(moment) and moment > 0 for moment in moments):
+        raise ValueError(f"moments of inertia must be three positive numbers, got {moments} kg m2")
+    if largest > (sum(moments) - largest) * (1 + _EXCESS):
+        raise ValueError(
+            f"no body has the moments of inertia {moments} kg m2, because one is larger than the sum of the other two: "
+            "correct the moments"
+        )
+
+
+def _made(
+    shape: Shape,
+    size: Vector,
+    position: Vector,
+    quaternion: Quaternion,
+    mass: float | None,
+    density: float | None,
+    level: int,
+) -> Brick:
+    if (mass is None) == (density is None):
+        raise ValueError(f"give either mass or density, got mass={mass} and density={density}")
+    brick = Brick(size, 1.0, position, quaternion, level, shape=shape)
+    check_solid(brick)
+    known = mass if density is None else density * volume_of(shape, size)
+    if known is None or not (math.isfinite(known) and known > 0):
+        raise ValueError(f"mass and density must be positive and finite, got {mass} kg and {density} kg/m3")
+    return replace(brick, mass=known)
+
+
+def _turned(quaternion: Quaternion, vector: FloatArray) -> FloatArray:
+    w, *ijk = quaternion
+    axis = np.array(ijk)
+    across = np.cross(axis, vector)
+    turned: FloatArray = vector + 2 * (w * across + np.cross(axis, across))
+    return turned
+
+
+def _product(first: Quaternion, second: Quaternion) -> Quaternion:
+    """Return the orientation ``second`` in the frame ``first``, seen from outside."""
+    if second == UPRIGHT:
+        return first
+    a, b, c, d = first
+    w, x, y, z = second
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
+
+
+def _quaternion(rotation: FloatArray) -> Quaternion:
+    """Return the quaternion (w, x, y, z) of a rotation matrix, from the largest of its four squares."""
+    trace = np.trace(rotation)
+    squares = np.array([trace, *(2 * np.diag(rotation) - trace)])
+    largest = int(squares.argmax())
+    if largest == 0:
+        parts = [1 + trace, *(rotation[k - 1, k - 2] - rotation[k - 2, k - 1] for k in (3, 1, 2))]
+        w, x, y, z = parts
+    else:
+        i = largest - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        xyz = np.zeros(3)
+        xyz[i] = 1 + squares[largest]
+        xyz[j], xyz[k] = rotation[j, i] + rotation[i, j], rotation[k, i] + rotation[i, k]
+        w, (x, y, z) = rotation[k, j] - rotation[j, k], xyz.tolist()
+    length = math.sqrt(w * w + x * x + y * y + z * z)
+    return float(w / length), float(x / length), float(y / length), float(z / length)
+
+
+def _times(factor: float, vector: Vector) -> Vector:
+    x, y, z = vector
+    return factor * x, factor * y, factor * z
