@@ -33,7 +33,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from adapters._bullet_contacts import Listed, forces_of, geometry_of, pairs_of
 from adapters._bullet_world import KNOBS, BulletWorld
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
@@ -47,6 +46,8 @@ from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 with silenced_stderr():
     import pybullet
+
+    from stability_core.ports.pybullet_calls import Listed, forces_of, geometry_of, pairs_of, unfreeze
 
 _SETTINGS = load_settings("bullet", KNOBS.__contains__)
 
@@ -179,9 +180,7 @@ class BulletSimulation(SubstepSimulation):
 
     def _unfreeze(self, body: int) -> None:
         handle = self._handles[body]
-        mass = self.bricks[body].mass
-        pybullet.changeDynamics(handle, -1, mass=mass, activationState=self._engine.awake, physicsClientId=self._client)
-        self._engine.stop(handle)
+        unfreeze(handle, self._client, self.bricks[body].mass, self._engine.awake)
         for other in self.bodies.moved:
             self._engine.let_collide(self._handles[other], handle, do=True)
         if body in self._has_old_gravity:  # Bullet changes the gravity of active bodies only

@@ -13,6 +13,8 @@ from scenarios.model import Brick, Vector, World
 with silenced_stderr():  # PyBullet prints its build date on import
     import pybullet
 
+    from stability_core.ports import pybullet_calls
+
 
 KNOBS = frozenset(
     {
@@ -105,10 +107,7 @@ class BulletWorld:
 
     def freeze(self, handle: int) -> None:
         """Make a body static and asleep."""
-        self.stop(handle)
-        pybullet.changeDynamics(
-            handle, -1, mass=0.0, activationState=pybullet.ACTIVATION_STATE_SLEEP, physicsClientId=self.client
-        )
+        pybullet_calls.freeze(handle, self.client)
 
     def cancel_gravity(self, handle: int, gravity: Vector) -> None:
         """Apply the force to a moved body that cancels ``gravity`` [m/s2] in the next step."""
@@ -119,7 +118,7 @@ class BulletWorld:
 
     def stop(self, handle: int) -> None:
         """Set both velocities of a body to zero."""
-        pybullet.resetBaseVelocity(handle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self.client)
+        pybullet_calls.stop(handle, self.client)
 
     def close(self) -> None:
         """Free the world."""

@@ -16,12 +16,12 @@ import numpy as np
 
 from adapters.base import Simulation
 from adapters.profile import Profile, Sleeping
-from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.bodies import NO_FORCE
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.friction_forces import with_friction
 from scenarios.model import Brick, World
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.shared.approach import Motions, fastest_approach
 
 
 class SubstepSimulation(Simulation):

@@ -40,13 +40,13 @@ from adapters.bridge.messages import (
     step_reply,
 )
 from adapters.bridge.peer import SILENCE_S, Peer
-from adapters.shared.approach import Motions, fastest_approach
 from adapters.shared.box_contacts import NEAR
 from adapters.shared.contact_forces import SubstepForces, mean_force
 from adapters.shared.live_pairs import of_live
 from adapters.shared.vectors import half_edges
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.shared.approach import Motions, fastest_approach
 
 _INSTANT_S = 1e-6
 """Step [s] in which ``find_contacts`` detects contacts. The step is short, so that no body moves."""

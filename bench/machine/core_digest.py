@@ -1,6 +1,7 @@
 """A digest of the core's code without its prose, which identifies the core that made a published page.
 
-The digest covers the syntax trees of all Python files of ``stability_core``, sorted by name. The digest ignores
+The digest covers the syntax trees of all Python files of ``stability_core`` except its ports to engines, sorted by
+name. A port decides nothing, so that results do not depend on the ports. The digest ignores
 docstrings, other stand-alone strings, comments, layout and the wording of messages, so that an edit of prose does not
 change the digest. A string with a space counts as a message; keys and names have no spaces. Any other edit changes the
 digest, even an edit without effect on results, such as a renamed variable.
@@ -15,16 +16,19 @@ import subprocess
 import tarfile
 from collections.abc import Mapping
 
-from bench.machine.source_digest import ROOT
+from bench.machine.source_digest import PORTS, ROOT
 
 CORE = "stability_core"
 """Name of the folder of the core."""
 
 
 def digest_of(sources: Mapping[str, str]) -> str:
-    """Return the digest of ``sources``, the source texts by file name, as 12 hexadecimal digits."""
+    """Return the digest of ``sources``, the source texts by file name, as 12 hexadecimal digits.
+
+    The names are relative to the folder of the core. The function ignores the files of the ports.
+    """
     digest = hashlib.blake2b(digest_size=6)
-    for name in sorted(sources):
+    for name in sorted(name for name in sources if not name.startswith(f"{PORTS}/")):
         digest.update(f"{name}\0{_code(ast.parse(sources[name]))}\0".encode())
     return digest.hexdigest()
 

@@ -8,7 +8,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
-SUITE = tuple(ROOT / name for name in ("stability_core", "scenarios", "adapters", "reports", "bench"))
+PORTS = "ports"
+"""Folder of the core's ports to engines. A digest of the core leaves it out, because a port decides nothing."""
+SUITE = tuple(
+    ROOT / name for name in ("stability_core", f"stability_core/{PORTS}", "scenarios", "adapters", "reports", "bench")
+)
 """Folders of the suite's code."""
 PUBLISHED = ROOT / "docs" / "results"
 """Folder of the published studies."""
@@ -17,9 +21,14 @@ ROUNDS = PUBLISHED / "rounds"
 
 
 def sources_digest(folders: Iterable[Path]) -> str:
-    """Return the digest of names and content of all Python files and engine profiles below ``folders``."""
+    """Return the digest of names and content of all Python files and engine profiles below ``folders``.
+
+    A subfolder ``PORTS`` counts only if ``folders`` lists it.
+    """
     digest = hashlib.blake2b(digest_size=8)
     for folder in folders:
         for path in sorted([*folder.rglob("*.py"), *folder.glob("profiles/*.toml")]):
-            digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+            name = path.relative_to(folder)
+            if name.parts[0] != PORTS:
+                digest.update(name.as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

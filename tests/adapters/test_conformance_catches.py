@@ -14,10 +14,10 @@ from adapters.conformance import CHECKS, ConformanceError, Rig
 from adapters.hooks import EngineHooks
 from adapters.port import EnginePort
 from adapters.profile import Knob, Profile, Sleeping
-from adapters.shared.approach import Motions
 from adapters.shared.contact_completion import BoxTable
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
+from stability_core.ports.shared.approach import Motions
 
 CHECK = {check.name: check for check in CHECKS}
 

@@ -81,3 +81,7 @@ def test_a_commit_has_the_digest_of_its_files(monkeypatch) -> None:
     assert re.fullmatch("[0-9a-f]{12}", head)
     monkeypatch.setattr(core_digest, "ROOT", core_digest.ROOT / "docs")
     assert core_of_commit("HEAD") is None  # no core there
+
+
+def test_a_port_to_an_engine_does_not_change_it() -> None:
+    assert digest_of({"stack.py": CODE, "ports/engine.py": CODE}) == digest_of({"stack.py": CODE})

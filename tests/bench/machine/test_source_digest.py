@@ -32,3 +32,14 @@ def test_nothing_else_changes_it(folder: Path, name: str) -> None:
 
 def test_the_engines_profiles_are_among_the_sources() -> None:
     assert [path for folder in SUITE for path in folder.glob("profiles/*.toml")]
+
+
+def test_a_port_to_an_engine_counts_only_where_it_is_listed(folder: Path) -> None:
+    """A port decides nothing: an edit of a port must not discard the core's kernels."""
+    (folder / "ports").mkdir()
+    (folder / "ports" / "engine.py").write_text("x = 1")
+    core, ports = sources_digest([folder]), sources_digest([folder / "ports"])
+    (folder / "ports" / "engine.py").write_text("x = 2")
+    assert sources_digest([folder]) == core
+    assert sources_digest([folder / "ports"]) != ports
+    assert any(path.parts[-2:] == ("stability_core", "ports") for path in SUITE)

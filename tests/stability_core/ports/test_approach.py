@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.shared.approach import Motions, fastest_approach
+from stability_core.ports.shared.approach import Motions, fastest_approach
 
 
 def test_fastest_approach_is_that_of_the_substep_in_which_the_bodies_closed_in_fastest() -> None:

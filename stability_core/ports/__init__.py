@@ -1,0 +1,88 @@
+"""Ports to simulations that the user owns: ``attach`` an extension in one call.
+
+The engines are optional. A module of this package imports its engine; ``attach`` and ``stability_core.ports.NAME``
+load that module on first use.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Collection
+from types import ModuleType
+from typing import Any
+
+from stability_core.policies import Policy
+from stability_core.ports.attachment import Attachment
+from stability_core.settings import Settings
+
+__all__ = ["Attachment", "attach"]
+
+ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco"}
+"""Python package of each engine, by the name of its port and of the wheel's extra."""
+
+
+def attach(
+    world: Any,
+    bodies: Collection[int] | None = None,
+    policy: str | Policy = "equilibrium",
+    settings: Settings | None = None,
+) -> Attachment:
+    """Attach the stability extension to a simulation that you own.
+
+    Call ``update(dt)`` of the result after your steps of ``dt`` seconds. Other bodies, joints and robots keep their
+    settings.
+
+    Args:
+        world: PyBullet's client id (an integer) or client object; MuJoCo's ``MjData``.
+        bodies: the engine's ids of the bodies to control; None for all bodies that can freeze, now and later.
+        policy: a name of ``POLICIES``, or a policy of your own.
+        settings: the tolerances.
+
+    Raises:
+        TypeError: if the world is of no known engine.
+        ImportError: if the engine's package is not installed.
+        ValueError: if a body cannot freeze, or the world has no gravity; the message names the fix.
+        RuntimeError: if the world has an open attachment.
+    """
+    name = _engine_of(world)
+    return Attachment(_module(name).open_port(world, bodies), policy, settings)
+
+
+def _engine_of(world: object) -> str:
+    """Return the name of the port for a world.
+
+    Raises:
+        TypeError: if the world is of no known engine.
+    """
+    package = type(world).__module__.split(".")[0]
+    if isinstance(world, int) and not isinstance(world, bool):
+        return "pybullet"
+    if package in ENGINES or package == "pybullet_utils":
+        return "pybullet" if package == "pybullet_utils" else package
+    raise TypeError(
+        f"attach() cannot use {type(world).__qualname__} from {package}: pass PyBullet's client id, or MuJoCo's "
+        "MjData; for another engine write a port, see the tutorial"
+    )
+
+
+def _module(name: str) -> ModuleType:
+    """Return the module of a port.
+
+    Raises:
+        ImportError: if the engine's package is not installed.
+    """
+    try:
+        return importlib.import_module(f"stability_core.ports.{name}")
+    except ModuleNotFoundError as error:
+        if error.name != ENGINES[name]:
+            raise
+        raise ImportError(
+            f"the port to {name} needs the package {ENGINES[name]}: pip install 'stability-core[{name}]'"
+        ) from error
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Load the module of a port on first use."""
+    if name in ENGINES:
+        return _module(name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}; ports: {', '.join(ENGINES)}")

@@ -1,0 +1,136 @@
+"""``Attachment``: a stability extension on a simulation that the user owns."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Hashable, Iterable
+from typing import Protocol
+
+from stability_core.batch import Change
+from stability_core.extension import StabilityExtension
+from stability_core.policies import Policy
+from stability_core.port import StabilityPort
+from stability_core.settings import Settings
+
+_ATTACHED: weakref.WeakValueDictionary[Hashable, Attachment] = weakref.WeakValueDictionary()
+"""The open attachment of each world."""
+
+
+class EnginePort(StabilityPort, Protocol):
+    """A port to an engine's world that follows the world's bodies, gravity and time."""
+
+    engine: str
+    """Name of the engine in messages."""
+    world: Hashable
+    """Identity of the world."""
+
+    def gravity(self) -> tuple[float, float, float]:
+        """Return the world's gravity [m/s2]."""
+        ...
+
+    def begin_update(self, dt: float) -> Iterable[int]:
+        """Follow bodies that come and go, and check the time; return bodies that turned in place.
+
+        Raises:
+            ValueError: if the world contradicts ``dt``; the message names the fix.
+        """
+        ...
+
+    def add(self, bodies: Iterable[int]) -> None:
+        """Control bodies.
+
+        Raises:
+            ValueError: for a body that the port cannot freeze; the message names the reason and the fix.
+        """
+        ...
+
+    def remove(self, bodies: Iterable[int]) -> None:
+        """Stop to control bodies; a frozen body becomes live first if it is still in the world."""
+        ...
+
+    def find_contacts(self) -> None:
+        """Make the next ``contacts`` return the contacts of the present poses."""
+        ...
+
+
+class Attachment(StabilityExtension):
+    """A stability extension that is attached to a user's simulation.
+
+    Call ``update(dt)`` after the engine's steps. Gravity follows the world's gravity. Bodies have the engine's ids.
+    """
+
+    port: EnginePort
+
+    def __init__(self, port: EnginePort, policy: str | Policy, settings: Settings | None) -> None:
+        """Attach the extension to the world of ``port``.
+
+        Raises:
+            RuntimeError: if an open attachment of the world exists.
+            ValueError: if the world has no gravity.
+        """
+        if port.world in _ATTACHED:
+            raise RuntimeError(
+                f"this {port.engine} world already has an extension attached: call close() of that extension first, or "
+                "add() to it to control more bodies"
+            )
+        gravity = port.gravity()
+        if not any(gravity):
+            raise ValueError(
+                f"this {port.engine} world has no gravity, and without gravity nothing stands: set the world's gravity "
+                "before attach()"
+            )
+        super().__init__(port, policy, gravity, settings)
+        _ATTACHED[port.world] = self
+
+    def update(self, dt: float) -> Change:
+        """Read the world after steps of ``dt`` seconds in all; freeze and unfreeze bodies.
+
+        See ``StabilityExtension.update``.
+
+        Raises:
+            ValueError: if dt is not the time of the steps since the previous update, or a pose is not finite.
+            RuntimeError: if the attachment is closed.
+        """
+        self._check_open()
+        self._follow_world(dt)
+        return super().update(dt)
+
+    def adopt(self, bodies: Iterable[int] | None = None) -> Change:
+        """Judge bodies in place by statics at once, at the contacts of the present poses, and freeze those that stand.
+
+        Call this method once the stack is built, before the first step. See ``StabilityExtension.adopt``.
+        """
+        self._check_open()
+        self._follow_world(0.0)
+        self.port.find_contacts()
+        return super().adopt(bodies)
+
+    def add(self, bodies: Iterable[int]) -> None:
+        """Control more bodies. Without a list of bodies, ``attach`` finds new bodies itself.
+
+        Raises:
+            ValueError: for a body that cannot freeze, such as a robot; the message names the reason.
+            RuntimeError: if the attachment is closed.
+        """
+        self._check_open()
+        self.port.add(bodies)
+
+    def remove(self, bodies: Iterable[int]) -> None:
+        """Stop to control bodies; frozen bodies among them become live. Call this before you delete a body.
+
+        Raises:
+            RuntimeError: if the attachment is closed.
+        """
+        self._check_open()
+        self.port.remove(bodies)
+
+    def close(self) -> None:
+        """Unfreeze every body and let the world go, so that another extension can be attached."""
+        _ATTACHED.pop(self.port.world, None)
+        super().close()
+
+    def _follow_world(self, dt: float) -> None:
+        turned = self.port.begin_update(dt)
+        self.gravity = self.port.gravity()
+        if turned:
+            self.wake(turned)

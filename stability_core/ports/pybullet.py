@@ -1,0 +1,274 @@
+"""A port to a PyBullet world that the user owns.
+
+Ids are PyBullet's body ids. The port controls free bodies without joints. All other bodies are obstacles: robots,
+platforms, and bodies that the user leaves out. An obstacle, or a link of an obstacle, that touches a controlled body
+counts as a body that the host moves. A plane counts as the ground.
+
+Contacts: Bullet lists penetrating points only; the port adds the missing corners of contact areas between boxes,
+cylinders, convex meshes and planes. The velocities before a step are the velocities after the previous update, so that
+approach speeds are exact if ``update`` follows each step. If several steps make a frame, they lack the fall of a frame.
+
+Bullet's own sleep is off for controlled bodies, because it does not end when a support is removed.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Collection, Hashable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import pybullet
+
+from stability_core.port import Contacts, FloatArray, IntArray, Masses
+from stability_core.ports.pybullet_bodies import PybulletBodies
+from stability_core.ports.pybullet_calls import Row, forces_of, freeze, geometry_of, pairs_of, unfreeze
+from stability_core.ports.shared.approach import Motions, fastest_approach
+from stability_core.ports.shared.free_flight import FreeFlight
+from stability_core.ports.shared.shapes import compile_kernels
+from stability_core.ports.shared.vectors import rows_of
+
+AWAKE = pybullet.ACTIVATION_STATE_DISABLE_SLEEPING
+"""Activation state of a live body."""
+_BASE = -1
+_FRICTION = 1  # column of getDynamicsInfo
+_STEP = 0.02
+"""Greatest difference of ``dt`` from a whole number of steps, in steps."""
+NEAR = 1e-3
+"""Greatest gap [m] at which ``find_contacts`` measures the distance of two bodies."""
+_TURNED = 1e-4
+"""Least change of a component of an obstacle's quaternion that counts as a turn: 0.01 degrees."""
+
+
+def open_port(world: Any, bodies: Collection[int] | None) -> PybulletPort:
+    """Return a port to a world of PyBullet.
+
+    Args:
+        world: client id, or a client object of ``pybullet_utils.bullet_client``.
+        bodies: ids of the bodies to control; None for all bodies that can freeze.
+
+    Raises:
+        ValueError: if the client is not connected, or a body cannot freeze.
+    """
+    client = operator.index(getattr(world, "_client", world))
+    if not pybullet.isConnected(client):
+        raise ValueError(f"PyBullet client {client} is not connected: pass the id that pybullet.connect() returned")
+    compile_kernels()
+    return PybulletPort(client, bodies)
+
+
+class PybulletPort:
+    """The core's view of the free bodies of a PyBullet world."""
+
+    engine = "pybullet"
+
+    def __init__(self, client: int, bodies: Collection[int] | None) -> None:
+        self.client = client
+        self.world: Hashable = (self.engine, client)
+        self._bodies = PybulletBodies(client, takes_all=bodies is None)
+        self._before: Motions | None = None
+        self._flight = FreeFlight()
+        self._flight_fault: str | None = None
+        self._touching: set[int] = set()
+        self._dt = 0.0
+        self._gravity = self.gravity()
+        self._finds = False
+        self._ids: IntArray = np.empty(0, np.int64)
+        self._rows: FloatArray = np.empty((0, 13))
+        if bodies is not None:
+            self.add(bodies)
+
+    # -- called by the attachment ------------------------------------------------------------------
+
+    def gravity(self) -> tuple[float, float, float]:
+        """Return the world's gravity [m/s2]."""
+        shown = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
+        return shown["gravityAccelerationX"], shown["gravityAccelerationY"], shown["gravityAccelerationZ"]
+
+    def begin_update(self, dt: float) -> list[int]:
+        """Follow bodies that come and go, and check the time; return obstacles that turned in place.
+
+        Raises:
+            ValueError: if the client is closed, PyBullet runs by its own clock, or the world contradicts ``dt``.
+        """
+        if not pybullet.isConnected(self.client):
+            raise ValueError(
+                f"PyBullet client {self.client} is no longer connected: call close() before pybullet.disconnect()"
+            )
+        shown = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
+        if shown["useRealTimeSimulation"]:
+            raise ValueError(
+                "PyBullet steps this world by its own clock, so that the time between two updates is unknown: call "
+                "setRealTimeSimulation(0), and stepSimulation() before each update()"
+            )
+        steps = dt / shown["fixedTimeStep"]
+        if dt > 0.0 and (steps < 1 - _STEP or abs(steps - round(steps)) > _STEP):
+            raise ValueError(
+                f"dt = {dt:g} s is not a whole number of PyBullet's steps of {shown['fixedTimeStep']:g} s: pass the "
+                "time of all steps since the previous update(), or set the step with setTimeStep()"
+            )
+        if self._flight_fault:
+            fault, self._flight_fault = self._flight_fault, None
+            raise ValueError(fault)
+        self._dt = dt
+        self._gravity = (
+            shown["gravityAccelerationX"],
+            shown["gravityAccelerationY"],
+            shown["gravityAccelerationZ"],
+        )
+        self._bodies.follow()
+        return self._read_motions()
+
+    def add(self, bodies: Iterable[int]) -> None:
+        """Control free bodies.
+
+        Raises:
+            ValueError: for a body that does not exist, is static, or has joints.
+        """
+        for body in bodies:
+            self._bodies.add(body)
+            pybullet.changeDynamics(body, _BASE, activationState=AWAKE, physicsClientId=self.client)
+
+    def remove(self, bodies: Iterable[int]) -> None:
+        """Stop to control bodies; frozen bodies become live first."""
+        bodies = list(bodies)
+        self.wake(bodies)
+        for body in bodies:
+            self._bodies.remove(body)
+
+    def find_contacts(self) -> None:
+        """Make the next ``contacts`` return the contacts of the present poses, without a change of the world."""
+        self._finds = True
+
+    # -- called by the core ------------------------------------------------------------------------
+
+    def contacts(self) -> Contacts:
+        """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves."""
+        rows = self._found_rows() if self._finds else self._step_rows()
+        self._finds = False
+        listed = [(a, b, row) for row in rows if (pair := self._bodies.pair_of(row)) for a, b in [pair]]
+        self._note_flight({body for a, b, _ in listed for body in (a, b)})
+        if not listed:
+            return Contacts.empty()
+        a, b = pairs_of(listed)
+        point, normal, separation = geometry_of(listed)
+        approach = fastest_approach(self._before, a, b, point, normal)
+        friction = np.array([self._friction_of(row) for _, _, row in listed])
+        return self._bodies.shapes.completed(
+            Contacts(a, b, point, normal, separation, approach, friction, forces_of(listed))
+        )
+
+    def masses(self) -> Masses:
+        """Return the live bodies and the obstacles, whose mass is infinite."""
+        ids, rows = self._ids, self._rows
+        if len(self._bodies.obstacles) + len(self._bodies.live) != len(ids):
+            self._read_motions()  # an obstacle that touches a body for the first time
+            ids, rows = self._ids, self._rows
+        mass = np.array([self._bodies.mass_of(body) for body in ids.tolist()])
+        self._before = Motions(ids, *(np.ascontiguousarray(rows[None, :, k : k + 3]) for k in (0, 7, 10)))
+        return Masses(ids, mass, rows[:, :3], self._bodies.take_removed())
+
+    def sleep(self, bodies: Sequence[int]) -> None:
+        """Freeze bodies exactly where they are; skip bodies that are not live."""
+        for body in [body for body in bodies if body in self._bodies.live]:
+            self._bodies.freeze(body)
+            freeze(body, self.client)
+
+    def wake(self, bodies: Sequence[int]) -> None:
+        """Return frozen bodies to Bullet, at rest, with their former mass and inertia; skip other bodies."""
+        bodies = [body for body in bodies if body in self._bodies.frozen]
+        if not pybullet.isConnected(self.client):
+            return
+        for body in bodies:
+            kept = self._bodies.unfreeze(body)
+            unfreeze(body, self.client, kept.mass, AWAKE)
+            if pybullet.getDynamicsInfo(body, _BASE, self.client)[2] != kept.inertia:
+                pybullet.changeDynamics(body, _BASE, localInertiaDiagonal=kept.inertia, physicsClientId=self.client)
+        if bodies:  # or these bodies keep the gravity with which they froze
+            pybullet.setGravity(*self.gravity(), physicsClientId=self.client)
+
+    # -- helpers -----------------------------------------------------------------------------------
+
+    def _step_rows(self) -> Iterable[Row]:
+        """Return Bullet's contacts of the latest step, without duplicates."""
+        bodies = self._bodies
+        movers = [*bodies.live, *bodies.movers]
+        if 2 * len(movers) > bodies.count:
+            yield from pybullet.getContactPoints(physicsClientId=self.client)
+            return
+        done: set[int] = set()
+        for body in movers:
+            for row in pybullet.getContactPoints(body, physicsClientId=self.client):
+                if row[1] not in done and row[2] not in done:
+                    yield row
+            done.add(body)
+
+    def _found_rows(self) -> Iterable[Row]:
+        """Return the closest points of the near pairs at the present poses."""
+        bodies, done = self._bodies, set()
+        margin = np.full(3, NEAR)
+        for body in bodies.live:
+            done.add(body)
+            low, high = pybullet.getAABB(body, _BASE, self.client)
+            near = pybullet.getOverlappingObjects(low - margin, high + margin, self.client) or ()
+            for other in {other for other, _ in near} - done:
+                yield from pybullet.getClosestPoints(body, other, NEAR, physicsClientId=self.client)
+
+    def _read_motions(self) -> list[int]:
+        """Read poses and velocities of live bodies and obstacles; return the obstacles that turned in place.
+
+        Raises:
+            ValueError: if a pose is not finite.
+        """
+        live, obstacles = self._bodies.live, self._bodies.obstacles
+        ids = np.array(sorted([*live, *obstacles]), np.int64)
+        rows = rows_of([self._motion_of(body, *obstacles.get(body, (body, _BASE))) for body in ids.tolist()], 13)
+        if not np.isfinite(rows).all():
+            body = ids[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
+            raise ValueError(
+                f"body {body} has a pose or a velocity that is not finite: the simulation has diverged; use a smaller "
+                "step or softer contacts, or remove the body"
+            )
+        turned = []
+        if obstacles:
+            earlier = dict(zip(self._ids.tolist(), self._rows, strict=True))
+            for body, row in zip(ids.tolist(), rows, strict=True):
+                if body in obstacles and body in earlier and abs(row[3:7] - earlier[body][3:7]).max() > _TURNED:
+                    turned.append(body)
+        self._ids, self._rows = ids, rows
+        self._bodies.shapes.place(ids.tolist(), rows[:, :7])
+        return turned
+
+    def _motion_of(self, _: int, body: int, link: int) -> tuple[float, ...]:
+        """Return centre [m], quaternion (x, y, z, w), velocity [m/s] and spin [rad/s] of a body or a link."""
+        if link == _BASE:
+            pose = pybullet.getBasePositionAndOrientation(body, self.client)
+            velocity = pybullet.getBaseVelocity(body, self.client)
+            return (*pose[0], *pose[1], *velocity[0], *velocity[1])
+        state = pybullet.getLinkState(body, link, computeLinkVelocity=1, physicsClientId=self.client)
+        return (*state[0], *state[1], *state[6], *state[7])
+
+    def _friction_of(self, row: Row) -> float:
+        bodies = self._bodies
+        return bodies.friction_of(row[1], row[3]) * bodies.friction_of(row[2], row[4])
+
+    def _note_flight(self, touching: set[int]) -> None:
+        """Check ``dt`` by the live bodies without contacts in this and the previous frame."""
+        before, earlier = self._before, self._touching
+        self._touching = touching
+        if before is None or not len(before.body) or self._dt <= 0.0 or not self._bodies.live:
+            return
+        flying = [body in self._bodies.live and body not in touching | earlier for body in self._ids.tolist()]
+        if not any(flying):
+            return
+        at = np.searchsorted(before.body, self._ids)
+        known = (at < len(before.body)) & (before.body[np.minimum(at, len(before.body) - 1)] == self._ids)
+        at = np.where(known, at, 0)
+        self._flight_fault = self._flight.fault(
+            self._ids,
+            np.array(flying) & known,
+            self._rows[:, :3] - before.position[0, at],
+            before.linear[0, at],
+            self._rows[:, 7:10],
+            self._dt,
+        )

@@ -1,0 +1,76 @@
+"""Vertices of PyBullet's collision shapes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pybullet
+
+from stability_core.port import FloatArray
+from stability_core.ports.shared.shapes import HALF_SPACE, box_vertices, cylinder_vertices
+from stability_core.ports.shared.vectors import rotate
+
+_BASE = -1
+_INERTIA_FITS = 0.02
+"""Greatest relative difference of moments of inertia of the same shape. Bullet computes them in single or double
+precision."""
+
+
+def vertices_of(body: int, client: int, *, is_hull: bool) -> FloatArray | None:
+    """Return the vertices (n, 3) [m] of a body's base in the frame of its centre of mass; n = 0 for a plane.
+
+    Args:
+        body: PyBullet's body id.
+        client: PyBullet's client id.
+        is_hull: True if a mesh collides as its convex hull, as meshes of free bodies do.
+
+    Returns:
+        None if the shape is round, concave or compound: Bullet's own contacts stand for themselves.
+    """
+    shapes = _shapes_of(body, client)
+    if len(shapes) != 1:
+        return None
+    shape = shapes[0]
+    kind, size = shape[2], np.array(shape[3], np.float64)
+    if kind == pybullet.GEOM_PLANE:
+        return HALF_SPACE
+    if kind == pybullet.GEOM_BOX:
+        vertices = box_vertices(size / 2)
+    elif kind == pybullet.GEOM_CYLINDER:
+        height, radius, _ = size
+        vertices = cylinder_vertices(float(radius), float(height))
+    elif kind == pybullet.GEOM_MESH and is_hull:
+        vertices = np.array(pybullet.getMeshData(body, _BASE, collisionShapeIndex=0, physicsClientId=client)[1])
+        return vertices.reshape(-1, 3) if len(vertices) >= 4 else None
+    else:
+        return None
+    x, y, z, w = shape[6]
+    return np.array(shape[5]) + rotate(np.tile((w, x, y, z), (len(vertices), 1)), vertices)
+
+
+def _shapes_of(body: int, client: int) -> tuple[tuple[Any, ...], ...]:
+    """Return PyBullet's rows of a body's collision shapes; empty if the collision shapes are unknown.
+
+    PyBullet does not report the collision shape of a body in maximal coordinates. Its visual shape counts instead if
+    the body's moments of inertia, which Bullet computes from the collision shape, fit the visual shape.
+    """
+    try:
+        return tuple(pybullet.getCollisionShapeData(body, _BASE, client))
+    except pybullet.error:
+        shown = tuple(pybullet.getVisualShapeData(body, physicsClientId=client))
+    info = pybullet.getDynamicsInfo(body, _BASE, client)
+    fits = len(shown) == 1 and np.allclose(_inertia(shown[0], info[0]), info[2], rtol=_INERTIA_FITS, atol=0.0)
+    return shown if fits else ()
+
+
+def _inertia(shape: tuple[Any, ...], mass: float) -> FloatArray:
+    """Return the moments of inertia (3,) [kg m2] of a box or a cylinder; NaN for another shape."""
+    if shape[2] == pybullet.GEOM_BOX:
+        x, y, z = np.array(shape[3]) ** 2
+        return mass / 12 * np.array([y + z, x + z, x + y])
+    if shape[2] == pybullet.GEOM_CYLINDER:
+        height, radius, _ = shape[3]
+        across = mass / 12 * (3 * radius**2 + height**2)
+        return np.array([across, across, mass * radius**2 / 2])
+    return np.full(3, np.nan)
