@@ -25,6 +25,7 @@ import numpy as np
 from scenarios.geometry import Boxes, FloatArray, height_above_ground
 from scenarios.model import Brick
 from scenarios.shapes import name_of
+from scenarios.statics.polygons import clipped
 
 Ridge = Literal["bisector", "face"]
 
@@ -223,7 +224,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
         inside = inside[[0, 1, 3, 2]]  # around the face, not across it
     for side, half in ((0, box.half[u]), (1, box.half[v])):
         for sign in _SIGNS:
-            inside = _clipped(inside, sign * inside[:, side] - half)
+            inside = clipped(inside, sign * inside[:, side] - half)
     if not len(inside):
         return np.empty((0, 3))
     # A feature on the face's border only grazes the face: the normal would be arbitrary.
@@ -233,25 +234,6 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
     flat = inside @ np.array([box.axes[u], box.axes[v]])
     points: FloatArray = box.center + outward * box.half[axis] + flat
     return points
-
-
-def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
-    """Return the part (m, 2) of a polygon, segment or point (k, 2) where a linear function is not positive.
-
-    The array ``outside`` (k,) contains the function's values at the corners. The method is Sutherland and Hodgman's. A
-    segment counts as a polygon that runs forth and back, so the result may contain a corner twice.
-    """
-    if (outside <= 0.0).all():
-        return polygon
-    corners, beyond = polygon.tolist(), outside.tolist()  # plain numbers, because NumPy is slow on a few corners
-    kept = []
-    for (x, y), (u, v), d, e in zip(corners, corners[1:] + corners[:1], beyond, beyond[1:] + beyond[:1], strict=True):
-        if d <= 0:
-            kept.append((x, y))
-        if d * e < 0:
-            part = d / (d - e)
-            kept.append((x + part * (u - x), y + part * (v - y)))
-    return np.array(kept).reshape(-1, 2)
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:
