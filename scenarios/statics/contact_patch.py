@@ -71,6 +71,8 @@ class Patch(NamedTuple):
     """The patch's corners [m], shape (k, 3)."""
     normal: FloatArray
     """Unit normal from the first body to the second, shape (3,)."""
+    friction_ratio: float = 1.0
+    """Ratio of the pair's coefficient of friction to the pile's."""
 
 
 @dataclass(frozen=True, slots=True)

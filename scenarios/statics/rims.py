@@ -96,7 +96,7 @@ class _Rim(NamedTuple):
 
 def _nearest_angle(rim: _Rim, nearest: Nearest) -> float:
     """Return the angle [rad] at which a rim is nearest to a curve."""
-    angles: FloatArray = np.arange(GRID) * (2 * np.pi / GRID)
+    angles = np.linspace(0.0, 2 * np.pi, GRID, endpoint=False)
     points = rim.points(angles)
     best = float(angles[((nearest(points) - points) ** 2).sum(axis=1).argmin()])
 
