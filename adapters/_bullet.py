@@ -70,6 +70,10 @@ class BulletSimulation(SubstepSimulation):
         friction_law="cone",
         moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
+        shapes=("box", "cylinder", "capsule", "sphere", "polyhedron"),
+        own_friction=True,
+        restitution=True,
+        own_moments=True,
     )
 
     def _open(self) -> None:
@@ -180,7 +184,9 @@ class BulletSimulation(SubstepSimulation):
 
     def _unfreeze(self, body: int) -> None:
         handle = self._handles[body]
-        unfreeze(handle, self._client, self.bricks[body].mass, self._engine.awake)
+        brick = self.bricks[body]
+        unfreeze(handle, self._client, brick.mass, self._engine.awake)
+        self._engine.restore_inertia(handle, brick)
         for other in self.bodies.moved:
             self._engine.let_collide(self._handles[other], handle, do=True)
         if body in self._has_old_gravity:  # Bullet changes the gravity of active bodies only

@@ -1,14 +1,17 @@
-"""A world of Bullet with the settings of a profile, and its boxes."""
+"""A world of Bullet with the settings of a profile, and its bodies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 from adapters.profile import EngineInfo, KnobValue
 from adapters.shared.quiet_import import silenced_stderr
 from adapters.shared.vectors import half_edges, scalar_last
 from scenarios.model import Brick, Vector, World
+from scenarios.shapes import Polyhedron, Shape
+from scenarios.solids import friction_of, moments_of, restitution_of
 
 with silenced_stderr():  # PyBullet prints its build date on import
     import pybullet
@@ -61,8 +64,8 @@ class BulletWorld:
         """Handle of each body."""
         self.body_of: dict[int, int] = {}
         """Body, ground or fixed box of each handle."""
-        self._friction = math.sqrt(world.friction)  # the coefficient of a pair is the product of both bodies'
-        self._shapes: dict[Vector, int] = {}
+        self._world = world
+        self._shapes: dict[tuple[Shape, Vector], int] = {}
         self._step_s = 0.0
         self.set_gravity(world.gravity)
         values = dict(info.profile.values)
@@ -80,8 +83,8 @@ class BulletWorld:
         pybullet.setGravity(*gravity, physicsClientId=self.client)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
-        self.body_of[self._add_box(box, mass=0.0)] = body
+        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        self.body_of[self._add_solid(box, mass=0.0)] = body
 
     def add_live(self, body: int, brick: Brick) -> None:
         """Add a live brick, at rest."""
@@ -109,6 +112,11 @@ class BulletWorld:
         """Make a body static and asleep."""
         pybullet_calls.freeze(handle, self.client)
 
+    def restore_inertia(self, handle: int, brick: Brick) -> None:
+        """Set the moments of inertia that Bullet has forgotten with the mass, and does not compute exactly."""
+        if inertia := _own_inertia(brick):
+            pybullet.changeDynamics(handle, -1, **inertia, physicsClientId=self.client)
+
     def cancel_gravity(self, handle: int, gravity: Vector) -> None:
         """Apply the force to a moved body that cancels ``gravity`` [m/s2] in the next step."""
         place, _ = pybullet.getBasePositionAndOrientation(handle, self.client)
@@ -133,27 +141,67 @@ class BulletWorld:
         pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=self.client)
 
     def _add(self, body: int, brick: Brick, mass: float) -> None:
-        handle = self._add_box(brick, mass)
+        handle = self._add_solid(brick, mass)
         self.handles[body] = handle
         self.body_of[handle] = body
 
-    def _add_box(self, box: Brick, mass: float) -> int:
-        """Add a box of this mass [kg] at rest, static if the mass is 0; return its handle."""
-        shape = self._shapes.get(box.size)
-        if shape is None:
-            shape = pybullet.createCollisionShape(
-                pybullet.GEOM_BOX, halfExtents=half_edges(box.size), physicsClientId=self.client
-            )
-            self._shapes[box.size] = shape
+    def _add_solid(self, brick: Brick, mass: float) -> int:
+        """Add a body of this mass [kg] at rest, static if the mass is 0; return its handle."""
         handle: int = pybullet.createMultiBody(
             baseMass=mass,
-            baseCollisionShapeIndex=shape,
-            basePosition=box.position,
-            baseOrientation=scalar_last(box.quaternion),
+            baseCollisionShapeIndex=self._shape(brick),
+            basePosition=brick.position,
+            baseOrientation=scalar_last(brick.quaternion),
             useMaximalCoordinates=self._is_maximal,
             physicsClientId=self.client,
         )
+        # The coefficients of a pair are the products of both bodies'.
         pybullet.changeDynamics(
-            handle, -1, lateralFriction=self._friction, activationState=self.awake, physicsClientId=self.client
+            handle,
+            -1,
+            lateralFriction=math.sqrt(friction_of(brick, self._world)),
+            activationState=self.awake,
+            physicsClientId=self.client,
+            **_material(brick, self._world),
+            **(_own_inertia(brick) if mass == brick.mass else {}),
         )
         return handle
+
+    def _shape(self, brick: Brick) -> int:
+        """Return the collision shape of a brick; bricks of one shape and size share it."""
+        key = brick.shape, brick.size
+        if key not in self._shapes:
+            self._shapes[key] = pybullet.createCollisionShape(**_geometry(brick), physicsClientId=self.client)
+        return self._shapes[key]
+
+
+def _geometry(brick: Brick) -> dict[str, Any]:
+    """Return PyBullet's description of a brick's collision shape."""
+    diameter, _, length = brick.size
+    match brick.shape:
+        case "box":
+            return {"shapeType": pybullet.GEOM_BOX, "halfExtents": half_edges(brick.size)}
+        case "cylinder":
+            return {"shapeType": pybullet.GEOM_CYLINDER, "radius": diameter / 2, "height": length}
+        case "capsule":
+            return {"shapeType": pybullet.GEOM_CAPSULE, "radius": diameter / 2, "height": length - diameter}
+        case "sphere":
+            return {"shapeType": pybullet.GEOM_SPHERE, "radius": diameter / 2}
+    return {"shapeType": pybullet.GEOM_MESH, "vertices": brick.shape.vertices}
+
+
+def _own_inertia(brick: Brick) -> dict[str, Any]:
+    """Return mass and moments of inertia where Bullet is not exact, because it takes a hull and a capsule for boxes."""
+    is_computed = brick.shape in ("box", "cylinder", "sphere") and brick.moments is None
+    # Without the mass in the same call the body's next pose is NaN.
+    return {} if is_computed else {"mass": brick.mass, "localInertiaDiagonal": moments_of(brick)}
+
+
+def _material(brick: Brick, world: World) -> dict[str, float]:
+    """Return the settings of a body that differ from PyBullet's."""
+    settings = {}
+    if isinstance(brick.shape, Polyhedron):
+        settings["collisionMargin"] = 0.0  # Bullet would add its margin of 1 mm around the vertices
+    if restitution := restitution_of(brick, world):
+        settings["restitution"] = math.sqrt(restitution)
+    return settings

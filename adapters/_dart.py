@@ -80,6 +80,9 @@ class DartSimulation(SubstepSimulation):
         friction_law="box pyramid, the smaller coefficient of the pair",
         moved="a joint of prescribed velocity",
         deterministic="no",
+        shapes=("box", "capsule", "sphere"),
+        other_shapes="DART finds one point of a cylinder in a step, so that it sinks, and reads meshes from files only",
+        own_moments=True,
     )
 
     def _open(self) -> None:

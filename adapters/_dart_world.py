@@ -14,6 +14,7 @@ from adapters._dart_settings import configure, read_knobs
 from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import rotate, rows_of
 from scenarios.model import Brick, World
+from scenarios.solids import moments_of
 from stability_core.port import FloatArray
 
 
@@ -30,6 +31,7 @@ class DartWorld:
         self.joints: dict[int, Any] = {}
         """Joint of each body."""
         self._friction = world.friction
+        self._has_capsules = self._knobs.get("collision_detector") == "DART"
         self._room = 0  # number of bricks to which DART's limit on contacts is raised
         self._make_room(len(expected))
 
@@ -56,7 +58,11 @@ class DartWorld:
         shape = self._add_shape(node, brick)
         inertia = dartpy.dynamics.Inertia()
         inertia.setMass(brick.mass)
-        inertia.setMoment(shape.computeInertia(brick.mass))
+        inertia.setMoment(
+            shape.computeInertia(brick.mass)
+            if brick.shape == "box" and brick.moments is None
+            else np.diag(moments_of(brick))
+        )
         node.setInertia(inertia)
         joint.setPositions(coordinates_of(brick.position, brick.quaternion))
         self._make_room(len(self.skeletons) + 1)  # because the host may spawn bricks that were not expected
@@ -96,8 +102,20 @@ class DartWorld:
             raise_limit(self.world.getConstraintSolver(), contacts_for(self._room))
 
     def _add_shape(self, node: Any, box: Brick) -> Any:
-        shape = dartpy.dynamics.BoxShape(list(box.size))
+        if box.shape == "capsule" and not self._has_capsules:
+            raise NotImplementedError("dart: FCL's detector has no capsules: use the profile game or tuned")
+        shape = _shape(box)
         shape_node = node.createShapeNode(shape)
         shape_node.createCollisionAspect()
         shape_node.createDynamicsAspect().setFrictionCoeff(self._friction)
         return shape
+
+
+def _shape(brick: Brick) -> Any:
+    diameter, _, length = brick.size
+    match brick.shape:
+        case "capsule":
+            return dartpy.dynamics.CapsuleShape(diameter / 2, length - diameter)
+        case "sphere":
+            return dartpy.dynamics.SphereShape(diameter / 2)
+    return dartpy.dynamics.BoxShape(list(brick.size))

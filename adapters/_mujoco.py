@@ -76,6 +76,8 @@ class MujocoSimulation(SubstepSimulation):
         friction_law="elliptic cone, regularised (as shipped: a 4-sided pyramid)",
         moved="a heavy body whose velocity is set before each step",
         deterministic="across processes",
+        shapes=("box", "cylinder", "capsule", "sphere", "polyhedron"),
+        own_moments=True,
     )
 
     def _open(self) -> None:

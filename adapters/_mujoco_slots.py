@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Sequence
-from typing import TypeAlias
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 
 from adapters.profile import KnobValue, Profile
-from adapters.shared.vectors import rotate
-from scenarios.model import Brick, Quaternion, Vector, World
+from adapters.shared.vectors import half_edges, rotate
+from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
+from scenarios.shapes import Polyhedron
+from scenarios.solids import moments_of
 from stability_core.port import FloatArray
-
-Shape: TypeAlias = tuple[Vector, float]
-"""Edge lengths [m] and mass [kg] of a brick: bricks of the same shape fit the same slots."""
 
 CONTACT_STEPS = "contact_steps"
 """Knob for the time constant of contacts [steps]; MuJoCo's ``solref`` has this constant in seconds."""
@@ -37,24 +36,25 @@ _SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEn
 """Flags that make MuJoCo omit sleeping pairs, or list distances that it did not measure."""
 
 
-def shape_of(brick: Brick) -> Shape:
-    """Return the shape of the slots that fit a brick."""
-    return brick.size, HEAVY if brick.moved else brick.mass
+def pattern_of(brick: Brick) -> Brick:
+    """Return the pattern of the slots that fit a brick: the brick without its place, and with the mass of the slot."""
+    mass = HEAVY if brick.moved else brick.mass
+    return replace(brick, mass=mass, position=(0.0, 0.0, 0.0), quaternion=UPRIGHT, level=1, moved=False)
 
 
 class SlotModel:
-    """Compiled model of the ground, a slot per shape, the fixed boxes and, with ``ghosts``, a ghost per slot.
+    """Compiled model of the ground, a slot per pattern, the fixed bodies and, with ``ghosts``, a ghost per slot.
 
-    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same box; nothing moves a mocap
-    body. MuJoCo's geom and body ids coincide: 0 is the ground, followed by the slots, their ghosts and the fixed boxes.
+    A slot is a free body, parked until ``unpark``. A ghost is a mocap body with the same shape; nothing moves a mocap
+    body. MuJoCo's geom and body ids coincide: 0 is the ground, followed by slots, their ghosts and the fixed bodies.
     """
 
-    def __init__(self, shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> None:
-        self.slots = len(shapes)
+    def __init__(self, patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool) -> None:
+        self.slots = len(patterns)
         self.first_fixed = 1 + self.slots * (2 if ghosts else 1)
         self.geoms = self.first_fixed + len(world.fixed)
         self.has_ghosts = ghosts
-        self.model = mujoco.MjModel.from_xml_string(_mjcf(shapes, world, profile, ghosts=ghosts))
+        self.model = mujoco.MjModel.from_xml_string(_mjcf(patterns, world, profile, ghosts=ghosts))
         self.data = mujoco.MjData(self.model)
         # Views of MuJoCo's memory, one row per slot.
         self.poses: FloatArray = self.data.qpos.reshape(-1, 7)
@@ -67,7 +67,7 @@ class SlotModel:
             self.model.body_contype,
             self.model.body_conaffinity,
         )
-        light = [1 + slot for slot, (_, mass) in enumerate(shapes) if mass < HEAVY]
+        light = [1 + slot for slot, pattern in enumerate(patterns) if pattern.mass < HEAVY]
         if len(light) < self.slots and light:  # mean inertia scales the solver's tolerance: exclude heavy bodies
             inertia = self.model.body_inertia[light].mean()
             self.model.stat.meaninertia = (self.model.body_mass[light].mean() + inertia) / 2
@@ -165,7 +165,7 @@ class SlotModel:
             mask[geom] = bits
 
 
-def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bool) -> str:
+def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool) -> str:
     """Return the world as MuJoCo's XML; a knob ``element.attribute`` sets the attribute of that element."""
     timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
@@ -183,27 +183,46 @@ def _mjcf(shapes: Sequence[Shape], world: World, profile: Profile, *, ghosts: bo
         " ".join(f'{name}="{value}"' for name, value in settings[element].items())
         for element in ("option", "flag", "geom")
     )
-    boxes = [_box(size, mass) for size, mass in shapes]
+    meshes = dict.fromkeys(brick.shape for brick in (*patterns, *world.fixed) if isinstance(brick.shape, Polyhedron))
+    names = {mesh: f"mesh{number}" for number, mesh in enumerate(meshes)}
+    bodies = [_inertial(pattern) + _geom(pattern, names) for pattern in patterns]
     fixed = [
-        f'<body pos="{_numbers(box.position)}" quat="{_numbers(box.quaternion)}">'
-        f"{_box(box.size, 1.0, _COLLIDES)}</body>"
-        for box in world.fixed
+        f'<body pos="{_numbers(body.position)}" quat="{_numbers(body.quaternion)}">'
+        f"{_geom(replace(body, mass=1.0), names, _COLLIDES)}</body>"
+        for body in world.fixed
     ]
     return f"""
         <mujoco>
             <option {option}><flag {flag}/></option>
             <default><geom {geom}/></default>
+            {_assets(names)}
             <worldbody>
                 <geom type="plane" size="0 0 1" {_COLLIDES}/>
-                {"".join(f'<body sleep="init" gravcomp="1"><freejoint/>{box}</body>' for box in boxes)}
-                {"".join(f'<body mocap="true">{box}</body>' for box in boxes) if ghosts else ""}
+                {"".join(f'<body sleep="init" gravcomp="1"><freejoint/>{body}</body>' for body in bodies)}
+                {"".join(f'<body mocap="true">{body}</body>' for body in bodies) if ghosts else ""}
                 {"".join(fixed)}
             </worldbody>
         </mujoco>"""
 
 
-def _box(size: Vector, mass: float, attributes: str = "") -> str:
-    return f'<geom type="box" size="{_numbers(edge / 2 for edge in size)}" mass="{mass!r}" {attributes}/>'
+def _assets(names: Mapping[Polyhedron, str]) -> str:
+    meshes = (f'<mesh name="{name}" vertex="{_numbers(mesh.array.ravel())}"/>' for mesh, name in names.items())
+    return f"<asset>{''.join(meshes)}</asset>" if names else ""
+
+
+def _geom(brick: Brick, names: Mapping[Polyhedron, str], attributes: str = "") -> str:
+    if isinstance(brick.shape, Polyhedron):
+        return f'<geom type="mesh" mesh="{names[brick.shape]}" mass="{brick.mass!r}" {attributes}/>'
+    x, y, z = half_edges(brick.size)
+    sizes = {"box": (x, y, z), "cylinder": (x, z), "capsule": (x, z - x), "sphere": (x,)}[brick.shape]
+    return f'<geom type="{brick.shape}" size="{_numbers(sizes)}" mass="{brick.mass!r}" {attributes}/>'
+
+
+def _inertial(brick: Brick) -> str:
+    """Return the inertia where MuJoCo's own, from the geom, would not be exact: of a mesh, and of given moments."""
+    if brick.moments is None and not isinstance(brick.shape, Polyhedron):
+        return ""
+    return f'<inertial pos="0 0 0" mass="{brick.mass!r}" diaginertia="{_numbers(moments_of(brick))}"/>'
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from adapters._mujoco_contacts import NOBODY, Geoms
-from adapters._mujoco_slots import Shape, SlotModel, shape_of
+from adapters._mujoco_slots import SlotModel, pattern_of
 from adapters.profile import Profile
 from adapters.shared.bodies import Bodies
 from scenarios.model import Brick, Quaternion, Vector, World
@@ -39,10 +39,10 @@ class MujocoWorld:
         self.slot_of: dict[int, int] = {}
         """Slot of each body."""
         self._world, self._profile, self._bodies, self._needs_ghosts = world, profile, bodies, needs_ghosts
-        self._shapes: list[Shape] = [shape_of(brick) for brick in expected]
-        self._free: defaultdict[Shape, deque[int]] = defaultdict(deque)
-        for slot, shape in enumerate(self._shapes):
-            self._free[shape].append(slot)
+        self._patterns = [pattern_of(brick) for brick in expected]
+        self._free: defaultdict[Brick, deque[int]] = defaultdict(deque)
+        for slot, pattern in enumerate(self._patterns):
+            self._free[pattern].append(slot)
         self._slots: SlotModel | None = None
 
     @property
@@ -77,7 +77,7 @@ class MujocoWorld:
         slot = self.slot_of.pop(body)
         self._retire(slot)
         self.geoms.assign(slot, NOBODY)
-        self._free[self._shapes[slot]].append(slot)
+        self._free[self._patterns[slot]].append(slot)
         self._wake_all()
 
     def move(self, body: int, position: Vector, quaternion: Quaternion) -> None:
@@ -121,8 +121,8 @@ class MujocoWorld:
                 self.slots.wake(slot)
 
     def _compile(self, *, ghosts: bool) -> SlotModel:
-        """Compile a model for the present shapes, and copy the state of the old model."""
-        old, new = self._slots, SlotModel(self._shapes, self._world, self._profile, ghosts=ghosts)
+        """Compile a model for the present patterns, and copy the state of the old model."""
+        old, new = self._slots, SlotModel(self._patterns, self._world, self._profile, ghosts=ghosts)
         if old is not None:
             for body in self._bodies.frozen:
                 old.hide_ghost(self.slot_of[body])
@@ -140,21 +140,21 @@ class MujocoWorld:
 
     def _occupy_slot(self, body: int, brick: Brick) -> int:
         """Put a brick into a slot that fits; return the slot, still parked."""
-        slot = self._take_slot(shape_of(brick))
+        slot = self._take_slot(pattern_of(brick))
         self.slots.set_pose(slot, brick.position, brick.quaternion)
         self.slot_of[body] = slot
         self.geoms.assign(slot, body)
         return slot
 
-    def _take_slot(self, shape: Shape) -> int:
+    def _take_slot(self, pattern: Brick) -> int:
         """Return a free slot; if no slot is free, first add as many slots as the world has bodies."""
-        if not self._free[shape]:
-            first, more = len(self._shapes), max(1, len(self.slot_of))
-            self._shapes += [shape] * more
-            self._free[shape].extend(range(first, first + more))
+        if not self._free[pattern]:
+            first, more = len(self._patterns), max(1, len(self.slot_of))
+            self._patterns += [pattern] * more
+            self._free[pattern].extend(range(first, first + more))
             if self._slots is not None:
                 self._compile(ghosts=self._slots.has_ghosts)
-        return self._free[shape].popleft()
+        return self._free[pattern].popleft()
 
     def _let_live(self, slot: int) -> None:
         self.slots.unpark(slot)

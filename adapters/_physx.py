@@ -77,6 +77,9 @@ class PhysxSimulation(SubstepSimulation):
         friction_law="cone",
         moved="kinematic",
         deterministic="across processes",
+        shapes=("box", "capsule", "sphere", "polyhedron"),
+        other_shapes="SAPIEN's cylinder is a prism of 30 faces, on which it comes to rest",
+        own_moments=True,
     )
 
     def _open(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -12,7 +13,10 @@ from adapters._physx_state import BodyStates
 from adapters.profile import KnobValue, Profile
 from adapters.shared.quiet_import import silenced_stderr
 from adapters.shared.vectors import half_edges
-from scenarios.model import Brick, Vector, World
+from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.shapes import Polyhedron
+from scenarios.solids import moments_of
+from stability_core.port import FloatArray
 
 with silenced_stderr(), warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -24,6 +28,8 @@ _BODY = ("solver_position_iterations", "angular_damping", "sleep_threshold")
 _SHAPE = ("contact_offset",)
 KNOBS = frozenset({*_SCENE, *_BODY, *_SHAPE})
 """Attributes of SAPIEN's scene, bodies and shapes that a profile may set."""
+_FROM_X_TO_Z: Quaternion = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)
+"""Turn from the axis of PhysX's capsule to the axis of a brick."""
 
 
 class PhysxWorld:
@@ -51,18 +57,19 @@ class PhysxWorld:
         self.states = BodyStates(self.system, self.components, self.body_of)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body; ``body`` is its id in contacts."""
         component = physx.PhysxRigidStaticComponent()
         self._add(component, box)
         self.body_of[component] = body
 
     def add_live(self, body: int, brick: Brick) -> None:
         """Add a live brick, at rest."""
-        x, y, z = brick.size
         component = physx.PhysxRigidDynamicComponent()
         self._add(component, brick)
         component.mass = brick.mass
-        component.inertia = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+        component.inertia = _moments(brick)
+        if brick.shape != "box":  # SAPIEN has set the principal axes of its mesh
+            component.cmass_local_pose = sapien.Pose()
         for name, value in self._for_bodies.items():
             setattr(component, name, value)
         self.components[body] = component
@@ -116,15 +123,39 @@ class PhysxWorld:
         self.components.clear()
         self._scene.clear()
 
-    def _add(self, component: Any, box: Brick) -> None:
-        shape = physx.PhysxCollisionShapeBox(half_edges(box.size), self._material)
+    def _add(self, component: Any, brick: Brick) -> None:
+        shape = _shape(brick, self._material)
         for name, value in self._for_shapes.items():
             setattr(shape, name, value)
         component.attach(shape)
         entity = sapien.Entity()
         entity.add_component(component)
-        entity.pose = sapien.Pose(box.position, box.quaternion)
+        entity.pose = sapien.Pose(brick.position, brick.quaternion)
         self._scene.add_entity(entity)
+
+
+def _shape(brick: Brick, material: Any) -> Any:
+    """Return a collision shape; the axis of PhysX's capsule is x, which is turned onto the brick's z."""
+    x, _, z = half_edges(brick.size)
+    if isinstance(brick.shape, Polyhedron):
+        return physx.PhysxCollisionShapeConvexMesh(
+            brick.shape.array.astype(np.float32), np.ones(3, np.float32), material
+        )
+    if brick.shape == "sphere":
+        return physx.PhysxCollisionShapeSphere(x, material)
+    if brick.shape == "capsule":
+        shape = physx.PhysxCollisionShapeCapsule(x, z - x, material)
+        shape.local_pose = sapien.Pose(q=_FROM_X_TO_Z)
+        return shape
+    return physx.PhysxCollisionShapeBox(half_edges(brick.size), material)
+
+
+def _moments(brick: Brick) -> FloatArray:
+    if brick.shape != "box" or brick.moments is not None:
+        return np.array(moments_of(brick))
+    x, y, z = brick.size
+    moments: FloatArray = brick.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+    return moments
 
 
 def stop(component: Any) -> None:

@@ -39,7 +39,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import rapier3d
 
-from adapters._rapier_contacts import in_world, local_points
+from adapters._rapier_contacts import in_bodies, in_world, local_points
 from adapters._rapier_rotation import settle_rotation
 from adapters._rapier_world import RapierWorld, knows, stop
 from adapters.profile import Capabilities, KnobValue
@@ -74,6 +74,10 @@ class RapierSimulation(SubstepSimulation):
         friction_law="cone",
         moved="kinematic",
         deterministic="across processes",
+        shapes=("box", "cylinder", "capsule", "sphere", "polyhedron"),
+        own_friction=True,
+        restitution=True,
+        own_moments=True,
     )
 
     def _open(self) -> None:
@@ -200,6 +204,7 @@ class RapierSimulation(SubstepSimulation):
         pairs, local, impulses = local_points(self._live_pairs(narrow_phase))
         if not len(pairs):
             return Contacts.empty()
+        local = in_bodies(pairs, local, self._engine.turned)
         normals, points_a, points_b = in_world(pairs, local, self._engine.fixed_poses, self._poses)
         separations = dot(points_b - points_a, normals)
         near = np.flatnonzero(separations <= NEAR * self.scale)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 
 import numpy as np
 import rapier3d
@@ -35,6 +35,24 @@ def local_points(
                 rows.append(normal + point.local_p1.to_tuple() + point.local_p2.to_tuple())
                 impulses.append(point.impulse)
     return np.array(pairs, np.int64), rows_of(rows, 9), np.array(impulses, np.float64)
+
+
+def in_bodies(pairs: IntArray, local: FloatArray, turned: Collection[int]) -> FloatArray:
+    """Return normals and points (n, 9) in the frames of the bodies, given those in the frames of their colliders.
+
+    Args:
+        pairs: bodies a and b, shape (n, 2).
+        local: normals and points from ``local_points``, shape (n, 9).
+        turned: bodies whose collider is turned by 90 deg about x.
+    """
+    if not turned:
+        return local
+    is_turned = np.isin(pairs, list(turned))
+    for column, body in ((0, 0), (3, 0), (6, 1)):
+        rows = is_turned[:, body]
+        x, y, z = local[rows, column : column + 3].T
+        local[rows, column : column + 3] = np.column_stack([x, -z, y])
+    return local
 
 
 def in_world(

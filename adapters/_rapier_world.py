@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from operator import attrgetter
 
@@ -12,10 +13,16 @@ from adapters._rapier_rotation import settle_rotation
 from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import half_edges, scalar_last
 from scenarios.model import Brick, Vector, World
+from scenarios.shapes import Polyhedron
+from scenarios.solids import friction_of, moments_of, restitution_of
 from stability_core.port import FloatArray
 
 BODY_KNOBS = ("body.can_sleep", "body.activation.linear_threshold", "body.activation.angular_threshold")
 """Knobs that are settings of each body; all other knobs are settings of the world."""
+
+
+AXIS_FROM_Y_TO_Z: Vector = (math.pi / 2, 0.0, 0.0)
+"""Rotation vector [rad] from the axis of Rapier's cylinder to the axis of a brick."""
 
 
 def knows(knob: str) -> bool:
@@ -35,7 +42,9 @@ class RapierWorld:
         """Body, ground or fixed box of each collider."""
         self.fixed_poses: tuple[FloatArray, FloatArray] = np.empty((0, 3)), np.empty((0, 4))
         """Positions (k, 3) [m] and quaternions (k, 4) of fixed boxes and ground, by rising id."""
-        self._friction = world.friction
+        self.turned: set[int] = set()
+        """Cylinders, whose collider is turned in its body, because Rapier's cylinders have their axis along y."""
+        self._world = world
         values = profile.values
         self._can_sleep = bool(values.get("body.can_sleep", True))
         self._activation = {name.rpartition(".")[2]: value for name, value in values.items() if "activation" in name}
@@ -43,9 +52,16 @@ class RapierWorld:
             self._configure(name, value)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts, lower than all earlier ids."""
-        builder = self._box(box).position((box.position, scalar_last(box.quaternion)))
-        self.body_of[self.world.add_collider(builder)] = body
+        """Add the ground or a fixed body; ``body`` is its id in contacts, lower than all earlier ids."""
+        fixed = rapier3d.RigidBody.fixed().position((box.position, scalar_last(box.quaternion)))
+        if box.shape == "cylinder":  # which needs a body, in which its collider is turned
+            self.turned.add(body)
+            handle = self.world.add_body(fixed, [self._collider(box)])
+            (collider,) = self.world.rigid_bodies[handle].colliders
+        else:
+            builder = self._collider(box).position((box.position, scalar_last(box.quaternion)))
+            collider = self.world.add_collider(builder)
+        self.body_of[collider] = body
         positions, quaternions = self.fixed_poses
         self.fixed_poses = np.vstack([[box.position], positions]), np.vstack([[box.quaternion], quaternions])
 
@@ -62,6 +78,7 @@ class RapierWorld:
     def remove(self, body: int) -> None:
         """Remove a body."""
         del self.views[body]
+        self.turned.discard(body)
         del self.body_of[self.colliders.pop(body)]
         self.world.remove_body(self.handles.pop(body))
 
@@ -105,12 +122,32 @@ class RapierWorld:
             setattr(coefficients, attribute, value)
             setattr(parameters, owner, coefficients)
 
-    def _box(self, box: Brick) -> rapier3d.ColliderBuilder:
-        return rapier3d.Collider.cuboid(*half_edges(box.size)).friction(self._friction)
+    def _collider(self, brick: Brick) -> rapier3d.ColliderBuilder:
+        """Return a collider of the brick's shape, friction and restitution."""
+        x, _, z = half_edges(brick.size)
+        make = rapier3d.Collider
+        if isinstance(brick.shape, Polyhedron):
+            builder = make.convex_hull(brick.shape.array)
+        elif brick.shape == "cylinder":
+            builder = make.cylinder(z, x).rotation(AXIS_FROM_Y_TO_Z)
+        elif brick.shape == "capsule":
+            builder = make.capsule_z(z - x, x)
+        elif brick.shape == "sphere":
+            builder = make.ball(x)
+        else:
+            builder = make.cuboid(*half_edges(brick.size))
+        builder = builder.friction(friction_of(brick, self._world))
+        if brick.friction is not None:
+            builder = builder.friction_combine_rule(rapier3d.CoefficientCombineRule.GEOMETRIC_MEAN)
+        if brick.restitution is not None or self._world.restitution:
+            builder = builder.restitution(restitution_of(brick, self._world))
+            builder = builder.restitution_combine_rule(rapier3d.CoefficientCombineRule.GEOMETRIC_MEAN)
+        return builder
 
     def _add(self, body: int, brick: Brick, builder: rapier3d.RigidBodyBuilder) -> None:
-        """Add the body that ``builder`` describes, with the box and the mass of the brick."""
-        handle = self.world.add_body(builder.can_sleep(self._can_sleep), [self._box(brick).mass(brick.mass)])
+        """Add the body that ``builder`` describes, with the shape and the mass of the brick."""
+        weighed = _with_mass(self._collider(brick), brick)
+        handle = self.world.add_body(builder.can_sleep(self._can_sleep), [weighed])
         view = self.world.rigid_bodies[handle]
         if self._activation:
             activation = view.activation  # a copy, which must be assigned back
@@ -118,8 +155,23 @@ class RapierWorld:
                 setattr(activation, name, value)
             view.activation = activation
         (collider,) = view.colliders
+        if brick.shape == "cylinder":
+            self.turned.add(body)
         self.handles[body], self.views[body], self.colliders[body] = handle, view, collider
         self.body_of[collider] = body
+
+
+def _with_mass(collider: rapier3d.ColliderBuilder, brick: Brick) -> rapier3d.ColliderBuilder:
+    """Return the collider with the mass of the brick, and with its inertia where Rapier's own would not be exact.
+
+    The inertia of a cylinder is along the axes of its collider.
+    """
+    if brick.moments is None and brick.shape in ("box", "sphere"):
+        return collider.mass(brick.mass)
+    x, y, z = moments_of(brick)
+    moments = (x, z, y) if brick.shape == "cylinder" else (x, y, z)
+    center, upright = rapier3d.Vec3.zeros(), rapier3d.Rotation3.identity()
+    return collider.mass_properties(rapier3d.MassProperties(center, brick.mass, rapier3d.Vec3(*moments), upright))
 
 
 def stop(view: rapier3d.RigidBody) -> None:

@@ -26,6 +26,7 @@ from adapters.shared.input_checks import (
     check_pose_in_plane,
     check_vector_in_plane,
 )
+from adapters.shared.pair_friction import PairFriction
 from adapters.shared.refusals import check_capable
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import GROUND, FloatArray, IntArray
@@ -64,6 +65,7 @@ class Simulation(EngineHooks):
         self.info = EngineInfo(self.engine, engine_version(self.engine), profile, sleeping)
         self.bodies = Bodies()
         self.bricks, self.frozen = self.bodies.bricks, self.bodies.frozen
+        self.pair_friction = PairFriction(world)
         self._port = self.port_type(self)
         self._is_observed = False
         self.own_step_s: float | None = None
@@ -113,7 +115,8 @@ class Simulation(EngineHooks):
         self._check_pose_in_plane(brick.position, brick.quaternion)
         body = self.bodies.new_id()
         (self._spawn_moved if brick.moved else self._spawn)(body, brick)
-        self._port.add(body, brick.size)
+        self._port.add(body, brick)
+        self.pair_friction.add(body, brick)
         self.bodies.add(body, brick)
         return body
 

@@ -17,6 +17,7 @@ from typing import ClassVar
 
 from adapters.profile import Capabilities, EngineInfo, Knob, KnobValue, Profile
 from adapters.shared.bodies import Bodies
+from adapters.shared.pair_friction import PairFriction
 from scenarios.model import Brick, Quaternion, Vector, World
 from stability_core.port import Contacts, FloatArray, IntArray
 
@@ -38,6 +39,7 @@ class EngineHooks(ABC):
     world: World
     """Friction, present gravity and fixed boxes."""
     bodies: Bodies
+    pair_friction: PairFriction
     expected: tuple[Brick, ...]
     """The bricks that the host plans to spawn; the host may spawn other bricks as well."""
 

@@ -14,7 +14,6 @@ replaces these ids by ``GROUND`` for the core.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -22,10 +21,11 @@ import numpy as np
 
 from adapters.hooks import EngineHooks
 from adapters.shared.bodies import NO_FORCE
-from adapters.shared.contact_completion import BoxTable, joined
+from adapters.shared.contact_completion import BoxTable, edges_of, joined
 from adapters.shared.live_pairs import of_live
 from adapters.shared.swept_contacts import HORIZON
-from scenarios.model import Vector
+from scenarios.model import Brick
+from scenarios.solids import reach_of
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray, Masses
 
 MAX_REST_OVERLAP = 1e-3
@@ -55,13 +55,13 @@ class EnginePort:
         if not live and not driven:
             return NO_CONTACTS
         if self._found is not None:
-            return self._without_fixed_ids(self._of_live(self._found))
+            return self._for_core(self._of_live(self._found))
         contacts = self._engine._contacts() if live else NO_CONTACTS
         if live and not self._engine.capabilities.near_contacts:
             contacts = self._completed(contacts)
         if driven:
             contacts = self._with_driven(contacts, driven)
-        return self._without_fixed_ids(self._with_approaching(contacts))
+        return self._for_core(self._with_approaching(contacts))
 
     def masses(self) -> Masses:
         """Return the live and moved bodies after the latest step, and the ids removed since the previous call.
@@ -106,9 +106,9 @@ class EnginePort:
 
     # -- called by the simulation ------------------------------------------------------------------
 
-    def add(self, body: int, size: Vector) -> None:
-        """Add a new body with edges ``size`` [m] to the table of boxes."""
-        self._boxes.add(body, size)
+    def add(self, body: int, brick: Brick) -> None:
+        """Add a new body to the table of boxes."""
+        self._boxes.add(body, edges_of(brick))
 
     def remove(self, body: int) -> None:
         """Remove a body from the table of boxes."""
@@ -154,7 +154,7 @@ class EnginePort:
         """
         rows = self._place_boxes(driven)
         linear, angular = self._engine.velocities_now(rows)
-        reach = np.array([math.hypot(*self._bodies.bricks[body].size) / 2 for body in driven])
+        reach = np.array([reach_of(self._bodies.bricks[body]) for body in driven])
         speed = np.linalg.norm(linear, axis=1) + reach * np.linalg.norm(angular, axis=1)
         way = float(speed.max()) * self._engine.info.frame_s
         deep, frozen = way + MAX_REST_OVERLAP, self._bodies.frozen
@@ -186,8 +186,11 @@ class EnginePort:
         """Return the contacts that touch a live body and no removed body."""
         return of_live(contacts, self._bodies)
 
-    def _without_fixed_ids(self, contacts: Contacts) -> Contacts:
-        """Replace the ids of fixed boxes, which the core does not know, by ``GROUND``."""
+    def _for_core(self, contacts: Contacts) -> Contacts:
+        """Set the friction of each pair, and replace the ids of fixed bodies, which the core does not know."""
+        pairs = self._engine.pair_friction
+        if not pairs.is_uniform:
+            contacts = replace(contacts, friction=pairs.of(contacts.body_a, contacts.body_b))
         if not self._engine.world.fixed:
             return contacts
         body_a, body_b = np.maximum(contacts.body_a, GROUND), np.maximum(contacts.body_b, GROUND)

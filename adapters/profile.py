@@ -122,6 +122,8 @@ class Capabilities:
     """True for a 2-D engine, which runs planar scenes only."""
     shapes: tuple[str, ...] = ("box",)
     """Names of the shapes that the adapter builds: see ``scenarios.shapes.name_of``."""
+    other_shapes: str = "its adapter builds no other shapes yet"
+    """Reason why the adapter builds no other shapes."""
     own_friction: bool = False
     """True if bodies may have coefficients of friction of their own, of which a pair has the geometric mean."""
     restitution: bool = False

@@ -26,6 +26,7 @@ from adapters.base import Simulation
 from adapters.port import EnginePort
 from adapters.profile import KnobValue
 from scenarios.model import Brick, Quaternion, Vector
+from scenarios.solids import enlarged
 from stability_core.port import Contacts, FloatArray, IntArray
 
 
@@ -122,7 +123,7 @@ class _ScaledSimulation(Simulation):
 
     def _enlarged(self, brick: Brick) -> Brick:
         """Return the brick in the larger world, with the same mass."""
-        return replace(brick, size=_times(self.scale, brick.size), position=self._place(brick.position))
+        return replace(enlarged(brick, self.scale), position=self._place(brick.position))
 
     def _in_scene(self, seen: Contacts) -> Contacts:
         """Convert contacts of the larger world to the scene's units."""

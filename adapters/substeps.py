@@ -124,7 +124,7 @@ class SubstepSimulation(Simulation):
         if force is not None:
             force = mean_force(SubstepForces(*pairs, force), normal, self._earlier_forces)
         approach = fastest_approach(self._before, *pairs, point, normal, self.solver_noise)
-        friction = np.full(len(point), self.world.friction)
+        friction = self.pair_friction.of(*pairs)
         return Contacts(*pairs, point, normal, separation, approach, friction, force)
 
     def _with_friction(self, contacts: Contacts) -> Contacts:

@@ -20,6 +20,7 @@ from adapters.conformance import (
     freezing,
     housekeeping,
     motion,
+    shapes,
 )
 from adapters.conformance.rig import ConformanceError, Rig
 from adapters.profile import Capabilities
@@ -63,6 +64,11 @@ class Check:
             self.measure(rig)
         finally:
             rig.close()
+
+
+def _has_shapes(capabilities: Capabilities) -> bool:
+    """Return whether an adapter builds other shapes than boxes."""
+    return len(capabilities.shapes) > 1
 
 
 CHECKS: tuple[Check, ...] = (
@@ -128,4 +134,16 @@ CHECKS: tuple[Check, ...] = (
     Check(finding.finds_contacts_with_fixed_boxes),
     Check(finding.forgets_found_contacts_with_the_next_step),
     Check(finding.stands_as_if_never_asked),
+    Check(shapes.seats_every_shape, capable=_has_shapes, as_shipped=False),
+    Check(shapes.carries_every_shape_on_every_shape, capable=_has_shapes, as_shipped=False),
+    Check(shapes.reports_where_every_shape_stands, capable=_has_shapes, as_shipped=False),
+    Check(shapes.slides_on_every_flat_face, capable=_has_shapes, as_shipped=False),
+    Check(shapes.rolls_down_a_slope, capable=_has_shapes, as_shipped=False),
+    Check(shapes.freezes_every_shape, capable=_has_shapes),
+    Check(shapes.has_the_friction_of_a_pair, capable=lambda capabilities: capabilities.own_friction, as_shipped=False),
+    Check(
+        shapes.bounces_with_the_restitution_of_a_pair,
+        capable=lambda capabilities: capabilities.restitution,
+        as_shipped=False,
+    ),
 )

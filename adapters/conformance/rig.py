@@ -76,10 +76,14 @@ class Rig:
         self._opened: list[Simulation] = []
 
     def open(
-        self, friction: float = 0.45, gravity: Vector = (0.0, 0.0, -GRAVITY), fixed: tuple[Brick, ...] = ()
+        self,
+        friction: float = 0.45,
+        gravity: Vector = (0.0, 0.0, -GRAVITY),
+        fixed: tuple[Brick, ...] = (),
+        restitution: float = 0.0,
     ) -> Simulation:
         """Open and return an empty world, and access its port, so that the engine records contact velocities."""
-        simulation = self._open_world(World(friction, gravity, fixed))
+        simulation = self._open_world(World(friction, gravity, fixed, restitution))
         self._opened.append(simulation)
         require(len(simulation.port.masses().body) == 0, "masses list bodies in a new world, must list none")
         return simulation

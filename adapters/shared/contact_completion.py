@@ -8,6 +8,7 @@ missing corners by clipping one face by the other, as the engines themselves do.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from adapters.shared.box_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
 from adapters.shared.swept_contacts import approaches, fast_rows
-from scenarios.model import Brick, Vector
+from scenarios.model import Brick
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 _GROUND_BOX = (0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0, 1e3, 1e3, 1.0)
@@ -49,7 +50,7 @@ class BoxTable:
         self._rows = self._first
         if fixed:
             ids = np.array([fixed_id(index) for index in range(len(fixed))])
-            self._boxes[self._first + ids, HALF] = np.array([box.size for box in fixed]) / 2
+            self._boxes[self._first + ids, HALF] = np.array([edges_of(body) for body in fixed]) / 2
             self.place(ids, np.array([box.position for box in fixed]), np.array([box.quaternion for box in fixed]))
 
     def add(self, body: int, size: Vector) -> None:
@@ -183,6 +184,11 @@ class BoxTable:
         a, b = contacts.body_a + self._first, contacts.body_b + self._first
         pairs: IntArray = np.minimum(a, b) * self._rows + np.maximum(a, b)
         return pairs
+
+
+def edges_of(brick: Brick) -> Vector:
+    """Return the edges [m] of a box, and NaN for any other shape, whose row then is as a row without a body."""
+    return brick.size if brick.shape == "box" else (math.nan, math.nan, math.nan)
 
 
 def joined(first: Contacts, second: Contacts) -> Contacts:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 
 from scenarios.model import Brick
+from scenarios.solids import reach_of
 
 MIN_HALF_EDGES = (2.0, 2.0, 0.5)
 """Smallest half edges [m] of the ground, so that any scene of planks fits on it, and no brick falls through it."""
@@ -28,4 +29,4 @@ def ground_box(bricks: Iterable[Brick], scale: float, middle: float = 0.0) -> Br
 def _reach(brick: Brick, middle: float) -> float:
     """Return the greatest distance [m] of a brick's corner from the ground's centre, for any rotation of the brick."""
     x, y, _ = brick.position
-    return math.hypot(x - middle, y) + math.hypot(*brick.size) / 2
+    return math.hypot(x - middle, y) + reach_of(brick)

@@ -25,7 +25,8 @@ def check_capable(engine: str, can: Capabilities, world: World, bricks: Iterable
         shape = name_of(brick.shape)
         if shape not in can.shapes:
             raise NotImplementedError(
-                f"{engine}: the adapter builds no {shape}: use one of {', '.join(can.shapes)}, or another engine"
+                f"{engine}: the adapter builds no {shape}, because {can.other_shapes}: use one of "
+                f"{', '.join(can.shapes)}, or another engine"
             )
         if not can.own_friction and friction_of(brick, world) != world.friction:
             raise NotImplementedError(

@@ -43,7 +43,11 @@ def skip_without_adapter(engine: str) -> None:
         pytest.skip(f"{ENGINES[engine].module} is not written yet")
 
 
-@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+OF_BOXES = [check for check in CHECKS if check.measure.__module__ != "adapters.conformance.shapes"]
+"""Checks of bricks that are boxes; ``test_conformance_shapes`` has the others."""
+
+
+@pytest.mark.parametrize("check", OF_BOXES, ids=lambda check: check.name)
 @pytest.mark.parametrize("profile", ["game", *(pytest.param(name, marks=pytest.mark.full) for name in OTHERS)])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_engine_keeps_the_contract(engine: str, profile: str, check: Check) -> None:
@@ -63,7 +67,7 @@ def test_engine_keeps_the_contract(engine: str, profile: str, check: Check) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+@pytest.mark.parametrize("check", OF_BOXES, ids=lambda check: check.name)
 @pytest.mark.parametrize("profile", ["game@scale=10", "default@scale=10", "default@scale=100"])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_engine_keeps_the_contract_in_larger_worlds(engine: str, profile: str, check: Check) -> None:
