@@ -11,6 +11,7 @@ from scenarios.model import Scene
 from scenarios.parameters import Value
 from scenarios.scenario import AT_ONCE, ONE_BY_ONE, Scenario
 from scenarios.scenes.asleep import asleep
+from scenarios.scenes.ball_pyramid import ball_pyramid
 from scenarios.scenes.belt_tower import belt_tower
 from scenarios.scenes.branches import branches
 from scenarios.scenes.brick_wall import brick_wall
@@ -19,6 +20,7 @@ from scenarios.scenes.card_house import card_house
 from scenarios.scenes.ceiling import ceiling
 from scenarios.scenes.character import character
 from scenarios.scenes.corbelled_arch import corbelled_arch
+from scenarios.scenes.dome_ring import dome_ring
 from scenarios.scenes.dropped_plank import dropped_plank
 from scenarios.scenes.four_stack import four_stack
 from scenarios.scenes.from_file import own_scene
@@ -27,10 +29,12 @@ from scenarios.scenes.harmonic_overhang import harmonic_overhang
 from scenarios.scenes.heavy_top import heavy_top
 from scenarios.scenes.incline import incline
 from scenarios.scenes.jenga import jenga
+from scenarios.scenes.leaning_drums import leaning_drums
 from scenarios.scenes.leaning_pair import leaning_pair
 from scenarios.scenes.leaning_tower import leaning_tower
 from scenarios.scenes.lifted_tower import lifted_tower
 from scenarios.scenes.log_cabin import log_cabin
+from scenarios.scenes.log_pile import log_pile
 from scenarios.scenes.neighbour_side import neighbour_side
 from scenarios.scenes.overhang import overhang
 from scenarios.scenes.plank_bridge import plank_bridge
@@ -52,6 +56,7 @@ from scenarios.scenes.tilt_test import tilt_test
 from scenarios.scenes.tilted_ground import tilted_ground
 from scenarios.scenes.tipping_post import tipping_post
 from scenarios.scenes.trapdoor import trapdoor
+from scenarios.scenes.voussoir_arch import voussoir_arch
 from scenarios.scenes.wall_plank import wall_plank
 
 SCENARIOS: Mapping[str, Scenario[...]] = {
@@ -96,6 +101,11 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         tipping_post,
         heavy_top,
         asleep,
+        voussoir_arch,
+        dome_ring,
+        leaning_drums,
+        log_pile,
+        ball_pyramid,
         poured_pile,
         own_scene,
     )

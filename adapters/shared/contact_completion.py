@@ -16,7 +16,7 @@ import numpy as np
 
 from adapters.shared.box_contacts import CENTER, HALF, SLACK, TURN, missing_corners, near_corners, note_reach
 from adapters.shared.swept_contacts import approaches, fast_rows
-from scenarios.model import Brick
+from scenarios.model import Brick, Vector
 from stability_core.port import GROUND, Contacts, FloatArray, IntArray
 
 _GROUND_BOX = (0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 1e3, 1.0, 1e3, 1e3, 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,12 +11,16 @@ from rich.console import Console
 from rich.table import Table
 
 from adapters import ENGINES, EngineNotInstalledError, Profile, check_installed, profiles
-from bench.cli.console import OUT, note
+from bench.cli.completion import SCENARIO
+from bench.cli.console import OUT, input_errors, note
+from bench.cli.judgement import print_judgement
 from bench.machine.environment import describe_engine
 from bench.studies.policies import BENCH_POLICIES
-from bench.studies.schema import load_study, study_names
+from bench.studies.schema import StudyError, load_study, study_names
+from bench.studies.selection import is_file
 from reports.tables.capabilities import capability_table
 from reports.tables.table import render
+from scenarios.model import Scene
 from scenarios.parameters import Range, Value
 from scenarios.registry import SCENARIOS, build
 from scenarios.scenario import OF_STATICS
@@ -26,8 +31,22 @@ def list_(
     out: Annotated[Path, typer.Option(help="With --pictures: the file to write, .png, .svg or .pdf.")] = Path(
         "scenes.png"
     ),
+    scenario: Annotated[
+        str | None,
+        typer.Option(help="Only this scenario, or FILE.toml with your own bricks.", autocompletion=SCENARIO),
+    ] = None,
+    truth: Annotated[
+        bool,
+        typer.Option("--truth", help="With --scenario: judge the scene by exact statics, with margins and proof."),
+    ] = False,
 ) -> None:
     """List scenarios with their theory, engines, profiles, policies and studies."""
+    if truth and scenario is None:
+        raise typer.BadParameter("--truth judges one scene: add --scenario NAME or --scenario FILE.toml")
+    if scenario is not None:
+        with input_errors():
+            _print_scene(scenario, is_judged=truth)
+        return
     if not pictures:
         print_catalogue(OUT)
         return
@@ -37,9 +56,21 @@ def list_(
     note(f"{len(SCENARIOS)} scenes drawn in {out}")
 
 
+def _print_scene(name: str, *, is_judged: bool) -> None:
+    """Print the row of one scene, or the judge's answer about it."""
+    try:
+        scene = build("own_scene", file=name) if is_file(name) else build(name)
+        if is_judged:
+            print_judgement(scene, OUT)
+        else:
+            OUT.print(_scenarios({scene.scenario: scene}))
+    except ValueError as error:
+        raise StudyError(str(error)) from error
+
+
 def print_catalogue(console: Console) -> None:
     """Print scenarios, engines with their profiles and capabilities, policies and studies."""
-    for table in (_scenarios(), _engines()):
+    for table in (_scenarios({name: build(name) for name in SCENARIOS}), _engines()):
         console.print(table)
         console.print()
     render(capability_table(_descriptors()), console)
@@ -55,10 +86,11 @@ def _table(title: str, *columns: str) -> Table:
     return table
 
 
-def _scenarios() -> Table:
+def _scenarios(scenes: Mapping[str, Scene]) -> Table:
+    """Return the table of scenes, by the names of their scenarios."""
     table = _table("Scenarios", "name", "must, by theory", "theory", "look for")
-    for name, scenario in SCENARIOS.items():
-        scene = build(name)
+    for name, scene in scenes.items():
+        scenario = SCENARIOS[name]
         lines = [_parameter(key, default, scenario.ranges.get(key)) for key, default in scenario.defaults.items()]
         shared = [", ".join(OF_STATICS)] if scenario.is_static else []
         named = "\n  ".join([name, *lines, *shared])

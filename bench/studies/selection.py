@@ -32,6 +32,11 @@ class Selection:
     """Simulated time for which every trial is watched [h]; the limit on wall time increases by the same factor."""
 
 
+def is_file(name: str) -> bool:
+    """Return whether a selected scenario is the name of a file, by its suffix."""
+    return name.endswith(OWN)
+
+
 def selected(study: Study, selection: Selection) -> Study:
     """Return the study with the selection applied; a selected scenario keeps the study's parameters, if any.
 
@@ -43,7 +48,7 @@ def selected(study: Study, selection: Selection) -> Study:
     for engine in selection.engines:
         look_up("engine", engine, ENGINES)
     for scenario in selection.scenarios:
-        if not scenario.endswith(OWN):
+        if not is_file(scenario):
             look_up("scenario", scenario, SCENARIOS)
     for policy in selection.policies:
         look_up("policy", policy, BENCH_POLICIES)
@@ -106,4 +111,4 @@ def _watched_for(study: Study, watch_s: float) -> dict[str, Any]:
 
 def _plain(name: str) -> dict[str, Any]:
     """Return the fields of a selected scenario that is not in the study: by name with its defaults, or from a file."""
-    return {"name": "own_scene", "parameters": {"file": name}} if name.endswith(OWN) else {"name": name}
+    return {"name": "own_scene", "parameters": {"file": name}} if is_file(name) else {"name": name}

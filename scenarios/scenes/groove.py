@@ -1,14 +1,14 @@
-"""A bar of square section in a tilted V-groove, whose two sides never move.
+"""A bar, a wedge or a cylinder in a tilted V-groove, whose two sides never move.
 
-Theory, for a bar of weight W in a groove that is tilted by t along its length and whose sides rise at the angle a from
-the horizontal (a = 45 deg, because the bar's section is square):
+Theory, for a body of weight W in a groove that is tilted by t along its length and whose sides rise at the angle a from
+the horizontal (a = 45 deg, because the bar's section is square; a wedge is half a bar, with its edge below):
 
 - Across the groove the two normal forces N balance the weight's component normal to the groove's length:
   2 N cos(a) = W cos(t).
 - Along the groove friction must balance the weight's other component: 2 mu N >= W sin(t).
-- So the bar stands if mu >= k = tan(t) cos(a): the groove makes friction 1 / cos(a) = 1.41 times as strong.
-- A bar that was pressed into the groove may stay wedged by friction across the groove, which adds to N. At best this
-  wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below this lower limit no forces hold the bar.
+- So the body stands if mu >= k = tan(t) cos(a): the groove makes friction 1 / cos(a) = 1.41 times as strong.
+- A body that was pressed into the groove may stay wedged by friction across the groove, which adds to N. At best this
+  wedging lowers the limit to k / sqrt(1 + k^2 tan(a)^2), by 3 % here. Below this lower limit no forces hold the body.
 
 An engine that replaces the friction cone by a box, with no axis along the slope of a side, holds up to sqrt(2) times as
 much: DART always does, Bullet and PhysX do for a bar at rest. So the default margin is 0.35; within 29 % beyond the
@@ -22,6 +22,7 @@ stand at the wrong tilt.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -29,9 +30,10 @@ import numpy as np
 from scenarios.geometry import FloatArray, rotation
 from scenarios.margins import by_margin
 from scenarios.model import Brick, Quaternion, Vector, World
-from scenarios.parameters import Margin, Real
+from scenarios.parameters import Choice, Margin, Real
 from scenarios.planks import DENSITY, one_a_second
 from scenarios.scenario import Plan, scenario
+from scenarios.solids import cylinder, polyhedron
 
 RISE = math.radians(45)
 """Angle [rad] between each side of the level groove and the horizontal."""
@@ -48,25 +50,30 @@ LIES_AT = 0.40
 
 
 @scenario
-def groove(*, tilt: Annotated[float, Real(5, 40)] = 20.0, margin: Margin = 0.35) -> Plan:
-    """Build a bar of square section in a tilted V-groove.
+def groove(
+    *,
+    tilt: Annotated[float, Real(5, 40)] = 20.0,
+    margin: Margin = 0.35,
+    body: Annotated[str, Choice("bar", "wedge", "cylinder")] = "bar",
+) -> Plan:
+    """Build a bar, a wedge or a cylinder in a tilted V-groove.
 
     Args:
         tilt: angle [deg] of the groove's length to the ground.
         margin: share by which the friction exceeds its limit; a negative margin is relative to the limit of a wedged
             bar.
+        body: "bar" of square section, "wedge" with its edge below, or "cylinder" along the groove.
     """
     angle = math.radians(tilt)
     limit = math.tan(angle) * math.cos(RISE)
     if margin < 0:
         limit /= math.hypot(1.0, limit * math.tan(RISE))
     sides = tuple(_along_groove(angle, SIDE, SIDE[0] / 2, side, _beside(side)) for side in (-1, 1))
-    bar = _along_groove(angle, BAR, LIES_AT, 1, np.array([0.0, 0.0, BAR[1] * math.sqrt(0.5)]))
     return Plan(
         world=World(friction=(1 + margin) * limit, fixed=sides),
-        actions=one_a_second([[bar]]),
+        actions=one_a_second([[_body(body, angle)]]),
         expectation=by_margin(margin, f"mu = {limit:.3f}, by the forces on both sides", falls_at=1),
-        look_for="a bar that slides where the groove's wedge must hold it, or sticks where it must slide",
+        look_for="a body that slides where the groove's wedge must hold it, or sticks where it must slide",
         partner={"margin": abs(margin)},
     )
 
@@ -80,6 +87,28 @@ def _beside(side: int) -> FloatArray:
     inward = np.array([0.0, -side * math.sin(RISE), math.cos(RISE)])
     middle: FloatArray = (RELIEF + SIDE[1] / 2) * across - SIDE[2] / 2 * inward
     return middle
+
+
+def _body(body: str, tilt: float) -> Brick:
+    """Return the body in the groove, which touches both sides; ``tilt`` is that of the groove [rad]."""
+    bar = _along_groove(tilt, BAR, LIES_AT, 1, np.array([0.0, 0.0, BAR[1] * math.sqrt(0.5)]))
+    lift: Quaternion = (math.cos(tilt / 2), 0.0, -math.sin(tilt / 2), 0.0)
+    if body == "wedge":
+        length, half = BAR[0] / 2, BAR[1] * math.sqrt(0.5)
+        corners = [(x, y, z) for x in (-length, length) for y, z in ((0.0, 0.0), (half, half), (-half, half))]
+        edge = rotation(np.array([lift]))[0] @ (LIES_AT, 0.0, 0.0) + (0.0, 0.0, ABOVE)
+        return polyhedron(corners, position=_vector(edge), quaternion=lift, density=DENSITY)
+    if body == "cylinder":
+        half = (tilt + math.pi / 2) / 2  # the axis z turns to the groove's length
+        along: Quaternion = (math.sin(half), 0.0, math.cos(half), 0.0)
+        rod = cylinder(BAR[1] / 2, BAR[0], position=bar.position, density=DENSITY)
+        return replace(rod, quaternion=along)
+    return bar
+
+
+def _vector(numbers: FloatArray) -> Vector:
+    x, y, z = numbers.tolist()
+    return x, y, z
 
 
 def _along_groove(tilt: float, size: Vector, along: float, side: int, off_line: FloatArray) -> Brick:

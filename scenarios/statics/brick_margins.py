@@ -171,9 +171,10 @@ class _Stack:
                 self.centers[present], self.weights[present], patches_among(present.tolist(), self.patches), self.length
             )
             angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
-            solution = Balance(corners).solve(self.friction, angles)
+            friction = corners.coefficients(self.friction)
+            solution = Balance(corners).solve(friction, angles)
             if solution.residual <= BALANCED:
-                lean = self.friction * np.array([np.cos(angles), np.sin(angles)])
+                lean = friction * np.array([np.cos(angles), np.sin(angles)])
                 edges = corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, corners.tangents)
                 forces = corners.wrenches(np.tile(np.eye(3), (len(corners.points), 1, 1))) @ solution.forces.ravel()
                 return present, _Pile(corners, corners.wrenches(edges), forces)

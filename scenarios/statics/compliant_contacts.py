@@ -85,7 +85,13 @@ class CompliantPile:
     """Bodies with masses and weights, on compliant contacts with friction; see the module docstring."""
 
     def __init__(
-        self, wrenches: csr_array, masses: FloatArray, gyration: FloatArray, load: FloatArray, friction: float, r: float
+        self,
+        wrenches: csr_array,
+        masses: FloatArray,
+        gyration: FloatArray,
+        load: FloatArray,
+        friction: float | FloatArray,
+        r: float,
     ) -> None:
         self._wrenches, self._motions = wrenches, csr_array(wrenches.T)
         blocks = [np.zeros((6, 6)) for _ in masses]
@@ -94,7 +100,7 @@ class CompliantPile:
         self._masses = csr_array(block_diag(blocks))
         self._inertia = self._masses.copy()
         """Matrix M / kappa; each Newton step replaces its values."""
-        self._load, self._friction, self._ratio = load, friction, r
+        self._load, self._friction, self._ratio = load, np.ravel(friction), r
         self._corners = wrenches.shape[1] // 3
         self._precision = PRECISION * np.repeat(masses, 6)
         self._sizes = abs(wrenches)
@@ -196,7 +202,7 @@ class CompliantPile:
         derivative[:, 1:, 1:] = self._ratio * iterate.share[:, None, None] * across
         if not are_fixed:
             derivative[~closed] = 0.0
-            derivative[:, 1:, 0] = np.where((closed & ~iterate.sticks)[:, None], self._friction * along, 0.0)
+            derivative[:, 1:, 0] = np.where((closed & ~iterate.sticks)[:, None], self._friction[:, None] * along, 0.0)
         self._stiffness.data, self._inertia.data = derivative.ravel(), self._masses.data * (1.0 / kappa)
         matrix = csc_array(self._inertia + self._wrenches @ self._stiffness @ self._motions)
         try:
@@ -231,13 +237,14 @@ def pile_of(
     Args:
         corners: corners of the contact patches, with the bodies' loads.
         gyration: inertia over mass, in squares of the length unit, shape (n, 3, 3).
-        friction: Coulomb coefficient.
+        friction: Coulomb coefficient of every pair; a patch may have a ratio of its own (``Patch.friction_ratio``).
         ratio: tangential over normal stiffness.
         stiffness: normal stiffness of each corner, shape (p,).
     """
     frames = np.stack([corners.normals, *corners.tangents], axis=1)
     wrenches = csr_array(corners.wrenches(frames) @ diags_array(np.repeat(np.sqrt(stiffness), 3)))
-    return CompliantPile(wrenches, _masses(corners), gyration, corners.load, friction, ratio)
+    coefficients = corners.coefficients(friction)
+    return CompliantPile(wrenches, _masses(corners), gyration, corners.load, coefficients, ratio)
 
 
 def even_stiffness(corners: Corners) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The contact patch of two ideal boxes: its corners and its normal.
+"""The contact patch of two ideal boxes: its corners and its normal. ``solid_patch`` has other shapes.
 
 Two boxes touch if a direction separates them with a gap of zero. If only one direction does, it is the contact's
 normal, and the patch is the common part of both surfaces: a polygon (face on face), a segment (edge on face) or a point
@@ -24,7 +24,8 @@ import numpy as np
 
 from scenarios.geometry import Boxes, FloatArray, height_above_ground
 from scenarios.model import Brick
-from scenarios.shapes import name_of
+from scenarios.shapes import are_boxes
+from scenarios.statics.polygons import clipped
 
 Ridge = Literal["bisector", "face"]
 
@@ -70,6 +71,10 @@ class Patch(NamedTuple):
     """The patch's corners [m], shape (k, 3)."""
     normal: FloatArray
     """Unit normal from the first body to the second, shape (3,)."""
+    wall: int | None = None
+    """Index of the wall that touches the second body; None for the ground or another body."""
+    friction_ratio: float = 1.0
+    """Ratio of the pair's coefficient of friction to the pile's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,17 +104,18 @@ def contact_patches(
     """Return all patches among bricks, between bricks and walls, and between bricks and the ground z = 0.
 
     Args:
-        bricks: the movable bricks; patches refer to bricks by their indices.
-        walls: boxes that never move; patches refer to walls as ``GROUND``.
+        bricks: the movable bricks, of any shape; patches refer to bricks by their indices.
+        walls: bodies that never move; patches refer to walls as ``GROUND``.
         ridge: convention for the normal where two parallel edges meet (see the module docstring).
         tolerance: tolerances with which boxes touch.
 
     Raises:
-        ValueError: if two bricks overlap, or a brick overlaps a wall or the ground, or a body is no box.
+        ValueError: if two bricks overlap, or a brick overlaps a wall or the ground.
     """
-    for index, brick in enumerate([*bricks, *walls]):
-        if brick.shape != "box":
-            raise ValueError(f"{_name(index, bricks)} is a {name_of(brick.shape)}, but statics judges boxes only")
+    if not are_boxes([brick.shape for brick in (*bricks, *walls)]):
+        from scenarios.statics.patches_of_solids import patches_of_solids  # here, because it needs this module
+
+        return patches_of_solids(bricks, walls, ridge=ridge, tolerance=tolerance)
     boxes = Boxes.of([*bricks, *walls])
     reach = boxes.reach
     thin = 2 * np.linalg.norm(boxes.half_axes, axis=2).min(axis=1)
@@ -132,7 +138,7 @@ def contact_patches(
                 patches.append(Patch(a, b, *found))
             elif found:
                 points, normal = found
-                patches.append(Patch(GROUND, a, points, -normal))
+                patches.append(Patch(GROUND, a, points, -normal, wall=b - len(bricks)))
     return patches
 
 
@@ -223,7 +229,7 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
         inside = inside[[0, 1, 3, 2]]  # around the face, not across it
     for side, half in ((0, box.half[u]), (1, box.half[v])):
         for sign in _SIGNS:
-            inside = _clipped(inside, sign * inside[:, side] - half)
+            inside = clipped(inside, sign * inside[:, side] - half)
     if not len(inside):
         return np.empty((0, 3))
     # A feature on the face's border only grazes the face: the normal would be arbitrary.
@@ -233,25 +239,6 @@ def _shared_with_face(box: _Box, axis: int, outward: FloatArray, other: _Box, to
     flat = inside @ np.array([box.axes[u], box.axes[v]])
     points: FloatArray = box.center + outward * box.half[axis] + flat
     return points
-
-
-def _clipped(polygon: FloatArray, outside: FloatArray) -> FloatArray:
-    """Return the part (m, 2) of a polygon, segment or point (k, 2) where a linear function is not positive.
-
-    The array ``outside`` (k,) contains the function's values at the corners. The method is Sutherland and Hodgman's. A
-    segment counts as a polygon that runs forth and back, so the result may contain a corner twice.
-    """
-    if (outside <= 0.0).all():
-        return polygon
-    corners, beyond = polygon.tolist(), outside.tolist()  # plain numbers, because NumPy is slow on a few corners
-    kept = []
-    for (x, y), (u, v), d, e in zip(corners, corners[1:] + corners[:1], beyond, beyond[1:] + beyond[:1], strict=True):
-        if d <= 0:
-            kept.append((x, y))
-        if d * e < 0:
-            part = d / (d - e)
-            kept.append((x + part * (u - x), y + part * (v - y)))
-    return np.array(kept).reshape(-1, 2)
 
 
 def _crossing_point(first: _Box, second: _Box, normal: FloatArray, tolerance: float) -> FloatArray | None:

@@ -27,6 +27,8 @@ class Corners:
         """Unit normals from the first body to the second, shape (p, 3)."""
         self.first = np.repeat(np.array([patch.first for patch in patches], np.int64), corners)
         self.second = np.repeat(np.array([patch.second for patch in patches], np.int64), corners)
+        self.friction_ratios = np.repeat(np.array([patch.friction_ratio for patch in patches], np.float64), corners)
+        """Ratio of the coefficient of friction at each corner to the pile's, shape (p,)."""
         self.tangents = _tangents(self.normals)
         """Two unit vectors perpendicular to each normal and to each other, shape (2, p, 3)."""
         self.unit = float(np.linalg.norm(weights, axis=1).mean())
@@ -36,6 +38,13 @@ class Corners:
         """Weights as forces and moments on the bodies, over the mean weight, shape (6 n,)."""
         self.centers, self.length = centers, length
         """Centres of mass [m], shape (n, 3), and the length unit [m]."""
+
+    def coefficients(self, friction: float) -> float | FloatArray:
+        """Return the coefficient of friction at each corner, shape (p, 1); the pile's, a number, if all are equal."""
+        if (self.friction_ratios == 1.0).all():
+            return friction
+        coefficients: FloatArray = friction * self.friction_ratios[:, None]
+        return coefficients
 
     def wrenches(self, directions: FloatArray) -> csc_array:
         """Return the matrix (6 n, p k) whose columns are the forces and moments of each direction.

@@ -28,10 +28,11 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
-from scenarios.geometry import Boxes, FloatArray
+from scenarios.geometry import FloatArray
 from scenarios.model import Brick, World
 from scenarios.statics.contact_patch import contact_patches
 from scenarios.statics.contact_wrenches import Corners
+from scenarios.statics.pile import gyration_of, pile_of_bricks
 
 TILT_LIMIT = math.radians(15)
 """Angle [rad] from which a brick has toppled, because a plank that leans this far off its plan no longer carries the
@@ -51,11 +52,11 @@ def fall_time(bricks: Sequence[Brick], world: World) -> float:
     Raises:
         ValueError: if no brick moves.
     """
-    boxes = Boxes.of(bricks)
     mass = np.array([brick.mass for brick in bricks])
-    linear, angular = _first_accelerations(bricks, world, boxes, mass)
+    gyration = gyration_of(bricks)
+    linear, angular = _first_accelerations(bricks, world, gyration)
     way = _way_to_the_limit(bricks, linear, angular)
-    inertia = mass[:, None, None] * boxes.gyration
+    inertia = mass[:, None, None] * gyration
     turning = np.einsum("ni,nij,nj->", angular, inertia, angular)
     moved = float(mass @ (linear**2).sum(axis=1) + turning)
     stiffness = float(mass @ (np.cross(angular, linear) @ np.array(world.gravity)))
@@ -65,17 +66,16 @@ def fall_time(bricks: Sequence[Brick], world: World) -> float:
     return math.acosh(1 + rate**2 * way) / rate
 
 
-def _first_accelerations(
-    bricks: Sequence[Brick], world: World, boxes: Boxes, mass: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _first_accelerations(bricks: Sequence[Brick], world: World, gyration: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the linear (n, 3) [m/s2] and angular (n, 3) [rad/s2] accelerations with which the motion begins."""
-    length = float(np.mean([max(brick.size) for brick in bricks]))
-    patches = contact_patches(bricks, world.fixed)
-    corners = Corners(boxes.center, np.outer(mass, world.gravity), patches, length)
+    pile = pile_of_bricks(bricks, contact_patches(bricks, world.fixed), world)
+    length, mass = pile.length, [brick.mass for brick in bricks]
+    corners = Corners(pile.centers, pile.weights, pile.patches, length)
     angle = np.arange(SIDES) * (2 * np.pi / SIDES)
-    lean = world.friction * np.array([np.cos(angle), np.sin(angle)])
-    edges = corners.normals[:, None] + np.einsum("ak,apd->pkd", lean, corners.tangents)
-    roots = [part for one in zip(mass, boxes.gyration, strict=True) for part in _inverse_roots(*one, length)]
+    friction = corners.coefficients(pile.friction)
+    lean = friction * np.tile(np.array([np.cos(angle), np.sin(angle)])[:, None], (1, len(corners.points), 1))
+    edges = corners.normals[:, None] + np.einsum("apk,apd->pkd", lean, corners.tangents)
+    roots = [part for one in zip(mass, gyration, strict=True) for part in _inverse_roots(*one, length)]
     scale = block_diag(*roots)
     contact, load = scale @ corners.wrenches(edges).toarray(), scale @ corners.load
     forces = nnls(contact, -load)[0] if contact.size else np.zeros(0)

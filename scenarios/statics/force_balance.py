@@ -122,8 +122,8 @@ class Balance:
         """Return the solution of least residual with a pyramid of forces at each corner.
 
         Args:
-            friction: tangent of the angle between the pyramid's edges and the normal, shape (p, k), or one number for
-                all.
+            friction: tangent of the angle between the pyramid's edges and the normal, shape (p, k) or (p, 1), or one
+                number for all.
             angles: directions of the edges [rad] in the contact plane, shape (p, k).
         """
         lean = friction * np.array([np.cos(angles), np.sin(angles)])
@@ -171,10 +171,11 @@ def solve_balance(
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3); not all zero.
         patches: contact patches.
-        friction: Coulomb coefficient of every pair.
+        friction: Coulomb coefficient of every pair; a patch may have a ratio of its own (``Patch.friction_ratio``).
         length: the length unit [m] in which moments count; a typical edge.
     """
     corners = Corners(centers, weights, patches, length)
+    coefficients = corners.coefficients(friction)
     balance = Balance(corners)
 
     smooth = balance.solve(0.0, np.zeros((len(corners.points), 1)))
@@ -182,17 +183,17 @@ def solve_balance(
         return _statics(corners, smooth, "stable", "normal forces")
     if friction == 0:
         return _statics(corners, smooth, "unstable", "cone")
-    vertical = balance.along(_vertical(corners, friction))
+    vertical = balance.along(_vertical(corners, coefficients))
     if vertical.residual <= BALANCED:
         return _statics(corners, vertical, "stable", "vertical forces")
-    is_balanced, solution = _in_cones(corners, balance, friction)
+    is_balanced, solution = _in_cones(corners, balance, coefficients)
     if is_balanced is False:
         return _statics(corners, solution, "unstable", "cone")
     why = "too close to its limit to decide" if is_balanced is None else "forces exist, and need not arise"
     return _statics(corners, solution, "doubt", "cone", why=why, balanced=is_balanced)
 
 
-def _in_cones(corners: Corners, balance: Balance, friction: float) -> tuple[bool | None, Solution]:
+def _in_cones(corners: Corners, balance: Balance, friction: float | FloatArray) -> tuple[bool | None, Solution]:
     """Return whether forces in the Coulomb cones balance the weights, or None if undecided; and the proof."""
     angles = np.tile(np.arange(SIDES) * (2 * np.pi / SIDES), (len(corners.points), 1))
     outer = None
@@ -233,17 +234,17 @@ def _statics(
     )
 
 
-def _vertical(corners: Corners, friction: float) -> FloatArray:
+def _vertical(corners: Corners, friction: float | FloatArray) -> FloatArray:
     """Return unit forces against gravity where the cone contains them, else zero, shape (p, 1, 3)."""
     up = -corners.load.reshape(-1, 6)[:, :3].sum(axis=0)
     up /= np.linalg.norm(up)
     upward = corners.normals @ up
-    is_load_bearing = np.abs(upward) >= 1 / np.hypot(1.0, friction)
+    is_load_bearing = np.abs(upward) >= np.ravel(1 / np.hypot(1.0, friction))
     forces: FloatArray = (np.where(is_load_bearing, np.sign(upward), 0.0)[:, None] * up)[:, None]
     return forces
 
 
-def _circumscribed(friction: float, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _circumscribed(friction: float | FloatArray, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the edges of the pyramids that touch the cones at ``angles`` (p, k), which must rise.
 
     The edges are given as in ``_Balance.solve``: by the tangents of their angles to the normal, and by their directions

@@ -19,17 +19,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from scenarios.geometry import Boxes, FloatArray
+from scenarios.geometry import FloatArray
 from scenarios.model import Brick, World
 from scenarios.statics.compliant_contacts import pile_of, stiffness_by_weight
-from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
+from scenarios.statics.contact_patch import Ridge, contact_patches
 from scenarios.statics.contact_wrenches import Corners
 from scenarios.statics.force_balance import solve_balance
 from scenarios.statics.loading import Answer, load_from_zero, load_pile
+from scenarios.statics.pile import Pile, gyration_of, pile_of_bricks
 from scenarios.statics.strong_stability import strong_stability
 from scenarios.statics.truth import judge
 
@@ -53,30 +53,16 @@ class Agreement:
     """Reason of a doubt, in words; empty without doubt."""
 
 
-class _Pile(NamedTuple):
-    centers: FloatArray
-    weights: FloatArray
-    patches: Sequence[Patch]
-    friction: float
-    length: float
-
-
 def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bisector") -> Agreement:
     """Return the verdict on which loading and a second criterion agree, for bricks in their planned poses.
 
     Args:
         bricks: at least one brick; bricks may touch, but must not overlap.
-        world: friction, gravity and fixed boxes.
+        world: friction, gravity and fixed bodies.
         ridge: the normal where two parallel edges meet (see ``contact_patch``).
     """
-    pile = _Pile(
-        centers=np.array([brick.position for brick in bricks], np.float64),
-        weights=np.outer([brick.mass for brick in bricks], world.gravity),
-        patches=contact_patches(bricks, world.fixed, ridge=ridge),
-        friction=world.friction,
-        length=float(np.mean([max(brick.size) for brick in bricks])),
-    )
-    gyration = Boxes.of(bricks).gyration
+    pile = pile_of_bricks(bricks, contact_patches(bricks, world.fixed, ridge=ridge), world)
+    gyration = gyration_of(bricks)
     loading = load_from_zero(*pile, gyration=gyration)
     statics = judge(*pile, gyration=gyration, loading=loading)
     if loading.verdict == "doubt":
@@ -90,7 +76,7 @@ def agreed_verdict(bricks: Sequence[Brick], world: World, *, ridge: Ridge = "bis
     return _why_it_stands(pile, gyration, is_proven=statics.frictionless)
 
 
-def _why_it_stands(pile: _Pile, gyration: FloatArray, *, is_proven: bool) -> Agreement:
+def _why_it_stands(pile: Pile, gyration: FloatArray, *, is_proven: bool) -> Agreement:
     if is_proven:
         return Agreement("stands", "normal forces", "")
     strength = strong_stability(*pile, gyration=gyration, most_choices=MOST_CHOICES)
@@ -109,7 +95,7 @@ def _why_it_stands(pile: _Pile, gyration: FloatArray, *, is_proven: bool) -> Agr
     return Agreement("stands", "other stiffness", "")
 
 
-def _why_it_falls(pile: _Pile, gyration: FloatArray, *, is_proven: bool) -> Agreement:
+def _why_it_falls(pile: Pile, gyration: FloatArray, *, is_proven: bool) -> Agreement:
     if is_proven:
         return Agreement("falls", "cone", "")
     strength = strong_stability(*pile, gyration=gyration, most_choices=MOST_CHOICES)

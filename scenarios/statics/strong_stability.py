@@ -76,7 +76,8 @@ class Strength:
     - ``strong``: no solution with a fall of ``LEAST_FALL`` or more exists;
     - ``weak``: a solution with a fall of ``LEAST_FALL`` or more exists; for a pile without a plane of symmetry, with
       0.92 to 1.08 times the friction;
-    - ``doubt``: the pile has too many binary variables, or the time limit ended the search.
+    - ``doubt``: the pile has too many binary variables or pairs of unequal friction, or the time limit ended the
+      search.
     """
     fall: float
     """Greatest acceleration of a body along its weight [g] in the solution that was found; 0 without a solution."""
@@ -101,7 +102,7 @@ def strong_stability(
         centers: centres of mass [m], shape (n, 3).
         weights: weight vectors [N], shape (n, 3); masses are in proportion.
         patches: contact patches.
-        friction: Coulomb coefficient of every pair.
+        friction: Coulomb coefficient of every pair; with a ratio of its own at a patch, the verdict is doubt.
         length: the length unit [m] in which moments count; a typical edge.
         gyration: inertia over mass [m2], shape (n, 3, 3); by default the result of ``ball_gyration``.
         seconds: time limit [s].
@@ -116,7 +117,8 @@ def strong_stability(
     if pile is None:
         pile, law = spatial, law_in_space(friction)
     choices = pile.wrenches.shape[1] * (int(law.modes.max()) + 1)
-    if most_choices is not None and choices > most_choices:
+    is_uniform = bool((corners.friction_ratios == 1.0).all())
+    if not is_uniform or (most_choices is not None and choices > most_choices):
         return Strength("doubt", 0.0, choices)
     return _solve(pile, law, seconds)
 

@@ -1,7 +1,7 @@
 """Exact statics of the ideal geometry: the judge of the suite, independent of ``stability_core``.
 
 ``equilibrium`` decides whether bricks in their planned poses can rest; ``first_fall`` finds the level at which a scene
-must fall. Bricks are rigid, faces flat, heights exact; friction is Coulomb's. Statics ignores the energy of a real
+must fall. Bricks are rigid convex bodies, heights exact; friction is Coulomb's. Statics ignores the energy of a real
 drop, so an answer holds in an engine only at some distance from the limit.
 
 The first applicable criterion decides:
@@ -21,17 +21,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import zip_longest
 
 import numpy as np
 
-from scenarios.geometry import Boxes, FloatArray
-from scenarios.model import Brick, Place, Remove, Scene, World
-from scenarios.solids import friction_of
+from scenarios.geometry import FloatArray
+from scenarios.model import Brick, Scene, World
+from scenarios.solids import check_solid
 from scenarios.statics.contact_patch import Patch, Ridge, contact_patches
 from scenarios.statics.contact_wrenches import patches_among
 from scenarios.statics.force_balance import Statics, solve_balance
 from scenarios.statics.loading import Loading, load_from_zero
+from scenarios.statics.pile import gyration_of, pile_of_bricks
+from scenarios.statics.scene_states import scene_states
 
 LESS_FRICTION = 0.9
 """Share of the friction with which a pile that needs friction must stand as well, because two of 709 kinds of tight
@@ -61,8 +62,8 @@ def equilibrium(
             finite, or bricks overlap.
     """
     walls = [*world.fixed, *walls]
-    _check(bricks, walls, world)
-    return _judge(bricks, contact_patches(bricks, walls, ridge=ridge), world)
+    check_pile(bricks, walls, world)
+    return _judge(bricks, contact_patches(bricks, walls, ridge=ridge), world, walls)
 
 
 def equilibrium_among(
@@ -76,7 +77,7 @@ def equilibrium_among(
         patches: contact patches of all bricks, from ``contact_patch.contact_patches``.
         world: friction and gravity.
     """
-    return _judge([bricks[index] for index in present], patches_among(present, patches), world)
+    return _judge([bricks[index] for index in present], patches_among(present, patches), world, world.fixed)
 
 
 def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
@@ -90,25 +91,9 @@ def first_fall(scene: Scene, *, ridge: Ridge = "bisector") -> int | None:
         ValueError: if the scene pushes or pulls bricks, for which statics has no answer, or places a brick where a
             removed brick was planned, because the two would overlap.
     """
-    _check(scene.bricks, scene.world.fixed, scene.world)
+    check_pile(scene.bricks, scene.world.fixed, scene.world)
     patches = contact_patches(scene.bricks, scene.world.fixed, ridge=ridge)
-    present: list[int] = []
-    placed = level = 0
-    for action, then in zip_longest(scene.actions, scene.actions[1:]):
-        match action:
-            case Place(bricks=bricks):
-                present += range(placed, placed + len(bricks))
-                placed += len(bricks)
-                level = max(level, *(brick.level for brick in bricks))
-            case Remove(brick=brick):
-                present.remove(brick)
-            case _:
-                raise ValueError(
-                    f"statics decides only scenes that place and remove bricks, but {scene.variant} pushes, pulls or "
-                    "tilts: give the scene the outcome 'study'"
-                )
-        if not present or (then is not None and then.time == action.time):
-            continue
+    for present, placed, level, _ in scene_states(scene):
         statics = equilibrium_among(present, scene.bricks, patches, scene.world)
         if statics.verdict == "doubt":
             raise UndecidedError(
@@ -155,14 +140,12 @@ def judge(
     return replace(statics, verdict="stable", by="loading", why="")
 
 
-def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World) -> Statics:
-    weights = np.outer([brick.mass for brick in bricks], world.gravity)
-    length = float(np.mean([max(brick.size) for brick in bricks]))
-    centers = np.array([brick.position for brick in bricks], np.float64)
-    return judge(centers, weights, patches, world.friction, length, gyration=Boxes.of(bricks).gyration)
+def _judge(bricks: Sequence[Brick], patches: Sequence[Patch], world: World, walls: Sequence[Brick]) -> Statics:
+    return judge(*pile_of_bricks(bricks, patches, world, walls), gyration=gyration_of(bricks))
 
 
-def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
+def check_pile(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> None:
+    """Raise ``ValueError``, which names the fix, unless bricks, walls and world are valid."""
     if not bricks:
         raise ValueError("bricks must contain at least one brick to judge, got none")
     for index, brick in enumerate([*bricks, *walls]):
@@ -170,8 +153,7 @@ def _check(bricks: Sequence[Brick], walls: Sequence[Brick], world: World) -> Non
             raise ValueError(f"brick {index} must have finite numbers only, got {brick}: check for NaN")
         if min(*brick.size, brick.mass) <= 0:
             raise ValueError(f"brick {index} must have positive edges and mass, got {brick.size} m, {brick.mass} kg")
-        if friction_of(brick, world) != world.friction:
-            raise ValueError(f"brick {index} has a friction of its own, but statics judges one friction for all only")
+        check_solid(brick)
     if not (np.isfinite(world.gravity).all() and any(world.gravity)):
         raise ValueError(f"gravity must be finite and not zero, got {world.gravity}")
     if not (np.isfinite(world.friction) and world.friction >= 0):

@@ -146,6 +146,16 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     assert "1 more trials are already in the folder" in printed
 
 
+def test_the_judge_answers_about_a_file():
+    printed = call("list", "--scenario", "lintel.toml", "--truth", status=0)
+    assert ": falls, 4 bricks in place at 6 s" in printed
+    assert "Mechanism" in printed
+    printed = call("list", "--scenario", "groove", "--truth", status=0)
+    for part in (": stands", "Margins", "tilt of the ground", "friction", "Forces that hold it"):
+        assert part in printed
+    assert "add --scenario" in call("list", "--truth", status=2)
+
+
 def test_the_list_shows_scenarios_with_theory_engines_policies_and_studies() -> None:
     printed = call("list", status=0)
     for word in ("four_stack", "falls at 9", "bullet", "contact points", "at_rest", "native", "smoke"):

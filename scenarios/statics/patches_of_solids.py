@@ -1,0 +1,91 @@
+"""The contact patches among bricks of any shape, between bricks and walls, and between bricks and the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from scenarios.geometry import FloatArray, rotation
+from scenarios.model import Brick
+from scenarios.shapes import Polyhedron
+from scenarios.statics.contact_patch import GROUND, PLANNED, RIDGE_GAP, Patch, Ridge, Tolerance
+from scenarios.statics.convex_solids import Solid, capsule, cylinder, polyhedron, sphere
+from scenarios.statics.solid_patch import solids_touch
+
+_CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
+_DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def solid_of(brick: Brick) -> Solid:
+    """Return the solid of a brick in its planned pose."""
+    frame = rotation(np.array([brick.quaternion]))[0]
+    center, (x, _, z) = np.array(brick.position), brick.size
+    match brick.shape:
+        case "sphere":
+            return sphere(center, x / 2)
+        case "capsule":
+            return capsule(center, frame[:, 2], z - x, x / 2)
+        case "cylinder":
+            return cylinder(center, frame[:, 2], z, x / 2)
+        case Polyhedron() as shape:
+            return polyhedron(center + shape.array @ frame.T)
+    return polyhedron(center + (_CORNERS * np.array(brick.size)) @ frame.T)
+
+
+def patches_of_solids(
+    bricks: Sequence[Brick],
+    walls: Sequence[Brick] = (),
+    *,
+    ridge: Ridge = "bisector",
+    tolerance: Tolerance = PLANNED,
+) -> list[Patch]:
+    """Return all patches of bricks of any shape; see ``contact_patch.contact_patches``."""
+    solids = [solid_of(brick) for brick in (*bricks, *walls)]
+    patches = [
+        patch
+        for index, solid in enumerate(solids[: len(bricks)])
+        if (patch := _on_ground(index, solid, tolerance)) is not None
+    ]
+    for a, b in combinations(range(len(solids)), 2):
+        thin = min(solids[a].thinnest, solids[b].thinnest)
+        widest = max(RIDGE_GAP, tolerance.touch) * thin
+        if a >= len(bricks) or _are_apart(solids[a].bounds, solids[b].bounds, widest):
+            continue
+        try:
+            touch = solids_touch(
+                solids[a],
+                solids[b],
+                gap=tolerance.touch * thin,
+                ridge_gap=RIDGE_GAP * thin,
+                parallel=tolerance.parallel,
+                is_bisector=ridge == "bisector",
+            )
+        except ValueError as error:
+            second = f"brick {b}" if b < len(bricks) else f"wall {b - len(bricks)}"
+            raise ValueError(f"brick {a} and {second}: {error}") from None
+        if touch is not None:
+            points, normal = touch
+            is_wall = b >= len(bricks)
+            patch_of_wall = Patch(GROUND, a, points, -normal, wall=b - len(bricks))
+            patches.append(patch_of_wall if is_wall else Patch(a, b, points, normal))
+    return patches
+
+
+def _are_apart(first: FloatArray, second: FloatArray, gap: float) -> bool:
+    """Return whether two axis-aligned boxes, each given by both corners (2, 3) [m], are more than ``gap`` [m] apart."""
+    return bool((first[0] - second[1] > gap).any() or (second[0] - first[1] > gap).any())
+
+
+def _on_ground(index: int, solid: Solid, tolerance: Tolerance) -> Patch | None:
+    """Return the patch of a solid on the ground z = 0; None if the solid is above the ground."""
+    height = float(solid.bounds[0, 2])
+    gap = tolerance.touch * solid.thinnest
+    if height > gap:
+        return None
+    if height < -gap:
+        raise ValueError(
+            f"brick {index} must lie at or above z = 0, but is {-height:g} m below the ground: raise the brick"
+        )
+    return Patch(GROUND, index, solid.feature(_DOWN, gap), -_DOWN)

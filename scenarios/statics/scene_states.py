@@ -1,0 +1,47 @@
+"""The states of a scene: the bricks that are in place after each group of actions with the same time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import zip_longest
+from typing import NamedTuple
+
+from scenarios.model import Place, Remove, Scene
+
+
+class State(NamedTuple):
+    """Bricks in their planned poses, at rest."""
+
+    present: tuple[int, ...]
+    """Indices of the bricks in place, in the order of placement."""
+    placed: int
+    """Number of bricks placed so far."""
+    level: int
+    """Highest level placed so far."""
+    time: float
+    """Time [s] of the last action."""
+
+
+def scene_states(scene: Scene) -> Iterator[State]:
+    """Yield the states of a scene that only places and removes bricks, without states in which no brick is present.
+
+    Raises:
+        ValueError: if the scene pushes, pulls, presses, drives or tilts bricks, for which statics has no answer.
+    """
+    present: list[int] = []
+    placed = level = 0
+    for action, then in zip_longest(scene.actions, scene.actions[1:]):
+        match action:
+            case Place(bricks=bricks):
+                present += range(placed, placed + len(bricks))
+                placed += len(bricks)
+                level = max(level, *(brick.level for brick in bricks))
+            case Remove(brick=brick):
+                present.remove(brick)
+            case _:
+                raise ValueError(
+                    f"statics decides only scenes that place and remove bricks, but {scene.variant} pushes, pulls or "
+                    "tilts: give the scene the outcome 'study'"
+                )
+        if present and (then is None or then.time != action.time):
+            yield State(tuple(present), placed, level, action.time)
