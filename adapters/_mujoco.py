@@ -45,6 +45,7 @@ from adapters.shared.vectors import rotate
 from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
+from stability_core.ports.mujoco_calls import speculative_rows
 
 mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
@@ -180,7 +181,7 @@ class MujocoSimulation(SubstepSimulation):
         rows = record.current_rows(found.geom)
         geoms, normals, separation = found.geom[rows], found.frame[rows, :3], found.dist[rows]
         velocity = record.relative_velocities(geoms, found.pos[rows])
-        speculative = np.flatnonzero((found.efc_address[rows] >= 0) & (separation > found.includemargin[rows]))
+        speculative = speculative_rows(found, rows)
         if len(speculative):  # forces before the bodies touch, at distances that MuJoCo has invented
             separation[speculative] = np.nan
             velocity[speculative] += record.fall(geoms[speculative])

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 
 from adapters._mujoco_slots import SlotModel
 from adapters.shared.contact_completion import fixed_id
 from adapters.shared.contact_forces import SubstepForces
-from adapters.shared.vectors import cross
 from stability_core.port import GROUND, FloatArray, IntArray
+from stability_core.ports.mujoco_calls import contact_forces, fall, relative_velocities
 
 NOBODY = np.iinfo(np.int64).min
 """Id that marks the geoms of an empty slot."""
@@ -64,40 +63,15 @@ class Geoms:
             geoms: both geoms of each contact, shape (n, 2).
             points: contact points [m] in the world's frame, shape (n, 3).
         """
-        data = self._world.data
-        twists = data.cvel[geoms]  # angular, then linear at the centre of mass
-        arms = points[:, None] - data.subtree_com[geoms]
-        velocities: FloatArray = twists[:, :, 3:] + cross(twists[:, :, :3], arms)
-        return velocities[:, 1] - velocities[:, 0]
+        return relative_velocities(self._world.model, self._world.data, geoms, points)
 
     def forces_at(self, rows: IntArray, geoms: IntArray) -> SubstepForces:
-        """Return the forces of the given rows of MuJoCo's contacts in the latest substep, between ``geoms`` (n, 2).
-
-        The constraint forces of a contact depend on the model's friction cone:
-
-        - Elliptic cone: a contact has three constraint forces, along the normal n and the two tangents t.
-        - Pyramid: a contact has a constraint force along each edge: n + mu t and n - mu t for each tangent.
-        """
-        data = self._world.data
-        found = data.contact
-        forces = np.zeros((len(rows), 3))
-        address = found.efc_address[rows]
-        solved = np.flatnonzero(address >= 0)
-        if self._world.model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC:
-            forces[solved] = data.efc_force[address[solved, None] + np.arange(3)]
-        else:
-            edges = data.efc_force[address[solved, None] + np.arange(4)]
-            forces[solved, 0] = edges.sum(axis=1)
-            forces[solved, 1:] = found.friction[rows[solved], :2] * (edges[:, ::2] - edges[:, 1::2])
-        in_world = np.einsum("ni,nij->nj", forces, found.frame[rows].reshape(-1, 3, 3))
-        return SubstepForces(*self.bodies_of(geoms), in_world)
+        """Return the forces of the given rows of MuJoCo's contacts in the latest substep, between ``geoms`` (n, 2)."""
+        return SubstepForces(*self.bodies_of(geoms), contact_forces(self._world.model, self._world.data, rows))
 
     def fall(self, geoms: IntArray) -> FloatArray:
         """Return the change (n, 3) [m/s] of the relative velocities of ``geoms`` (n, 2) by gravity in one substep.
 
         A pair with a speculative contact falls freely for that substep, because its bodies do not touch yet.
         """
-        falls = self._is_live[geoms].astype(np.float64)
-        option = self._world.model.opt
-        gained: FloatArray = option.gravity * option.timestep
-        return (falls[:, 1:] - falls[:, :1]) * gained
+        return fall(self._world.model, self._is_live[geoms])

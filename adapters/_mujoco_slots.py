@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,6 +14,8 @@ from scenarios.model import UPRIGHT, Brick, Quaternion, Vector, World
 from scenarios.shapes import Polyhedron
 from scenarios.solids import moments_of
 from stability_core.port import FloatArray
+from stability_core.ports import mujoco_calls
+from stability_core.ports.mujoco_ghosts import SLEEP_ALLOWED, SLEEP_NEVER, FreeBody
 
 CONTACT_STEPS = "contact_steps"
 """Knob for the time constant of contacts [steps]; MuJoCo's ``solref`` has this constant in seconds."""
@@ -25,15 +26,11 @@ HEAVY = 1e3
 With 1e6 kg a tower of planks on the body sank at one step per frame. The adapter sets the body's pose before each step,
 so that no load shifts the body."""
 
-_NOTHING, _STILL, _LIVE, _MOVED = (0, 0), (1, 1), (3, 1), (0, 2)
-"""Collision masks (``contype``, ``conaffinity``) of a parked body, a ghost, a live brick and a moved body.
+_STILL, _LIVE, _MOVED = (np.array(masks)[:, None] for masks in ((1, 1), (3, 1), (0, 2)))
+"""Collision masks (``contype``, ``conaffinity``) of a ghost, a live brick and a moved body, for one geom.
 
 Two geoms collide if the type of one geom and the affinity of the other share a bit, so that moved bodies collide with
 live bricks only."""
-_SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
-_SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
-_SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
-"""Flags that make MuJoCo omit sleeping pairs, or list distances that it did not measure."""
 
 
 def pattern_of(brick: Brick) -> Brick:
@@ -60,19 +57,16 @@ class SlotModel:
         self.poses: FloatArray = self.data.qpos.reshape(-1, 7)
         self.velocities: FloatArray = self.data.qvel.reshape(-1, 6)
         self._warm_starts: FloatArray = self.data.qacc_warmstart.reshape(-1, 6)
-        # A change of a geom's collision mask takes effect only together with the mask of its body.
-        self._masks = (
-            self.model.geom_contype,
-            self.model.geom_conaffinity,
-            self.model.body_contype,
-            self.model.body_conaffinity,
-        )
+        self._bodies = [
+            FreeBody(self.model, self.data, 1 + slot, 1 + self.slots + slot if ghosts else None)
+            for slot in range(self.slots)
+        ]
         light = [1 + slot for slot, pattern in enumerate(patterns) if pattern.mass < HEAVY]
         if len(light) < self.slots and light:  # mean inertia scales the solver's tolerance: exclude heavy bodies
             inertia = self.model.body_inertia[light].mean()
             self.model.stat.meaninertia = (self.model.body_mass[light].mean() + inertia) / 2
         self._knobs = profile.values
-        self._live_policy = _SLEEP_ALLOWED if "sleep" in profile.knobs else _SLEEP_NEVER
+        self._live_policy = SLEEP_ALLOWED if "sleep" in profile.knobs else SLEEP_NEVER
 
     def read_knobs(self) -> dict[str, KnobValue]:
         """Return the present values of the numeric options, and the time constant of contacts in steps."""
@@ -96,7 +90,7 @@ class SlotModel:
         """Set the pose of a brick ([m], quaternion w, x, y, z), at rest."""
         self.poses[slot, :3] = position
         self.poses[slot, 3:] = quaternion
-        self._stop(slot)
+        self._bodies[slot].stop()
 
     def set_motion(
         self, slot: int, position: FloatArray, quaternion: FloatArray, linear: Vector, angular: Vector
@@ -109,60 +103,34 @@ class SlotModel:
 
     def unpark(self, slot: int) -> None:
         """Activate the parked brick of a slot: it collides, falls and may sleep."""
-        self._collide(1 + slot, _LIVE)
-        self.model.body_gravcomp[1 + slot] = 0
-        self.model.tree_sleep_policy[slot] = self._live_policy
-        self.wake(slot)
+        self._bodies[slot].collide(*_LIVE)
+        self._bodies[slot].unpark(0.0, self._live_policy)
 
     def unpark_moved(self, slot: int) -> None:
         """Activate the parked body of a slot as a moved body: it collides with live bricks only and has no weight."""
-        self._collide(1 + slot, _MOVED)
-        self.model.tree_sleep_policy[slot] = _SLEEP_NEVER
-        self.wake(slot)
+        self._bodies[slot].collide(*_MOVED)
+        self._bodies[slot].unpark(1.0, SLEEP_NEVER)
 
     def park(self, slot: int) -> None:
         """Deactivate a brick, so that it costs no time: it collides with nothing, has no weight and sleeps."""
-        self._stop(slot)
-        self._collide(1 + slot, _NOTHING)
-        self.model.body_gravcomp[1 + slot] = 1
-        self.model.tree_sleep_policy[slot] = _SLEEP_ALLOWED
-        if self.data.tree_asleep[slot] < 0:
-            self.data.tree_asleep[slot] = -1  # end of MuJoCo's count-down: the brick sleeps after the next step
+        self._bodies[slot].park()
 
     def wake(self, slot: int) -> None:
         """Wake a brick, and the island in which the brick sleeps, from the engine's own sleep."""
-        self.data.tree_awake[slot] = 1  # MuJoCo wakes a tree whose two sleep records disagree
+        self._bodies[slot].wake()
 
     def show_ghost(self, slot: int) -> None:
         """Place the ghost at the brick's pose, and make the ghost collide."""
-        self.data.mocap_pos[slot] = self.poses[slot, :3]
-        self.data.mocap_quat[slot] = self.poses[slot, 3:]
-        self._collide(1 + self.slots + slot, _STILL)
+        self._bodies[slot].show_ghost(*_STILL)
 
     def hide_ghost(self, slot: int) -> None:
         """Stop the ghost's collisions, and place the brick exactly at the ghost's pose."""
-        self.poses[slot, :3] = self.data.mocap_pos[slot]
-        self.poses[slot, 3:] = self.data.mocap_quat[slot]
-        self._collide(1 + self.slots + slot, _NOTHING)
+        self._bodies[slot].return_from_ghost()
+        self._bodies[slot].hide_ghost()
 
     def collided_copy(self) -> mujoco.MjData:
         """Return a copy of the state with the contacts at the present poses."""
-        data = copy.copy(self.data)
-        flags = self.model.opt.enableflags
-        self.model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
-        mujoco.mj_kinematics(self.model, data)
-        mujoco.mj_comPos(self.model, data)
-        mujoco.mj_collision(self.model, data)
-        self.model.opt.enableflags = flags
-        return data
-
-    def _stop(self, slot: int) -> None:
-        self.velocities[slot] = 0
-        self._warm_starts[slot] = 0
-
-    def _collide(self, geom: int, collides: tuple[int, int]) -> None:
-        for mask, bits in zip(self._masks, 2 * collides, strict=True):
-            mask[geom] = bits
+        return mujoco_calls.collided_copy(self.model, self.data)
 
 
 def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: bool) -> str:

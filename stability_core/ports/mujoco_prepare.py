@@ -1,0 +1,128 @@
+"""``prepare``: add the ghosts of free bodies to a model before it is compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import Any, TypeAlias
+
+import mujoco
+
+Spec: TypeAlias = Any
+"""A ``mujoco.MjSpec``."""
+
+SUFFIX = "__ghost"
+"""End of a ghost's name, after the name of its body."""
+TINY = 1e-300
+"""Gravity compensation of a controlled body. MuJoCo computes no compensation if every body has 0, and a parked body
+needs it; the value changes no sum by a bit."""
+_COPIED = (
+    "type", "size", "pos", "quat", "fromto", "meshname", "friction", "condim", "priority", "solref", "solimp",
+    "solmix", "margin", "gap", "fitscale",
+)  # fmt: skip
+
+
+def prepare(spec: Spec, bodies: Collection[str] | None = None) -> Spec:
+    """Add to a model what the extension needs to freeze bodies; call this function before ``spec.compile()``.
+
+    Each controlled body gets a ghost: an invisible mocap body with the same geoms, which collides only while the body
+    is frozen. Other bodies, joints, actuators and sensors keep their ids and their motions. A frozen body must be able
+    to sleep, so that the function enables MuJoCo's sleeping, but for frozen bodies only, unless the model has enabled
+    it.
+
+    Args:
+        spec: the model.
+        bodies: names of the bodies to control; None for all bodies with a free joint, without further joints or bodies
+            below them.
+
+    Returns:
+        The same model.
+
+    Raises:
+        ValueError: if a body is unknown or cannot freeze, no body can, or the model has ghosts already.
+    """
+    if any(body.name.endswith(SUFFIX) for body in spec.bodies):
+        raise ValueError("this model has ghosts already: call prepare() once, before spec.compile()")
+    chosen = _free_bodies(spec) if bodies is None else [_checked(spec, name) for name in bodies]
+    if not chosen:
+        raise ValueError(
+            "this model has no body that could freeze: give the bodies of the stack a free joint (<freejoint/>), one "
+            "geom or more, and no bodies below them"
+        )
+    _let_frozen_sleep(spec)
+    for body in chosen:
+        _add_ghost(spec, body)
+    return spec
+
+
+def _free_bodies(spec: Spec) -> list[Any]:
+    """Return the bodies that can freeze; name bodies without a name."""
+    chosen = [body for body in spec.worldbody.bodies if _reason_against(spec, body) is None]
+    for number, body in enumerate(chosen):
+        body.name = body.name or f"free_body_{number}"
+    return chosen
+
+
+def _checked(spec: Spec, name: str) -> Any:
+    """Return a body by its name.
+
+    Raises:
+        ValueError: if the body is unknown or cannot freeze.
+    """
+    body = spec.body(name)
+    if body is None:
+        known = ", ".join(repr(body.name) for body in _free_bodies(spec)) or "none"
+        raise ValueError(f"this model has no body {name!r}: pass names of bodies with a free joint: {known}")
+    reason = _reason_against(spec, body)
+    if reason:
+        raise ValueError(f"body {name!r} {reason}")
+    return body
+
+
+def _reason_against(spec: Spec, body: Any) -> str | None:
+    """Return why a body cannot freeze; None if it can."""
+    if body.mocap or [joint.type for joint in body.joints] != [mujoco.mjtJoint.mjJNT_FREE]:
+        return "has no free joint as its only joint: prepare free bodies only, because robots are left alone"
+    if body.bodies:
+        return "carries other bodies: prepare bodies without bodies below them"
+    if not any(geom.contype or geom.conaffinity for geom in body.geoms):
+        return "collides with nothing: give one of its geoms a contype or a conaffinity"
+    names = {geom.name for geom in body.geoms if geom.name}
+    if any(pair.geomname1 in names or pair.geomname2 in names for pair in spec.pairs):
+        return "has a geom in an explicit contact pair, which acts also while the body is frozen: delete the <pair>"
+    tied = {equality.name1 for equality in spec.equalities} | {equality.name2 for equality in spec.equalities}
+    if body.name and body.name in tied:
+        return "is tied by an equality constraint, which would pull it while it is frozen: delete the constraint"
+    return None
+
+
+def _let_frozen_sleep(spec: Spec) -> None:
+    """Enable MuJoCo's sleeping for frozen bodies only, unless the model has enabled it for all."""
+    flag = mujoco.mjtEnableBit.mjENBL_SLEEP.value
+    if spec.option.enableflags & flag:
+        return
+    spec.option.enableflags |= flag
+    for body in _roots(spec.worldbody):
+        body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
+
+
+def _roots(parent: Any) -> Iterator[Any]:
+    """Yield the roots of the kinematic trees below a body without joints: MuJoCo allows a sleep policy there only."""
+    for body in parent.bodies:
+        if body.joints:
+            yield body
+        else:
+            yield from _roots(body)
+
+
+def _add_ghost(spec: Spec, body: Any) -> None:
+    """Add the ghost of a body, at the end of the world's bodies, so that the ids of other bodies stay."""
+    body.gravcomp = body.gravcomp or TINY
+    ghost = spec.worldbody.add_body(name=body.name + SUFFIX, mocap=True, pos=body.pos, quat=body.quat)
+    for geom in body.geoms:
+        copied = {name: getattr(geom, name) for name in _COPIED}
+        ghost.add_geom(**copied, contype=0, conaffinity=0, rgba=[0, 0, 0, 0], mass=0, density=0)
+    for exclude in list(spec.excludes):
+        names = exclude.bodyname1, exclude.bodyname2
+        if body.name in names:
+            other = names[names[0] == body.name]
+            spec.add_exclude(bodyname1=ghost.name, bodyname2=other)
