@@ -13,6 +13,7 @@ ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 MODULES = {
     "stability_core": "reference/stability_core.md",
+    "stability_core.ports": "reference/stability_core_ports.md",
     "scenarios.model": "reference/scenarios_model.md",
     "adapters.base": "reference/adapters_base.md",
     "reports": "reference/reports_load.md",
