@@ -33,7 +33,14 @@ GAP = 2.0e-3
 
 
 def lay(
-    x: float, y: float = 0.0, *, level: int, yaw: float = 0.0, bottom: float | None = None, length: float = LENGTH
+    x: float,
+    y: float = 0.0,
+    *,
+    level: int,
+    yaw: float = 0.0,
+    bottom: float | None = None,
+    length: float = LENGTH,
+    thickness: float = THICKNESS,
 ) -> Brick:
     """Return a plank that lies flat, with its length turned from the x axis by ``yaw``.
 
@@ -44,13 +51,23 @@ def lay(
         yaw: turn about z [rad].
         bottom: height of the lower face [m]; by default as in a stack of flat planks.
         length: length [m] of a shortened plank; its mass shrinks in proportion.
+        thickness: thickness [m] of a thinner plank; its mass shrinks in proportion.
     """
-    under = (level - 1) * THICKNESS if bottom is None else bottom
+    under = (level - 1) * thickness if bottom is None else bottom
     turn: Quaternion = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
-    return Brick((length, WIDTH, THICKNESS), MASS * length / LENGTH, (x, y, under + THICKNESS / 2), turn, level)
+    mass = MASS * length / LENGTH * (thickness / THICKNESS)
+    return Brick((length, WIDTH, thickness), mass, (x, y, under + thickness / 2), turn, level)
 
 
-def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, bottom: float = 0.0) -> Brick:
+def lean(
+    foot: float,
+    *,
+    theta: float,
+    toward: Literal[1, -1],
+    level: int,
+    bottom: float = 0.0,
+    thickness: float = THICKNESS,
+) -> Brick:
     """Return a plank that stands on its lower short edge and leans in the x-z plane.
 
     Args:
@@ -59,12 +76,13 @@ def lean(foot: float, *, theta: float, toward: Literal[1, -1], level: int, botto
         toward: 1 if the plank leans toward +x, -1 if it leans toward -x.
         level: level of the brick, from 1.
         bottom: height of this edge [m].
+        thickness: thickness [m] of a thinner plank; its mass shrinks in proportion.
     """
     along, across = (math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))
-    x = foot + toward * (LENGTH * along[0] + THICKNESS * across[0]) / 2
-    z = bottom + (LENGTH * along[1] + THICKNESS * across[1]) / 2
+    x = foot + toward * (LENGTH * along[0] + thickness * across[0]) / 2
+    z = bottom + (LENGTH * along[1] + thickness * across[1]) / 2
     tilt: Quaternion = (math.cos(theta / 2), 0.0, -toward * math.sin(theta / 2), 0.0)
-    return Brick((LENGTH, WIDTH, THICKNESS), MASS, (x, 0.0, z), tilt, level)
+    return Brick((LENGTH, WIDTH, thickness), MASS * (thickness / THICKNESS), (x, 0.0, z), tilt, level)
 
 
 def plank_of(scale: float) -> tuple[float, float, float, float]:

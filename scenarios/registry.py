@@ -25,6 +25,7 @@ from scenarios.scenes.dropped_plank import dropped_plank
 from scenarios.scenes.four_stack import four_stack
 from scenarios.scenes.from_file import own_scene
 from scenarios.scenes.groove import groove
+from scenarios.scenes.growing_column import growing_column
 from scenarios.scenes.harmonic_overhang import harmonic_overhang
 from scenarios.scenes.heavy_top import heavy_top
 from scenarios.scenes.incline import incline
@@ -35,6 +36,7 @@ from scenarios.scenes.leaning_tower import leaning_tower
 from scenarios.scenes.lifted_tower import lifted_tower
 from scenarios.scenes.log_cabin import log_cabin
 from scenarios.scenes.log_pile import log_pile
+from scenarios.scenes.mould import mould
 from scenarios.scenes.neighbour_side import neighbour_side
 from scenarios.scenes.overhang import overhang
 from scenarios.scenes.plank_bridge import plank_bridge
@@ -100,6 +102,7 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         leaning_pair,
         tipping_post,
         heavy_top,
+        growing_column,
         asleep,
         voussoir_arch,
         dome_ring,
@@ -107,6 +110,7 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         log_pile,
         ball_pyramid,
         poured_pile,
+        mould,
         own_scene,
     )
 }

@@ -191,9 +191,9 @@ class Builder:
         lower = plan.level < level.max()
         carries_nothing = plan.level[lower] >= level[:, None]
         if not self._is_poured:
-            planned = plan.boxes_at(plan.position, plan.quaternion, lower)
+            planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
             carries_nothing |= side_by_side(group, planned)
-        actual = plan.boxes_at(position, quaternion, lower)
+        actual = Boxes.at(plan.size[lower], position[lower], quaternion[lower])
         return resting_shift(group, actual, neighbours=carries_nothing, fixed=self._fixed)
 
 

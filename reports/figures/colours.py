@@ -29,9 +29,10 @@ _INKS = {
     "paper": Ink("#0068a8", "#6bb8ee", ()),
     "equilibrium": Ink("#007d5a", "#4fd1a5", (6, 1)),
     "pile": Ink("#3f6d8a", "#9fc9de", (5, 1, 1, 1)),
+    "stacking_tree": Ink("#8f7a00", "#e6d44f", (2, 2)),
 }
 _OTHERS = (
-    Ink("#8f7a00", "#e6d44f", (2, 2)),
+    Ink("#4d4d00", "#c9c95a", (3, 3)),
     Ink("#8a3b3b", "#e39a9a", (6, 2)),
 )
 _MARKERS = "osD^vPX*hp"

@@ -22,6 +22,10 @@ ridge with H = (w / 2 + P) (cot theta - t / L) (L, t: length and thickness), whi
 So a house stands if mu >= cot theta, and its first V falls if mu < (cot theta - t / L) / 2; in between the ridge's
 normal decides, and the scene is a study.
 
+With ``slenderness`` the planks become cards: as long and as wide as planks, but thinner, of the same wood. Houses of
+cards stand at flatter angles, because thinner cards leave more room between neighbouring Vs. Thin boxes are a test of
+contact detectors: published card houses have 88 (65 deg, mu = 0.8) and 200 (mu = 0.7) times the thickness.
+
 Both sides of a storey are placed together, because a plank that loads only one half of a V needs a vertical force at
 its ridge, where theory has no single answer. The planks of a V keep a gap of ``RIDGE_GAP``, so that rounding cannot
 make them overlap.
@@ -32,21 +36,53 @@ Look for: feet that creep apart, and a ridge that drops. A V that stands with mu
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Annotated, NamedTuple
 
 from scenarios.model import Brick, Expectation, World
 from scenarios.parameters import Friction, Gap, Real, Whole
 from scenarios.planks import LENGTH, MU, THICKNESS, lay, lean, one_a_second
 from scenarios.scenario import Plan, scenario
 
+PLANK = LENGTH / THICKNESS
+"""Length over thickness of a plank."""
 RIDGE_GAP = 0.2e-3
-"""Gap [m] between the two planks of a V at its ridge."""
+"""Gap [m] between the two planks of a V at its ridge; between thinner cards the gap shrinks in proportion."""
 OVERHANG = 2.5e-3
 """Overhang [m] of a roof plank beyond the outermost edges that carry it, which exceeds the largest placement error."""
 MIN_FACTOR = 1.05
 """Least ratio of the friction to its limit, or of the limit to the friction, at which the answer holds under placement
 noise."""
+
+
+class Card(NamedTuple):
+    """A leaning card, and the gap of its V at the ridge."""
+
+    theta: float
+    """Angle [rad] from the ground."""
+    thickness: float
+    """Thickness [m]."""
+
+    @property
+    def ridge_gap(self) -> float:
+        """Gap [m] between the two cards of a V at its ridge."""
+        return RIDGE_GAP * (self.thickness / THICKNESS)
+
+    @property
+    def edge(self) -> float:
+        """Width [m] along x of the upper short edge."""
+        return self.thickness * math.sin(self.theta)
+
+    @property
+    def height(self) -> float:
+        """Height [m] of a V."""
+        return LENGTH * math.sin(self.theta) + self.thickness * math.cos(self.theta)
+
+    @property
+    def spread(self) -> float:
+        """Distance [m] along x from a V's middle to the edges on which it stands."""
+        return LENGTH * math.cos(self.theta) + self.ridge_gap / 2
 
 
 @scenario
@@ -56,6 +92,7 @@ def card_house(
     theta: Annotated[float, Real(45, 85)] = 72.0,
     friction: Friction = MU,
     gap: Gap = 2.0,
+    slenderness: Annotated[float, Real(PLANK, 200)] = PLANK,
 ) -> Plan:
     """Build leaning pairs of planks under flat roofs; one storey is the inverted V.
 
@@ -64,22 +101,23 @@ def card_house(
         theta: angle [deg] between a leaning plank and the ground.
         friction: Coulomb coefficient of every pair.
         gap: distance between roof planks [mm], and least distance between the feet of two Vs; at 0 roof planks touch.
+        slenderness: length of a plank over its thickness.
     """
     angle = math.radians(theta)
     return Plan(
         world=World(friction=friction),
-        actions=one_a_second(_groups(storeys, angle, gap * 1e-3)),
-        expectation=expected(angle, friction),
+        actions=one_a_second(_groups(storeys, Card(angle, LENGTH / slenderness), gap * 1e-3)),
+        expectation=expected(angle, friction, slenderness),
         look_for="feet that creep apart and a ridge that drops; a house that stands below its limit is a false stand",
         partner={"friction": MU},
         planar=True,
     )
 
 
-def expected(theta: float, friction: float) -> Expectation:
+def expected(theta: float, friction: float, slenderness: float = PLANK) -> Expectation:
     """Return the expectation for a house of planks that lean at ``theta`` [rad] from the ground."""
     most = 1 / math.tan(theta)
-    least = (most - THICKNESS / LENGTH) / 2
+    least = (most - 1 / slenderness) / 2
     if friction >= MIN_FACTOR * most:
         return Expectation(
             "stand", f"mu = {friction:g} exceeds cot(theta) = {most:.3f}, enough for either ridge normal"
@@ -89,51 +127,50 @@ def expected(theta: float, friction: float) -> Expectation:
     return Expectation("study", f"between mu = {least:.3f} and {most:.3f} the ridge's contact normal decides")
 
 
-def _groups(storeys: int, theta: float, gap: float) -> list[Sequence[Brick]]:
+def _groups(storeys: int, card: Card, gap: float) -> list[Sequence[Brick]]:
     """Return the groups in order of placement: single Vs on the ground, then whole roofs and whole storeys in turn."""
-    spread, edge = _half_foot_spread(theta), THICKNESS * math.sin(theta)
-    spacing = LENGTH - 2 * (edge + RIDGE_GAP / 2 + OVERHANG)
-    if storeys > 1 and spacing < 2 * (spread + edge) + gap:
+    spacing = LENGTH - 2 * (card.edge + card.ridge_gap / 2 + OVERHANG)
+    if storeys > 1 and spacing < 2 * (card.spread + card.edge) + gap:
         raise ValueError(
-            f"theta must be at least 70 deg for more than one storey, got {math.degrees(theta):g}, because Vs that "
-            "lean further collide before a roof plank reaches two ridges; use a larger theta, or storeys = 1"
+            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g}, because such Vs collide "
+            "before a roof plank reaches two ridges; use theta = 70 or more for planks, thinner planks by "
+            "slenderness = 88, or storeys = 1"
         )
-    height = LENGTH * math.sin(theta) + THICKNESS * math.cos(theta)
     groups: list[Sequence[Brick]] = []
     for storey in range(storeys):
-        level, bottom, ridges = 2 * storey + 1, storey * (height + THICKNESS), storeys - storey
-        pairs = [_inverted_v(x, theta, level, bottom) for x in _row(ridges, spacing)]
+        level, bottom, ridges = 2 * storey + 1, storey * (card.height + card.thickness), storeys - storey
+        pairs = [_inverted_v(x, card, level, bottom) for x in _row(ridges, spacing)]
         groups.extend(pairs if storey == 0 else [[plank for pair in pairs for plank in pair]])
         if ridges > 1:
-            groups.append(_roofs(ridges, spacing, level + 1, bottom + height, gap))
+            roof = partial(lay, level=level + 1, bottom=bottom + card.height, thickness=card.thickness)
+            groups.append(_roofs(ridges, spacing, roof, gap))
     return groups
 
 
-def _roofs(ridges: int, spacing: float, level: int, bottom: float, gap: float) -> list[Brick]:
-    """Return the planks across each pair of neighbouring ridges; only the outermost planks are whole."""
+def _roofs(ridges: int, spacing: float, roof: Callable[..., Brick], gap: float) -> list[Brick]:
+    """Return the planks across each pair of neighbouring ridges; only the outermost planks are whole.
+
+    Args:
+        ridges: number of ridges.
+        spacing: distance [m] between neighbouring ridges.
+        roof: function that returns a plank of the roof at x [m], of a ``length`` [m].
+        gap: distance [m] between roof planks.
+    """
     middles, sawn = _row(ridges - 1, spacing), spacing - gap
     if ridges == 2:
-        return [lay(0.0, level=level, bottom=bottom)]
+        return [roof(0.0)]
     outward = (LENGTH - sawn) / 2
     return [
-        lay(middles[0] - outward, level=level, bottom=bottom),
-        *(lay(x, level=level, bottom=bottom, length=sawn) for x in middles[1:-1]),
-        lay(middles[-1] + outward, level=level, bottom=bottom),
+        roof(middles[0] - outward),
+        *(roof(x, length=sawn) for x in middles[1:-1]),
+        roof(middles[-1] + outward),
     ]
 
 
-def _half_foot_spread(theta: float) -> float:
-    """Return the distance [m] along x from a V's middle to the edges on which it stands."""
-    return LENGTH * math.cos(theta) + RIDGE_GAP / 2
-
-
-def _inverted_v(x: float, theta: float, level: int, bottom: float) -> list[Brick]:
+def _inverted_v(x: float, card: Card, level: int, bottom: float) -> list[Brick]:
     """Return two planks that lean against each other over ``x``."""
-    spread = _half_foot_spread(theta)
-    return [
-        lean(x - spread, theta=theta, toward=1, level=level, bottom=bottom),
-        lean(x + spread, theta=theta, toward=-1, level=level, bottom=bottom),
-    ]
+    leaning = partial(lean, theta=card.theta, level=level, bottom=bottom, thickness=card.thickness)
+    return [leaning(x - card.spread, toward=1), leaning(x + card.spread, toward=-1)]
 
 
 def _row(count: int, pitch: float) -> list[float]:

@@ -8,28 +8,20 @@ Theory: none, because dynamics decide where a brick comes to rest. Metrics:
 - the height and the slope of the pile. Friction alone holds a slope of atan(mu), and bricks also interlock, so a
   flatter pile shows that bricks have slipped.
 
-The planned height of each brick assumes that every brick stays where it first touches the pile.
-
 Look for: whether the pile comes to rest, and whether a landing brick wakes only the bricks that it moves.
 """
 
 from __future__ import annotations
 
-import math
 import random
-from dataclasses import replace
 from typing import Annotated
 
-from scenarios.geometry import Boxes, resting_shift
-from scenarios.model import CLEARANCE, Brick, Expectation, Place, Quaternion, World
+from scenarios.model import CLEARANCE, Expectation, Place, World
 from scenarios.parameters import Friction, Real, Whole
-from scenarios.planks import DENSITY, LENGTH, MU, THICKNESS, WIDTH
+from scenarios.planks import LENGTH, MU
 from scenarios.scenario import Plan, dynamic_scenario
+from scenarios.scenes.shared.pouring import PACE_S, SIZE, poured_bricks
 
-SIZE = (LENGTH / 3, WIDTH, 2 * THICKNESS)
-"""Edges of a brick [m], 5 : 3 : 2: a third of a plank, twice as thick."""
-PACE_S = 0.25
-"""Time between two bricks [s], so that a brick has time to fall and tumble, and the pile has no time to sleep."""
 SPREAD = LENGTH / 4
 """Standard deviation [m] of the release position, in x and in y: about as wide as a brick is long."""
 WATCH_S = 10.0
@@ -43,47 +35,35 @@ def poured_pile(
     height: Annotated[float, Real(0.5, 1000)] = 30.0,
     friction: Friction = MU,
     draw: Annotated[int, Whole(0, 10**9)] = 1,
+    line: Annotated[float, Real(0, 50)] = 0.0,
+    pace: Annotated[float, Real(0.5, 30)] = 1 / PACE_S,
 ) -> Plan:
     """Pour bricks into a pile, one by one, each turned at random.
+
+    The angle of repose that the harness measures is that of a cone; a pile along a line is no cone.
 
     Args:
         bricks: number of bricks.
         height: release height [mm] above the pile.
         friction: Coulomb coefficient of every pair.
         draw: number from which all random poses follow; each number gives another pile.
+        line: length of the line along x above which the bricks are released, as a multiple of a brick's longest edge; 0
+            to release all bricks about one place.
+        pace: number of bricks released in a second.
     """
-    poured = _poured(bricks, random.Random(draw))
+    reach = line * max(SIZE) / 2
+
+    def release(generator: random.Random) -> tuple[float, float]:
+        """Draw the place of a brick [m]."""
+        x, y = generator.gauss(0.0, SPREAD), generator.gauss(0.0, SPREAD)
+        return x + generator.uniform(-reach, reach) if line else x, y
+
+    poured = poured_bricks(bricks, random.Random(draw), release)
     return Plan(
         world=World(friction=friction),
-        actions=tuple(
-            Place(PACE_S * number, (brick,), CLEARANCE + height * 1e-3) for number, brick in enumerate(poured)
-        ),
+        actions=tuple(Place(number / pace, (brick,), CLEARANCE + height * 1e-3) for number, brick in enumerate(poured)),
         expectation=Expectation("study", "dynamics decide where a poured brick comes to rest"),
         look_for="whether the pile comes to rest, and whether a landing brick wakes only the bricks that it moves",
         watch_s=WATCH_S,
         poured=True,
     )
-
-
-def _poured(count: int, generator: random.Random) -> list[Brick]:
-    """Return bricks in random poses near the z axis, each at the height of its first contact.
-
-    A brick sinks straight down, without turning, until it touches an earlier brick or the ground.
-    """
-    bricks: list[Brick] = []
-    for level in range(1, count + 1):
-        x, y = generator.gauss(0.0, SPREAD), generator.gauss(0.0, SPREAD)
-        brick = Brick(SIZE, math.prod(SIZE) * DENSITY, (x, y, 0.0), _random_turn(generator), level)
-        z = resting_shift(Boxes.of([brick]), Boxes.of(bricks)) - CLEARANCE
-        bricks.append(replace(brick, position=(x, y, z)))
-    return bricks
-
-
-def _random_turn(generator: random.Random) -> Quaternion:
-    """Return a random rotation; all rotations are equally likely.
-
-    The method is from Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992.
-    """
-    share, first, second = generator.random(), *(2 * math.pi * generator.random() for _ in range(2))
-    low, high = math.sqrt(1 - share), math.sqrt(share)
-    return (high * math.cos(second), low * math.sin(first), low * math.cos(first), high * math.sin(second))

@@ -9,8 +9,11 @@ from stability_core.policies.base import Decision, Policy
 from stability_core.policies.equilibrium import Equilibrium
 from stability_core.policies.paper import Paper
 from stability_core.policies.pile import Pile
+from stability_core.policies.stacking_tree import StackingTree
 
-POLICIES: Mapping[str, type[Policy]] = {policy.name: policy for policy in (Paper, AtRest, Equilibrium, Pile)}
+POLICIES: Mapping[str, type[Policy]] = {
+    policy.name: policy for policy in (Paper, AtRest, Equilibrium, Pile, StackingTree)
+}
 """All policies by name."""
 
-__all__ = ["POLICIES", "AtRest", "Decision", "Equilibrium", "Paper", "Pile", "Policy"]
+__all__ = ["POLICIES", "AtRest", "Decision", "Equilibrium", "Paper", "Pile", "Policy", "StackingTree"]

@@ -61,7 +61,7 @@ def test_an_unknown_parameter_names_its_nearest_match():
         ("leaning_tower", {"ratio": float("inf")}, "ratio must be a number"),
         ("brick_wall", {"width": 1}, "width must be a whole number from 2"),
         ("card_house", {"storeys": 11}, "storeys must be a whole number from 1 to 10"),
-        ("card_house", {"storeys": 2, "theta": 65}, "theta must be at least 70 deg for more than one storey, got 65"),
+        ("card_house", {"storeys": 2, "theta": 65}, "theta is too flat for more than one storey, got 65"),
         ("table", {"legs": 5}, "legs must be a whole number from 2 to 4"),
         ("incline", {"margin": 0.6}, "margin must be a number from -0.5 to 0.5"),
         ("jenga", {"left": "midle"}, "left must be one of middle, side, got 'midle'"),

@@ -1,1 +1,0 @@
-"""Import and export of scenes in the formats of robot simulators."""
