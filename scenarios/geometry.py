@@ -1,5 +1,7 @@
 """Oriented boxes: the height of a box above another, and the shift that lowers a rigid group onto its support.
 
+Bodies of other shapes count with their exact shape (``scenarios.descent``). The rest of this text is about boxes.
+
 A point a of the upper box lies straight above a point b of the lower box if a - b = (0, 0, h). The smallest height h of
 all such pairs is the distance by which the upper box can sink. All differences a - b fill a zonotope: the difference of
 the centres plus the six half axes of both boxes, each times a factor from -1 to 1. The zonotope's facets are normal to
@@ -17,9 +19,12 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from scenarios.descent import Placed, lowest_difference
 from scenarios.model import CLEARANCE, Brick, Quaternion
+from scenarios.shapes import Shape, are_boxes, half_extents
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
+IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 _FIRST, _SECOND = np.triu_indices(6, 1)
@@ -37,15 +42,32 @@ class Boxes:
     center: FloatArray
     """Centres [m], shape (n, 3)."""
     half_axes: FloatArray
-    """Vectors [m] from the centre to the middles of the faces +x, +y and +z, shape (n, 3, 3), one row an axis."""
+    """Vectors [m] from the centre to the middles of the faces +x, +y and +z, shape (n, 3, 3), one row an axis.
+    A body of another shape has the box, centred on its centre of mass, that holds it."""
+    placed: tuple[Placed, ...] | None = None
+    """The bodies with their shapes; None if all are boxes."""
 
     @classmethod
-    def at(cls, sizes: npt.ArrayLike, positions: npt.ArrayLike, quaternions: npt.ArrayLike) -> Boxes:
-        """Return boxes from edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4) as (w, x, y, z)."""
+    def at(
+        cls,
+        sizes: npt.ArrayLike,
+        positions: npt.ArrayLike,
+        quaternions: npt.ArrayLike,
+        shapes: Sequence[Shape] | None = None,
+    ) -> Boxes:
+        """Return boxes from edge lengths (n, 3) [m], centres (n, 3) [m] and unit quaternions (n, 4) as (w, x, y, z).
+
+        ``shapes`` are the shapes of the n bodies; None if all are boxes.
+        """
         edges = np.asarray(sizes, np.float64).reshape(-1, 3)
         center = np.asarray(positions, np.float64).reshape(-1, 3)
         axes = np.swapaxes(rotation(np.asarray(quaternions, np.float64).reshape(-1, 4)), 1, 2)
-        return cls(center, axes * (edges / 2)[:, :, None])
+        if shapes is None or are_boxes(shapes):
+            return cls(center, axes * (edges / 2)[:, :, None])
+        bodies = [(shape, (x, y, z)) for shape, (x, y, z) in zip(shapes, edges.tolist(), strict=True)]
+        half = np.array([half_extents(shape, size) for shape, size in bodies])
+        placed = tuple(Placed(shape, size, center[row], axes[row].T) for row, (shape, size) in enumerate(bodies))
+        return cls(center, axes * half[:, :, None], placed)
 
     @classmethod
     def of(cls, bricks: Sequence[Brick]) -> Boxes:
@@ -54,7 +76,15 @@ class Boxes:
             [brick.size for brick in bricks],
             [brick.position for brick in bricks],
             [brick.quaternion for brick in bricks],
+            [brick.shape for brick in bricks],
         )
+
+    def chosen(self, rows: IntArray | BoolArray) -> Boxes:
+        """Return the boxes of ``rows``, indices (k,) or a mask (n,)."""
+        placed = self.placed
+        if placed is not None:
+            placed = tuple(placed[row] for row in np.arange(len(self))[rows].tolist())
+        return Boxes(self.center[rows], self.half_axes[rows], placed)
 
     def __len__(self) -> int:
         return len(self.center)
@@ -80,8 +110,22 @@ class Boxes:
 
 
 def height_above_ground(boxes: Boxes) -> FloatArray:
-    """Return the height [m] of each box's lowest point above z = 0, shape (n,)."""
-    return boxes.center[:, 2] - boxes.reach[:, 2]
+    """Return the height [m] of each body's lowest point above z = 0, shape (n,)."""
+    return _heights(boxes, -1.0)
+
+
+def height_of_top(boxes: Boxes) -> FloatArray:
+    """Return the height [m] of each body's highest point above z = 0, shape (n,)."""
+    return _heights(boxes, 1.0)
+
+
+def _heights(boxes: Boxes, side: float) -> FloatArray:
+    """Return the height [m] of each body's highest point, or with ``side`` -1 of its lowest point, shape (n,)."""
+    heights: FloatArray = boxes.center[:, 2] + side * boxes.reach[:, 2]
+    for row, body in enumerate(boxes.placed or ()):
+        if body.shape != "box":
+            heights[row] = body.support(np.array([0.0, 0.0, side]))[2]
+    return heights
 
 
 def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
@@ -98,7 +142,26 @@ def vertical_clearance(upper: Boxes, lower: Boxes) -> FloatArray:
         between = upper.center[above] - lower.center[below]
         half_axes = np.concatenate([upper.half_axes[above], lower.half_axes[below]], axis=1)
         clearance[above, below] = _lowest_difference(between, half_axes)
+    if upper.placed is not None or lower.placed is not None:
+        _measure_other_shapes(clearance, upper, lower, above, below)
     return clearance
+
+
+def _measure_other_shapes(clearance: FloatArray, upper: Boxes, lower: Boxes, above: IntArray, below: IntArray) -> None:
+    """Write the clearance [m] of the pairs (above, below) of which one body is no box into ``clearance`` (m, n)."""
+    first, second = _placed(upper), _placed(lower)
+    for one, other in zip(above.tolist(), below.tolist(), strict=True):
+        if not (first[one].shape == second[other].shape == "box"):
+            clearance[one, other] = lowest_difference(first[one], second[other])
+
+
+def _placed(boxes: Boxes) -> tuple[Placed, ...]:
+    if boxes.placed is not None:
+        return boxes.placed
+    edges = np.linalg.norm(boxes.half_axes, axis=2)
+    turns = np.swapaxes(boxes.half_axes / edges[:, :, None], 1, 2)
+    sizes = (2 * edges).tolist()
+    return tuple(Placed("box", (x, y, z), boxes.center[row], turns[row]) for row, (x, y, z) in enumerate(sizes))
 
 
 def overlap_in_plan(first: Boxes, second: Boxes) -> BoolArray:
@@ -111,8 +174,12 @@ def side_by_side(first: Boxes, second: Boxes) -> BoolArray:
 
     Two boxes are neighbours if they are apart or flush in plan, and their heights overlap.
     """
-    between = np.abs(first.center[:, None, 2] - second.center[None, :, 2])
-    shares_height = between < first.reach[:, None, 2] + second.reach[None, :, 2] - _GRAZE
+    if first.placed is None and second.placed is None:
+        between = np.abs(first.center[:, None, 2] - second.center[None, :, 2])
+        shares_height = between < first.reach[:, None, 2] + second.reach[None, :, 2] - _GRAZE
+    else:
+        is_below_top = height_above_ground(first)[:, None] < height_of_top(second)[None] - _GRAZE
+        shares_height = is_below_top & (height_above_ground(second)[None] < height_of_top(first)[:, None] - _GRAZE)
     return shares_height & ~overlap_in_plan(first, second)
 
 

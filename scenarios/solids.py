@@ -103,7 +103,7 @@ def polyhedron(
 
     frame = own_frame(points)
     center = np.array(position) + _turned(quaternion, frame.center)
-    turn = _product(quaternion, _quaternion(frame.axes))
+    turn = _product(quaternion, quaternion_of(frame.axes))
     x, y, z = center.tolist()
     return _made(frame.polyhedron, frame.polyhedron.extents, (x, y, z), turn, mass, density, level)
 
@@ -262,7 +262,7 @@ def _product(first: Quaternion, second: Quaternion) -> Quaternion:
     )
 
 
-def _quaternion(rotation: FloatArray) -> Quaternion:
+def quaternion_of(rotation: FloatArray) -> Quaternion:
     """Return the quaternion (w, x, y, z) of a rotation matrix, from the largest of its four squares."""
     trace = np.trace(rotation)
     squares = np.array([trace, *(2 * np.diag(rotation) - trace)])

@@ -17,6 +17,7 @@ from bench.cli.check import check
 from bench.cli.compare import compare
 from bench.cli.completion import install_completion, show_completion
 from bench.cli.console import input_errors
+from bench.cli.export import export
 from bench.cli.list import list_
 from bench.cli.replay import replay
 from bench.cli.report import report
@@ -62,7 +63,7 @@ def add_external_engines(
         register_external()
 
 
-for _verb in (run, report, replay, baseline, compare):
+for _verb in (run, report, replay, baseline, compare, export):
     app.command()(_verb)
 app.command(name="list")(list_)
 app.command()(check)

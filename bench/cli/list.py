@@ -33,7 +33,7 @@ def list_(
     ),
     scenario: Annotated[
         str | None,
-        typer.Option(help="Only this scenario, or FILE.toml with your own bricks.", autocompletion=SCENARIO),
+        typer.Option(help="Only this scenario, or a FILE with your own bricks.", autocompletion=SCENARIO),
     ] = None,
     truth: Annotated[
         bool,
@@ -42,7 +42,7 @@ def list_(
 ) -> None:
     """List scenarios with their theory, engines, profiles, policies and studies."""
     if truth and scenario is None:
-        raise typer.BadParameter("--truth judges one scene: add --scenario NAME or --scenario FILE.toml")
+        raise typer.BadParameter("--truth judges one scene: add --scenario NAME or --scenario FILE")
     if scenario is not None:
         with input_errors():
             _print_scene(scenario, is_judged=truth)

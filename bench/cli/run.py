@@ -44,7 +44,8 @@ def run(
     scenario: Annotated[
         list[str] | None,
         typer.Option(
-            help="Only this scenario, or FILE.toml with your own bricks; may be repeated.", autocompletion=SCENARIO
+            help="Only this scenario, or a FILE with your own bricks (.toml, .xml, .urdf, .usd); may be repeated.",
+            autocompletion=SCENARIO,
         ),
     ] = None,
     policy: Annotated[

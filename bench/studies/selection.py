@@ -9,14 +9,15 @@ from typing import Any
 from adapters import ENGINES, EngineNotInstalledError, check_installed
 from bench.studies.policies import BENCH_POLICIES
 from bench.studies.schema import Study, check_study
+from scenarios.formats.read import SUFFIXES
 from scenarios.lookup import look_up
 from scenarios.registry import SCENARIOS
 
 _HOUR_S = 3600.0
 _USUAL_WATCH_S = 5.0
 """Default time for which a scene is watched [s]."""
-OWN = ".toml"
-"""Suffix of the name of a file with a user's own scene."""
+OWN = (".toml", *SUFFIXES)
+"""Suffixes of the names of files with a user's own scene."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class Selection:
 
 def is_file(name: str) -> bool:
     """Return whether a selected scenario is the name of a file, by its suffix."""
-    return name.endswith(OWN)
+    return name.lower().endswith(OWN)
 
 
 def selected(study: Study, selection: Selection) -> Study:

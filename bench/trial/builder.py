@@ -191,9 +191,9 @@ class Builder:
         lower = plan.level < level.max()
         carries_nothing = plan.level[lower] >= level[:, None]
         if not self._is_poured:
-            planned = Boxes.at(plan.size[lower], plan.position[lower], plan.quaternion[lower])
+            planned = plan.boxes_at(plan.position, plan.quaternion, lower)
             carries_nothing |= side_by_side(group, planned)
-        actual = Boxes.at(plan.size[lower], position[lower], quaternion[lower])
+        actual = plan.boxes_at(position, quaternion, lower)
         return resting_shift(group, actual, neighbours=carries_nothing, fixed=self._fixed)
 
 

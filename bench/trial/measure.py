@@ -20,8 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.records.trial import CollapseKind
-from scenarios.geometry import Boxes, height_above_ground, vertical_clearance
+from scenarios.geometry import Boxes, height_above_ground, height_of_top, vertical_clearance
 from scenarios.model import Brick
+from scenarios.shapes import Shape, are_boxes, symmetry
 from scenarios.statics import falling
 
 FloatArray = npt.NDArray[np.float64]
@@ -54,6 +55,8 @@ class Plan:
     """Edge lengths [m], shape (n, 3)."""
     level: npt.NDArray[np.int64]
     """Level of each brick, counted from 1, shape (n,)."""
+    shapes: tuple[Shape, ...] | None
+    """Shapes of the bricks; None if all are boxes."""
     drop_below: FloatArray
     """Height of the centre below which a brick has dropped [m], shape (n,); minus infinity for a brick that kept its
     support. The heights come from ``bench.trial.support``."""
@@ -66,6 +69,7 @@ class Plan:
             np.array([brick.quaternion for brick in bricks], np.float64).reshape(-1, 4),
             np.array([brick.size for brick in bricks], np.float64).reshape(-1, 3),
             np.array([brick.level for brick in bricks], np.int64),
+            None if are_boxes([brick.shape for brick in bricks]) else tuple(brick.shape for brick in bricks),
             np.full(len(bricks), -np.inf),
         )
 
@@ -74,6 +78,13 @@ class Plan:
         """Thickness (least edge) of each brick [m], shape (n,)."""
         thickness: FloatArray = self.size.min(axis=1)
         return thickness
+
+    def boxes_at(self, position: FloatArray, quaternion: FloatArray, rows: BoolArray | slice = slice(None)) -> Boxes:
+        """Return the bricks of ``rows`` at poses of all n bricks, [m] (n, 3) and (w, x, y, z) (n, 4)."""
+        shapes = None
+        if self.shapes is not None:
+            shapes = [self.shapes[row] for row in np.arange(len(self.size))[rows].tolist()]
+        return Boxes.at(self.size[rows], position[rows], quaternion[rows], shapes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +124,9 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
     """Return the tilt of each brick from its planned orientation [rad], shape (n,).
 
     The tilt is the angle between the vertical and the same direction after the rotation of the brick from its planned
-    orientation. A rotation about the vertical is therefore no tilt.
+    orientation. A rotation about the vertical is therefore no tilt, and neither is a rotation of a round brick about
+    its own axis: the tilt of a cylinder or capsule is the change of the angle between its axis and the vertical, and a
+    sphere has none.
     """
     w, x, y, z = quaternion.T
     pw, px, py, pz = plan.quaternion.T
@@ -121,7 +134,18 @@ def tilt(plan: Plan, quaternion: FloatArray) -> FloatArray:
     rx = -w * px + x * pw - y * pz + z * py
     ry = -w * py + x * pz + y * pw - z * px
     angle: FloatArray = 2 * np.arcsin(np.clip(np.hypot(rx, ry), 0, 1))
+    for row, shape in enumerate(plan.shapes or ()):
+        if symmetry(shape) == "axis":
+            angle[row] = abs(_lean_of_axis(quaternion[row]) - _lean_of_axis(plan.quaternion[row]))
+        elif symmetry(shape) == "point":
+            angle[row] = 0.0
     return angle
+
+
+def _lean_of_axis(quaternion: FloatArray) -> float:
+    """Return the angle [rad] between a brick's own z axis and the vertical."""
+    _, x, y, _ = quaternion
+    return 2 * math.asin(min(1.0, math.hypot(x, y)))
 
 
 def relative_sink(plan: Plan, position: FloatArray) -> FloatArray:
@@ -165,8 +189,8 @@ def _fell_freely(plan: Plan, position: FloatArray, quaternion: FloatArray, sunk:
     fallen = sunk > DROP_LIMIT * plan.thickness
     if not fallen.any():
         return fallen
-    boxes = Boxes.at(plan.size, position, quaternion)
-    here = Boxes(boxes.center[fallen], boxes.half_axes[fallen])
+    boxes = plan.boxes_at(position, quaternion)
+    here = boxes.chosen(fallen)
     is_lower = plan.level[None, :] < plan.level[fallen, None]
     clearance = np.where(is_lower, vertical_clearance(here, boxes), np.inf).min(axis=1)
     overlap = -np.minimum(clearance, height_above_ground(here))
@@ -189,6 +213,8 @@ def levels_standing(plan: Plan, out_of_place: BoolArray, landed: Collection[int]
 def top(plan: Plan, position: FloatArray, quaternion: FloatArray, level: int) -> float:
     """Return the height of the highest corner of the bricks of ``level`` [m]."""
     of_level = plan.level == level
+    if plan.shapes is not None:
+        return float(height_of_top(plan.boxes_at(position, quaternion, of_level)).max())
     w, x, y, z = quaternion[of_level].T
     third_row = np.abs(np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1))
     half_height = 0.5 * (third_row * plan.size[of_level]).sum(axis=1)

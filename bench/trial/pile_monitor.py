@@ -14,7 +14,6 @@ from bench.trial import measure
 from bench.trial.creep import Creep, CreepMeter
 from bench.trial.measure import FloatArray, Plan
 from bench.trial.stack_monitor import Standing
-from scenarios.geometry import Boxes
 
 MOVING_M_S = 10e-3
 """Speed of a brick's centre above which the brick is not at rest [m/s], because creep is slower and tumbling is
@@ -74,7 +73,7 @@ class PileMonitor:
             return None
         position = self._latest[1]
         begin = position if self._first is None else self._first[1]
-        boxes = Boxes.at(self._plan.size, position, self._quaternion)
+        boxes = self._plan.boxes_at(position, self._quaternion)
         return Standing(
             level=self._poured,
             height_m=float((position + boxes.reach)[:, 2].max()),

@@ -29,12 +29,12 @@ def drop_heights(plan: Plan, position: FloatArray, taken: Brick, left: Sequence[
         taken: the removed or pulled brick at its last planned pose.
         left: the same brick at its present pose while it is pulled; empty after its removal.
     """
-    boxes = Boxes.at(plan.size, plan.position, plan.quaternion)
+    boxes = plan.boxes_at(plan.position, plan.quaternion)
     before = _room(boxes, Boxes.of([taken]))
     room = np.zeros(len(boxes))
     above = np.flatnonzero(np.isfinite(before))
     if len(above):
-        candidates = Boxes(boxes.center[above], boxes.half_axes[above])
+        candidates = boxes.chosen(above)
         rest = np.minimum(height_above_ground(candidates), _room(candidates, boxes))
         now = np.minimum(rest, _room(candidates, Boxes.of(left)))
         room[above] = now - np.minimum(rest, before[above])

@@ -1,7 +1,11 @@
-"""A user's own scene, without code: a TOML file of bricks, for which exact statics gives the expected outcome.
+"""A user's own scene, without code: a file of bricks, for which exact statics gives the expected outcome.
 
+``scenarios.formats`` reads MJCF, URDF and USD files, whose bodies are all in place at time 0. A TOML file has times:
+
+    name = "mine"                      # optional, as all fields before the first brick
     friction = 0.45
-    watch_s = 5.0                      # duration of the trial after the last brick, s, optional
+    gravity = [0.0, 0.0, -9.81]        # m/s2
+    watch_s = 5.0                      # duration of the trial after the last action, s
     [[brick]]
     size = [0.117, 0.0234, 0.0078]     # m
     position = [0.0, 0.0, 0.0039]      # of the centre, m; the ground is z = 0
@@ -20,6 +24,15 @@
     [[fixed]]                          # a body that never moves: a wall, a table, a ceiling; optional
     size = [0.02, 0.1, 0.1]
     position = [0.07, 0.0, 0.05]       # and yaw or quaternion, as of a brick
+    [[push]]                           # a blow at the centre of mass; optional
+    brick = 0                          # number of the brick in the file, from 0
+    time = 5.0                         # s
+    impulse = [0.01, 0.0, 0.0]         # N s
+    [[pull]]                           # a pull at a given velocity, after which the brick is taken away; optional
+    brick = 1
+    time = 5.0                         # s
+    velocity = [0.1, 0.0]              # m/s
+    seconds = 1.0
 
 Bricks must touch their support to within 0.2 mm, and must not overlap. The module shifts bricks with the same time
 along z, as one group, so that the group touches its support exactly. The module also finds the level of each brick: a
@@ -37,8 +50,8 @@ Statics does not depend on these parameters, so the answer must not depend on th
 times as long, so for a ``size`` above 1 all times grow by this factor, including ``watch_s``.
 
 Theory: ``scenarios.statics.truth.first_fall``, under both conventions for the normal at a ridge. If the two answers
-differ, or no proof is found, the scene is a study. Statics ignores energy: keep the deciding quantity 5 % away from its
-limit.
+differ, no proof is found, the file has a push or a pull, or more than ``MOST_JUDGED`` bricks, the scene is a study.
+Statics ignores energy: keep the deciding quantity 5 % away from its limit.
 """
 
 from __future__ import annotations
@@ -46,48 +59,39 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from scenarios.geometry import Boxes, height_above_ground, room_above_fixed, vertical_clearance
-from scenarios.lookup import look_up
+from scenarios.formats.read import SUFFIXES, read_file
 from scenarios.model import (
     CLEARANCE,
     Action,
     Brick,
     Expectation,
     Place,
+    Pull,
+    Push,
     Remove,
     Scene,
-    World,
     pace_of,
 )
 from scenarios.parameters import Real, Value
-from scenarios.planks import MU
 from scenarios.scenario import dynamic_scenario
-from scenarios.scenes.shared.brick_tables import LARGEST, read_brick, read_fixed_body, read_number, read_tables
+from scenarios.scenes.shared.own_content import OwnContent, levelled
+from scenarios.scenes.shared.toml_scene import read_toml
 from scenarios.scenes.shared.transforms import transformed
-from scenarios.statics.contact_patch import GROUND, contact_patches
 from scenarios.statics.truth import UndecidedError, first_fall
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-MOST_FIXED = 200
-"""Greatest number of fixed bodies in a file."""
-MOST = 200
-"""Greatest number of bricks in a file, because each build of the scene solves statics, which takes about a minute for
-the largest scenes."""
-WATCH_S = 5.0
-"""Least and default duration [s] of the trial after the last action, for a scene of size 1."""
-MOST_WATCH_S = 100 * 3600.0
-"""Greatest duration [s] of the trial after the last action."""
-SNAP = 0.2e-3
-"""Greatest gap or overlap [m] that counts as rounding in the file."""
+TOML = ".toml"
+MOST_JUDGED = 200
+"""Greatest number of bricks that exact statics judges when the scene is built, which takes about a minute for 200. For
+larger scenes ``bench list --truth`` gives the judge's answer."""
 
 
 @dynamic_scenario
@@ -98,7 +102,7 @@ def own_scene(
     mass: Annotated[float, Real(1e-3, 1e3)] = 1.0,
     yaw: Annotated[float, Real(-360, 360)] = 0.0,
 ) -> Scene:
-    """Build a scene of your own, from the bricks in a TOML file.
+    """Build a scene of your own, from the bodies in a TOML, MJCF, URDF or USD file.
 
     Args:
         file: path of the file, or the name of a file in ``scenarios/examples``.
@@ -106,150 +110,96 @@ def own_scene(
         mass: factor on all masses.
         yaw: turn of the whole scene about the z axis [deg].
     """
-    if not isinstance(file, str) or not file.endswith(".toml"):
-        raise ValueError(f"file must be the name of a file that ends in '.toml', got {file!r}")
+    suffixes = (TOML, *SUFFIXES)
+    if not isinstance(file, str) or Path(file).suffix.lower() not in suffixes:
+        raise ValueError(f"file must be the name of a file that ends in {', '.join(map(repr, suffixes))}, got {file!r}")
     path = Path(file) if Path(file).exists() else EXAMPLES / file
     try:
-        text = path.read_text(encoding="utf-8")
+        is_text = path.suffix.lower() == TOML
+        text = path.read_text(encoding="utf-8") if is_text else ""
+        content = text.encode() if is_text else path.read_bytes()
     except (OSError, UnicodeDecodeError) as error:
-        examples = ", ".join(sorted(example.name for example in EXAMPLES.glob("*.toml")))
+        examples = ", ".join(sorted(example.name for example in EXAMPLES.iterdir() if example.suffix in suffixes))
         raise ValueError(
             f"{file}: cannot be read ({error}); give the path of a readable file, or the name of an example: {examples}"
         ) from error
     try:
-        return _scene(file, text, size, mass, yaw)
+        return _scene(file, path, text, hashlib.blake2b(content).hexdigest()[:8], size, mass, yaw)
     except (ValueError, LookupError) as error:
         raise ValueError(f"{file}: {error}") from error
 
 
 @lru_cache(maxsize=64)
-def _scene(file: str, text: str, size: float, mass: float, yaw: float) -> Scene:
-    """Return the scene described by ``text``; its id includes the content, so that a changed file is another scene."""
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"not valid TOML, correct the syntax: {error}") from error
-    for field in content:
-        look_up("field", field, dict.fromkeys(("friction", "watch_s", "brick", "fixed")))
-    tables = read_tables(content, "brick", least=1, most=MOST)
-    fixed = tuple(
-        read_fixed_body(f"fixed[{n}]", one)
-        for n, one in enumerate(read_tables(content, "fixed", least=0, most=MOST_FIXED))
-    )
-    watch_s = Real(WATCH_S, MOST_WATCH_S).check("watch_s", content.get("watch_s", WATCH_S))
-    friction = Real(0, 10).check("friction", content.get("friction", MU))
-    laid = sorted(
-        ((read_number(f"brick[{n}].time", table.get("time"), 0, LARGEST), n, table) for n, table in enumerate(tables)),
-        key=lambda entry: entry[:2],
-    )
-    bricks = [read_brick(f"brick[{n}]", one) for _, n, one in laid]
-    times, numbers = [time for time, _, _ in laid], [n for _, n, _ in laid]
-    bricks = _levelled(_settled(bricks, times, fixed), times, numbers, fixed)
-    bricks = [transformed(brick, size, mass, yaw) for brick in bricks]
-    fixed = tuple(transformed(wall, size, mass, yaw) for wall in fixed)
+def _scene(file: str, path: Path, text: str, digest: str, size: float, mass: float, yaw: float) -> Scene:
+    """Return the scene of a file; its id includes the digest of the content, so that a changed file is another scene.
+
+    Args:
+        file: the file as the user names it.
+        path: its path.
+        text: the content of a TOML file; empty for other formats.
+        digest: digest of the content.
+        size: factor on lengths.
+        mass: factor on masses.
+        yaw: turn [deg].
+    """
+    content = read_toml(text) if path.suffix.lower() == TOML else _imported(path)
+    bricks = [transformed(brick, size, mass, yaw) for brick in content.bricks]
+    fixed = tuple(transformed(wall, size, mass, yaw) for wall in content.world.fixed)
     parameters: dict[str, Value] = {"file": file, "size": size, "mass": mass, "yaw": yaw}
+    look_for = "whether the bricks stand or fall as exact statics says, and when"
     scene = Scene(
         scenario="own_scene",
-        variant=_variant(text, parameters),
+        variant=_variant(content.name or Path(file).stem, digest, parameters),
         parameters=parameters,
-        world=World(friction=friction, fixed=fixed),
-        actions=_actions(bricks, laid, size),
+        world=replace(content.world, fixed=fixed),
+        actions=_actions(content, bricks, size, mass, yaw),
         expectation=Expectation("study", "not yet judged"),
-        look_for="whether the bricks stand or fall as exact statics says, and when",
+        look_for="; ".join([look_for, *content.notes]),
         planar=all(_is_planar(brick) for brick in (*bricks, *fixed)),
-        watch_s=watch_s * pace_of(size),
+        watch_s=content.watch_s * pace_of(size),
         size=size,
     )
     return replace(scene, expectation=_judged(scene))
 
 
-def _variant(text: str, parameters: Mapping[str, Value]) -> str:
+def _imported(path: Path) -> OwnContent:
+    """Return the content of a file of another format: all bodies are in place at time 0."""
+    imported = read_file(path)
+    times = (0.0,) * len(imported.bricks)
+    bricks = levelled(imported.bricks, times, imported.names, imported.world.fixed)
+    return OwnContent(imported.world, bricks, times, notes=imported.notes)
+
+
+def _variant(name: str, digest: str, parameters: Mapping[str, Value]) -> str:
     """Return the id of the variant: name and digest of a file other than the default, then all changed parameters."""
     default = own_scene.defaults["file"]
-    file = str(parameters["file"])
-    name = re.sub(r"[^A-Za-z0-9_-]", "_", Path(file).stem)
-    content = "" if file == default else f"-{name}-{hashlib.blake2b(text.encode()).hexdigest()[:8]}"
+    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)
+    content = "" if parameters["file"] == default else f"-{plain}-{digest}"
     changes = own_scene.variant({**parameters, "file": default}).removeprefix("own_scene")
     return f"own_scene{content}{changes}"
 
 
-def _settled(bricks: list[Brick], times: list[float], fixed: Sequence[Brick]) -> list[Brick]:
-    """Return the bricks, each group shifted along z by at most ``SNAP`` so that it touches the bodies below."""
-    settled: list[Brick] = []
-    for _, group in groupby(range(len(bricks)), key=times.__getitem__):
-        coming = [bricks[index] for index in group]
-        boxes = Boxes.of(coming)
-        room = _room_below(boxes, settled, fixed)
-        drop = room if abs(room) <= SNAP else 0.0
-        settled += [replace(brick, position=(*brick.position[:2], brick.position[2] - drop)) for brick in coming]
-    return settled
-
-
-def _room_below(boxes: Boxes, there: Sequence[Brick], fixed: Sequence[Brick]) -> float:
-    """Return the distance [m] that boxes can sink together until one meets a placed brick, a fixed box or the ground.
-
-    The distance is negative if the boxes must rise.
-    """
-    room = min(float(height_above_ground(boxes).min()), room_above_fixed(boxes, Boxes.of(fixed)))
-    return min(room, float(vertical_clearance(boxes, Boxes.of(there)).min(initial=math.inf)))
-
-
-def _levelled(bricks: list[Brick], times: list[float], numbers: list[int], fixed: Sequence[Brick]) -> list[Brick]:
-    """Return the bricks, in the order of placement, with their levels.
-
-    Raises:
-        ValueError: if two bricks overlap, or a brick touches nothing when it is placed.
-    """
-    try:
-        patches = contact_patches(bricks, fixed)
-    except ValueError as error:
-        raise ValueError(f"{error} (brick numbers count from 0, in the order of the bricks' times)") from error
-    touched: dict[int, set[int]] = {index: set() for index in range(len(bricks))}
-    for patch in patches:
-        for one, other in ((patch.first, patch.second), (patch.second, patch.first)):
-            if one != GROUND:
-                touched[one].add(other)
-    levels: dict[int, int] = {GROUND: 0}
-    for _, group in groupby(range(len(bricks)), key=times.__getitem__):
-        coming = list(group)
-        while coming:  # lowest first, because a brick of the group may carry another
-            carried = [index for index in coming if touched[index] & levels.keys()]
-            if not carried:
-                there = [bricks[k] for k in levels if k != GROUND]
-                raise ValueError(_floats(numbers[coming[0]], bricks[coming[0]], there, fixed))
-            found = {index: 1 + max(levels[k] for k in touched[index] & levels.keys()) for index in carried}
-            levels |= found
-            coming = [index for index in coming if index not in found]
-    return [replace(brick, level=levels[index]) for index, brick in enumerate(bricks)]
-
-
-def _floats(number: int, brick: Brick, there: Sequence[Brick], fixed: Sequence[Brick]) -> str:
-    room = _room_below(Boxes.of([brick]), there, fixed)
-    return (
-        f"brick[{number}] must touch a body or the ground when it is placed, but is {room * 1e3:.3f} mm above the "
-        f"nearest body or ground below: set its position z to {brick.position[2] - room:g} m, or place its support "
-        "earlier"
-    )
-
-
-def _actions(
-    bricks: Iterable[Brick], laid: Iterable[tuple[float, int, Mapping[str, Any]]], size: float
-) -> tuple[Action, ...]:
+def _actions(content: OwnContent, bricks: Sequence[Brick], size: float, mass: float, yaw: float) -> tuple[Action, ...]:
     pace = pace_of(size)
-    placed = [(time, brick) for (time, _, _), brick in zip(laid, bricks, strict=True)]
     actions: list[Action] = [
         _placed(time * pace, tuple(brick for _, brick in group), CLEARANCE * size)
-        for time, group in groupby(placed, key=lambda entry: entry[0])
+        for time, group in groupby(zip(content.times, bricks, strict=True), key=lambda entry: entry[0])
     ]
-    for index, (time, n, table) in enumerate(laid):
-        if "removed" in table:
-            removed = read_number(f"brick[{n}].removed", table["removed"], 0, LARGEST)
-            if removed <= time:
-                raise ValueError(
-                    f"brick[{n}].removed must be later than brick[{n}].time, which is {time:g} s, got {removed:g} s"
-                )
-            actions.append(Remove(removed * pace, index))
+    actions += [_transformed(action, size, mass, yaw) for action in content.then]
     return tuple(sorted(actions, key=attrgetter("time")))
+
+
+def _transformed(action: Remove | Push | Pull, size: float, mass: float, yaw: float) -> Action:
+    """Return an action on bricks in the changed scene: velocities grow as lengths over times."""
+    pace, turn = pace_of(size), math.radians(yaw)
+    cos, sin, factor = math.cos(turn), math.sin(turn), size / pace_of(size)
+    if isinstance(action, Push):
+        x, y, z = (mass * factor * part for part in action.impulse)
+        return Push(action.time * pace, action.brick, (cos * x - sin * y, sin * x + cos * y, z))
+    if isinstance(action, Pull):
+        x, y = (factor * part for part in action.velocity)
+        return Pull(action.time * pace, action.brick, (cos * x - sin * y, sin * x + cos * y), action.seconds * pace)
+    return replace(action, time=action.time * pace)
 
 
 def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
@@ -260,6 +210,10 @@ def _placed(time: float, group: tuple[Brick, ...], clearance: float) -> Place:
 
 def _judged(scene: Scene) -> Expectation:
     """Return the expectation by exact statics."""
+    if any(isinstance(action, Push | Pull) for action in scene.actions):
+        return Expectation("study", "statics does not decide what a push or a pull does")
+    if len(scene.bricks) > MOST_JUDGED:
+        return Expectation("study", f"more than {MOST_JUDGED} bricks: bench list --scenario FILE --truth judges them")
     try:
         falls = {first_fall(scene, ridge=ridge) for ridge in ("bisector", "face")}
     except UndecidedError as error:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import combinations
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from scenarios.geometry import FloatArray, rotation
+from scenarios.geometry import rotation
 from scenarios.model import Brick
 from scenarios.shapes import Polyhedron
 from scenarios.statics.contact_patch import GROUND, PLANNED, RIDGE_GAP, Patch, Ridge, Tolerance
@@ -48,11 +47,10 @@ def patches_of_solids(
         for index, solid in enumerate(solids[: len(bricks)])
         if (patch := _on_ground(index, solid, tolerance)) is not None
     ]
-    for a, b in combinations(range(len(solids)), 2):
+    for a, b in _near_pairs(solids, max(RIDGE_GAP, tolerance.touch)):
+        if a >= len(bricks):
+            continue  # two walls
         thin = min(solids[a].thinnest, solids[b].thinnest)
-        widest = max(RIDGE_GAP, tolerance.touch) * thin
-        if a >= len(bricks) or _are_apart(solids[a].bounds, solids[b].bounds, widest):
-            continue
         try:
             touch = solids_touch(
                 solids[a],
@@ -73,9 +71,14 @@ def patches_of_solids(
     return patches
 
 
-def _are_apart(first: FloatArray, second: FloatArray, gap: float) -> bool:
-    """Return whether two axis-aligned boxes, each given by both corners (2, 3) [m], are more than ``gap`` [m] apart."""
-    return bool((first[0] - second[1] > gap).any() or (second[0] - first[1] > gap).any())
+def _near_pairs(solids: Sequence[Solid], share: float) -> Iterator[tuple[int, int]]:
+    """Yield the pairs whose bounding boxes are at most ``share`` times the thinnest width of the first solid apart."""
+    low, high = np.array([solid.bounds for solid in solids]).transpose(1, 0, 2)
+    gaps = share * np.array([solid.thinnest for solid in solids])[:, None]
+    for b in range(1, len(solids)):
+        apart = np.maximum(low[:b] - high[b], low[b] - high[:b])
+        for a in np.flatnonzero((apart <= gaps[:b]).all(axis=1)).tolist():
+            yield a, b
 
 
 def _on_ground(index: int, solid: Solid, tolerance: Tolerance) -> Patch | None:

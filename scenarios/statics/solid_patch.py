@@ -32,6 +32,8 @@ from scenarios.statics.rims import rim_normals
 Surface = Literal["flat", "edges", "smooth"]
 SURFACES: tuple[Surface, ...] = get_args(Surface)
 """Kinds of candidates, in the order in which the method tries them."""
+_PARALLEL = 1e-9
+"""Sine of the angle below which two edges count as parallel, because rounding leaves about 1e-16."""
 _NO_DIRECTIONS = np.empty((0, 3))
 
 
@@ -83,6 +85,23 @@ def solids_touch(
                 if len(points):
                     return points, normal
     return _meeting_edges(first, second, flat[gaps[0] >= -gap], max(ridge_gap, gap), parallel, is_bisector)
+
+
+def all_candidates(first: Solid, second: Solid) -> FloatArray:
+    """Return all candidate normals from the first to the second solid, shape (k, 3), some of them more than once."""
+    parts = [_flats(first), -_flats(second), _both_ways(_across_edges(first, second, _PARALLEL))]
+    parts.append(_both_ways(_from_round_surfaces(first, second)))
+    if first.disk or second.disk:
+        parts.append(_both_ways(rim_normals(first, second)))
+    return np.concatenate(parts)
+
+
+def separation(first: Solid, second: Solid) -> tuple[float, FloatArray]:
+    """Return the greatest gap [m] over all candidates, negative for solids that overlap, and its normal (3,)."""
+    normals = all_candidates(first, second)
+    gaps = _gaps(first, second, normals)
+    best = int(gaps.argmax())
+    return float(gaps[best]), normals[best]
 
 
 def _gaps(first: Solid, second: Solid, normals: FloatArray) -> FloatArray:

@@ -59,10 +59,11 @@ def read_number(name: str, value: object, least: float, most: float) -> float:
     return Real(least, most).check(name, value)
 
 
-def _numbers(name: str, value: object, count: int, least: float) -> tuple[float, ...]:
+def read_numbers(name: str, value: object, count: int, least: float, most: float = LARGEST) -> tuple[float, ...]:
+    """Return the list of ``count`` numbers from ``least`` to ``most`` in the required field ``name``."""
     if not isinstance(value, list) or len(value) != count:
         raise ValueError(f"{name} must be a list of {count} numbers, got {value!r}")
-    return tuple(read_number(f"{name}[{k}]", part, least, LARGEST) for k, part in enumerate(value))
+    return tuple(read_number(f"{name}[{k}]", part, least, most) for k, part in enumerate(value))
 
 
 def read_brick(name: str, table: Mapping[str, Any]) -> Brick:
@@ -86,7 +87,7 @@ def _solid(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
     shape = SHAPE.check(f"{name}.shape", table.get("shape", "box"))
     for field in table:
         look_up(f"field of {name}", field, dict.fromkeys((*DIMENSIONS[shape], *fields)))
-    x, y, z = _numbers(f"{name}.position", table.get("position"), 3, -LARGEST)
+    x, y, z = read_numbers(f"{name}.position", table.get("position"), 3, -LARGEST)
     brick = _shaped(name, table, shape, (x, y, z), _turn(name, table))
     return replace(
         brick,
@@ -98,7 +99,7 @@ def _solid(name: str, table: Mapping[str, Any], fields: Sequence[str]) -> Brick:
 def _shaped(name: str, table: Mapping[str, Any], shape: str, position: Vector, turn: Quaternion) -> Brick:
     """Return a body of the shape and the dimensions in a table, with a mass of 1 kg."""
     if shape == "box":
-        length, width, height = _numbers(f"{name}.size", table.get("size"), 3, _SMALLEST)
+        length, width, height = read_numbers(f"{name}.size", table.get("size"), 3, _SMALLEST)
         return Brick((length, width, height), 1.0, position, turn)
     if shape == "polyhedron":
         points = _points(f"{name}.vertices", table.get("vertices"))
@@ -117,7 +118,7 @@ def _shaped(name: str, table: Mapping[str, Any], shape: str, position: Vector, t
 def _points(name: str, value: object) -> list[tuple[float, ...]]:
     if not isinstance(value, list):
         raise ValueError(f"{name} must be a list of points such as [[0.0, 0.0, 0.1], ...], got {value!r}")
-    return [_numbers(f"{name}[{k}]", point, 3, -LARGEST) for k, point in enumerate(value)]
+    return [read_numbers(f"{name}[{k}]", point, 3, -LARGEST) for k, point in enumerate(value)]
 
 
 def _optional(name: str, value: object, most: float) -> float | None:
@@ -128,7 +129,7 @@ def _turn(name: str, table: Mapping[str, Any]) -> Quaternion:
     if "yaw" in table and "quaternion" in table:
         raise ValueError(f"{name} must have yaw or quaternion, got both: delete yaw or quaternion")
     if "quaternion" in table:
-        w, i, j, k = _numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
+        w, i, j, k = read_numbers(f"{name}.quaternion", table["quaternion"], 4, -1.0)
         if abs(math.hypot(w, i, j, k) - 1) > _UNIT:
             raise ValueError(
                 f"{name}.quaternion must be of unit length, got {math.hypot(w, i, j, k):g}: divide it by its length"

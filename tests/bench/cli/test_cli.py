@@ -146,6 +146,14 @@ def test_a_dry_run_leaves_out_what_is_already_there(tmp_path, monkeypatch) -> No
     assert "1 more trials are already in the folder" in printed
 
 
+def test_a_scene_is_exported_and_read_again(tmp_path):
+    file = tmp_path / "tower.xml"
+    assert "13 bricks" in call("export", "leaning_tower", "--mjcf", "--out", str(file), status=0)
+    assert "falls at" in call("list", "--scenario", str(file), status=0)
+    assert "choose one format" in call("export", "leaning_tower", status=2)
+    assert "polyhedron" in call("export", "voussoir_arch", "--urdf", status=2)
+
+
 def test_the_judge_answers_about_a_file():
     printed = call("list", "--scenario", "lintel.toml", "--truth", status=0)
     assert ": falls, 4 bricks in place at 6 s" in printed

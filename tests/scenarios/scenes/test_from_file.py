@@ -1,12 +1,13 @@
 """A scene of one's own: a file of bricks, checked, and judged by exact statics."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 from bench.studies.schema import StudyError, load_study
 from bench.studies.selection import Selection, selected
-from scenarios.model import CLEARANCE, Place, Remove
+from scenarios.model import CLEARANCE, Place, Pull, Push, Remove
 from scenarios.registry import build
 from scenarios.scenes.from_file import EXAMPLES
 from scenarios.statics.falling import fall_time
@@ -129,7 +130,7 @@ def test_a_fixed_box_that_makes_no_scene_is_reported_with_the_fix(write, brick, 
 @pytest.mark.parametrize(
     ("bricks", "message"),
     [
-        ([], r"the file must contain 1 to 200 tables \[\[brick\]\]"),
+        ([], r"the file must contain 1 to 5000 tables \[\[brick\]\]"),
         ([plank(position=[0, 0, 0.015])], r"brick\[0\] must touch .* but is 10.000 mm above the nearest body"),
         ([plank(), plank(position=[0, 0, 0.025], time=1.0)], r"brick\[1\] must touch .* set its position z to 0.015"),
         ([plank(position=[0, 0, 0.015]), plank(time=1.0)], r"brick\[0\] must touch .* place its support earlier"),
@@ -290,3 +291,48 @@ def test_a_file_says_how_long_it_is_watched(write):
     assert build("own_scene", file=minute, size=4.0).watch_s == 120.0, "times grow with the root of lengths"
     with pytest.raises(ValueError, match="watch_s"):
         build("own_scene", file=write(plank(), head="watch_s = 0.0"))
+
+
+def test_a_file_pushes_and_pulls(write):
+    """The numbers of bricks are those of the file; with the scene's size, velocities grow as lengths over times."""
+    tables = [plank(time=1.0, position=[0.0, 0.0, 0.015]), plank()]
+    head = "\n".join(["name = 'my scene'", "gravity = [0.0, 0.5, -9.0]", "friction = 0.3"])
+    file = write(*tables, head=head)
+    with Path(file).open("a", encoding="utf-8") as stream:
+        stream.write("\n".join(["", table("push", {"brick": 0, "time": 3.0, "impulse": [0.01, 0.0, 0.0]})]))
+        stream.write("\n".join(["", table("pull", {"brick": 1, "time": 4.0, "velocity": [0.0, 0.1], "seconds": 2.0})]))
+    scene = build("own_scene", file=file)
+    assert scene.world.gravity == (0.0, 0.5, -9.0)
+    assert scene.variant.startswith("own_scene-my_scene-")
+    assert scene.actions[-2:] == (Push(3.0, 1, (0.01, 0.0, 0.0)), Pull(4.0, 0, (0.0, 0.1), 2.0))
+    assert scene.expectation.outcome == "study"
+    turned = build("own_scene", file=file, size=4.0, mass=3.0, yaw=90.0)
+    assert turned.actions[-2].impulse == pytest.approx((0.0, 3 * 2 * 0.01, 0.0))
+    assert turned.actions[-1].velocity == pytest.approx((-0.2, 0.0))
+    assert (turned.actions[-1].time, turned.actions[-1].seconds) == (8.0, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        ({"brick": 3, "time": 1.0, "impulse": [0, 0, 0]}, r"push\[0\].brick must be a number from 0 to 0"),
+        (
+            {"brick": 0, "time": 0.0, "impulse": [0, 0, 0]},
+            r"push\[0\].time must be after brick\[0\].time, which is 0 s",
+        ),
+        ({"brick": 0, "time": 1.0}, r"push\[0\].impulse must be a list of 3 numbers"),
+        ({"brick": 0, "time": 1.0, "force": [0, 0, 0]}, r"unknown field of push\[0\] 'force'"),
+    ],
+)
+def test_a_push_that_makes_no_scene_is_reported_with_the_fix(write, action, message):
+    file = write(plank())
+    with Path(file).open("a", encoding="utf-8") as stream:
+        stream.write("\n" + table("push", action))
+    with pytest.raises(ValueError, match=message):
+        build("own_scene", file=file)
+
+
+def test_a_file_may_have_more_than_two_hundred_bricks(write):
+    scene = build("own_scene", file=write(*(plank(position=[0.2 * k, 0.0, 0.005]) for k in range(201))))
+    assert (len(scene.bricks), scene.expectation.outcome) == (201, "study")
+    assert "--truth" in scene.expectation.theory

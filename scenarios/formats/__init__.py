@@ -1,0 +1,1 @@
+"""Import and export of scenes in the formats of robot simulators."""

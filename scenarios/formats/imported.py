@@ -1,0 +1,50 @@
+"""The content of an imported file: bricks, fixed bodies, gravity and friction, with notes about every change."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from scenarios.model import Brick, World
+
+
+class ImportRefusedError(ValueError):
+    """Error for a file with an element that a scene cannot hold; the message names the element and the fix."""
+
+
+class ExportRefusedError(ValueError):
+    """Error for a body that a format cannot hold; the message names the body and the fix."""
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """The content of a file, in the file's poses."""
+
+    name: str
+    world: World
+    bricks: tuple[Brick, ...]
+    names: tuple[str, ...]
+    """Name of each brick in the file."""
+    notes: tuple[str, ...] = ()
+    """Elements that were left out or changed, in words."""
+
+
+def with_common_friction(world: World, bricks: Sequence[Brick]) -> tuple[World, tuple[Brick, ...]]:
+    """Return world and bricks with the most frequent coefficient as the world's; each brick has its own coefficient.
+
+    The result is equivalent. A scene of one coefficient runs on engines that have no friction of single bodies. The
+    coefficient of a ground that nothing but the world's describes must not change, so the function changes nothing if
+    the most frequent coefficient differs from it.
+    """
+    counted = Counter(brick.friction for brick in bricks if brick.friction is not None)
+    if not counted or counted.most_common(1)[0][0] != world.friction:
+        return world, tuple(bricks)
+    return (
+        replace(world, fixed=tuple(_without(world.friction, world.fixed))),
+        tuple(_without(world.friction, bricks)),
+    )
+
+
+def _without(friction: float, bricks: Iterable[Brick]) -> Iterable[Brick]:
+    return (replace(brick, friction=None) if brick.friction == friction else brick for brick in bricks)

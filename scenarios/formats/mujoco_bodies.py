@@ -1,0 +1,168 @@
+"""Make bricks and fixed bodies of the geometries of a compiled MuJoCo model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from scenarios.formats.imported import ImportRefusedError
+from scenarios.formats.meshes import convex_parts, is_convex
+from scenarios.geometry import FloatArray, rotation
+from scenarios.model import Brick
+from scenarios.solids import capsule, cylinder, moments_of, polyhedron, quaternion_of, sphere
+
+SAME = 1e-9
+"""Greatest relative difference of moments of inertia that count as those of the homogeneous shape."""
+OFF_CENTER = 1e-6
+"""Greatest distance of a centre of mass from its place in the shape, and greatest product of inertia, relative to the
+extent and to the greatest moment, because MuJoCo keeps vertices of meshes in single precision."""
+
+
+@dataclass(frozen=True, slots=True)
+class Geom:
+    """A collision geometry in the world at the file's poses."""
+
+    name: str
+    kind: int
+    size: FloatArray
+    position: FloatArray
+    frame: FloatArray
+    """Rotation matrix from the geometry's frame to the world's, shape (3, 3)."""
+    friction: float
+    mesh: int
+    body_position: FloatArray
+    """Origin of the body's frame [m], shape (3,)."""
+    body_frame: FloatArray
+    """Rotation matrix from the body's frame to the world's, shape (3, 3)."""
+
+
+def read_geom(model: Any, data: Any, index: int) -> Geom:
+    """Return a geometry of a compiled model."""
+    name = model.geom(index).name or f"geom {index} of body '{model.body(model.geom_bodyid[index]).name}'"
+    friction = 0.0 if model.geom_condim[index] == 1 else float(model.geom_friction[index, 0])
+    return Geom(
+        name,
+        int(model.geom_type[index]),
+        np.array(model.geom_size[index]),
+        np.array(data.geom_xpos[index]),
+        np.array(data.geom_xmat[index]).reshape(3, 3),
+        friction,
+        int(model.geom_dataid[index]),
+        np.array(data.xpos[model.geom_bodyid[index]]),
+        np.array(data.xmat[model.geom_bodyid[index]]).reshape(3, 3),
+    )
+
+
+def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom]) -> Brick:
+    """Return the brick of a free body."""
+    if len(geoms) != 1:
+        raise ImportRefusedError(
+            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: keep one of them, "
+            "for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
+        )
+    (geom,) = geoms
+    parts = [index for index in range(1, model.nbody) if model.body_weldid[index] == body]
+    mass = float(model.body_mass[parts].sum())
+    center = (model.body_mass[parts, None] * data.xipos[parts]).sum(axis=0) / mass
+    brick = replace(_shape(model, geom, mass), friction=geom.friction)
+    extent = max(brick.size)
+    if np.abs(center - brick.position).max() > OFF_CENTER * extent:
+        raise ImportRefusedError(
+            f"body '{name}' has its centre of mass {np.linalg.norm(center - brick.position) * 1e3:.3g} mm from that of "
+            "its shape: remove its <inertial>, or give its visual geometries mass 0"
+        )
+    frame = _frame(brick)
+    inertial = np.array(data.ximat[body]).reshape(3, 3)
+    if len(parts) == 1 and np.abs(frame.T @ inertial - np.eye(3)).max() <= OFF_CENTER:
+        frame = inertial
+    inertia = frame.T @ _inertia(model, data, parts, center) @ frame
+    moments = np.diag(inertia)
+    if np.abs(inertia - np.diag(moments)).max() > OFF_CENTER * moments.max():
+        raise ImportRefusedError(
+            f"body '{name}' has principal axes of inertia that are not those of its shape: remove its <inertial>"
+        )
+    x, y, z = center.tolist()
+    placed = replace(brick, position=(x, y, z), quaternion=quaternion_of(frame))
+    if np.abs(moments / np.array(moments_of(placed)) - 1).max() <= SAME:
+        return placed
+    first, second, third = moments.tolist()
+    return replace(placed, moments=(first, second, third))
+
+
+def _inertia(model: Any, data: Any, parts: Sequence[int], center: FloatArray) -> FloatArray:
+    """Return the inertia [kg m2] of welded bodies about their centre of mass, along the world's axes."""
+    total = np.zeros((3, 3))
+    for part in parts:
+        axes = np.array(data.ximat[part]).reshape(3, 3)
+        arm = np.array(data.xipos[part]) - center
+        total += axes @ np.diag(model.body_inertia[part]) @ axes.T
+        total += model.body_mass[part] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return total
+
+
+def _shape(model: Any, geom: Geom, mass: float) -> Brick:
+    """Return a brick with shape and pose of a geometry."""
+    x, y, z = geom.position.tolist()
+    position, quaternion = (x, y, z), quaternion_of(geom.frame)
+    radius, half = float(geom.size[0]), float(geom.size[1])
+    match geom.kind:
+        case mujoco.mjtGeom.mjGEOM_BOX:
+            length, width, height = (2 * geom.size).tolist()
+            return Brick((length, width, height), mass, position, quaternion)
+        case mujoco.mjtGeom.mjGEOM_SPHERE:
+            return sphere(radius, position=position, quaternion=quaternion, mass=mass)
+        case mujoco.mjtGeom.mjGEOM_CAPSULE:
+            return capsule(radius, 2 * half, position=position, quaternion=quaternion, mass=mass)
+        case mujoco.mjtGeom.mjGEOM_CYLINDER:
+            return cylinder(radius, 2 * half, position=position, quaternion=quaternion, mass=mass)
+        case mujoco.mjtGeom.mjGEOM_MESH:
+            vertices, faces = _mesh(model, geom.mesh)
+            if not is_convex(vertices, faces):
+                raise ImportRefusedError(
+                    f"mesh of '{geom.name}' is not convex, but a brick has one convex shape: replace it by its convex "
+                    "hull, or by a shape of your choice"
+                )
+            return _hull(vertices, geom, mass)
+    kind = str(mujoco.mjtGeom(geom.kind)).rpartition("mjGEOM_")[2].lower()
+    raise ImportRefusedError(
+        f"geometry '{geom.name}' is of type {kind}: use box, sphere, capsule, cylinder or a convex mesh"
+    )
+
+
+def fixed_bodies(model: Any, geom: Geom, notes: list[str]) -> list[Brick]:
+    """Return the fixed bodies of a geometry: one, or the convex parts of a mesh."""
+    if geom.kind == mujoco.mjtGeom.mjGEOM_MESH and not is_convex(*_mesh(model, geom.mesh)):
+        parts = convex_parts(geom.name, *_mesh(model, geom.mesh))
+        notes.append(f"mesh of '{geom.name}' is not convex: it became {len(parts)} convex fixed bodies")
+        found = [_hull(part, geom, 1.0) for part in parts]
+    else:
+        found = [_shape(model, geom, 1.0)]
+    return [replace(body, friction=geom.friction) for body in found]
+
+
+def _hull(vertices: FloatArray, geom: Geom, mass: float) -> Brick:
+    """Return the convex hull of vertices in a geometry's frame.
+
+    The hull takes its frame from the body, because MuJoCo turns the frame of a mesh to axes of its own order.
+    """
+    in_world = geom.position + vertices @ geom.frame.T
+    x, y, z = geom.body_position.tolist()
+    in_body = (in_world - geom.body_position) @ geom.body_frame
+    return polyhedron(in_body, position=(x, y, z), quaternion=quaternion_of(geom.body_frame), mass=mass)
+
+
+def _mesh(model: Any, mesh: int) -> tuple[FloatArray, Any]:
+    """Return vertices (v, 3) [m] and triangles (t, 3) of a mesh, in the geometry's frame."""
+    first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+    start, triangles = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
+    vertices: FloatArray = model.mesh_vert[first : first + count].astype(np.float64)
+    return vertices, np.array(model.mesh_face[start : start + triangles])
+
+
+def _frame(brick: Brick) -> FloatArray:
+    frame: FloatArray = rotation(np.array([brick.quaternion]))[0]
+    return frame

@@ -1,0 +1,168 @@
+"""Import MJCF and URDF through MuJoCo's own parser and compiler.
+
+- A body with a free joint becomes a brick, with its mass and inertia. In a URDF the root link is free, unless it is
+  called "world" or has no geometry; joints of the type "floating" are free.
+- A body that is welded to the world becomes fixed bodies, one for each collision geometry.
+- A horizontal plane becomes the ground; all bodies shift so that the ground is z = 0. Without a plane the ground is
+  z = 0, or the lowest point of a free body below.
+- Visual geometries (no contact bits), cameras, lights, sensors and keyframes are left out.
+
+A scene cannot hold other joints, actuators, tendons, constraints and soft bodies, nor a moving body of several parts:
+``ImportRefusedError`` names the element and the fix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+
+from scenarios.formats.imported import Imported, ImportRefusedError, with_common_friction
+from scenarios.formats.mujoco_bodies import Geom, fixed_bodies, free_brick, read_geom
+from scenarios.geometry import Boxes, height_above_ground, height_of_top
+from scenarios.model import Brick, World
+
+REFUSED = {
+    "actuators": "actuator",
+    "tendons": "tendon",
+    "equalities": "equality constraint",
+    "flexes": "flex",
+    "pairs": "contact pair",
+    "skins": "skin",
+}
+"""Elements that a scene cannot hold, by the attribute of MuJoCo's specification."""
+BELOW = 1e-6
+"""Height above the ground [m] up to which a fixed body counts as below the ground."""
+EXACT = 1e-9
+"""Height of the ground [m] that counts as zero."""
+LEVEL = 1e-9
+"""Greatest horizontal part of the unit normal of a plane that counts as level."""
+
+
+def read_mujoco_file(path: Path) -> Imported:
+    """Return the content of an MJCF or URDF file.
+
+    Raises:
+        ImportRefusedError: if MuJoCo cannot read the file, or a scene cannot hold one of its elements.
+    """
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        is_urdf = path.suffix.lower() == ".urdf"
+        if is_urdf:
+            _free_root(spec, path)
+        _refuse_elements(spec)
+        model = spec.compile()
+    except ImportRefusedError:
+        raise
+    except (ValueError, OSError) as error:
+        raise ImportRefusedError(f"MuJoCo cannot read the file: {error}; correct the file") from error
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    content = _content(model, data)
+    if is_urdf:
+        note = f"URDF has no friction: every pair has MuJoCo's default of {content.world.friction:g}"
+        content = replace(content, notes=(note, *content.notes))
+    return content
+
+
+def _free_root(spec: Any, path: Path) -> None:
+    """Give the root link of a URDF a free joint, unless the root link is "world", which MuJoCo makes its own world."""
+    spec.compiler.fusestatic = False
+    tree = ET.parse(path).getroot()
+    children = {child.get("link") for child in tree.iterfind("joint/child")}
+    links = {link.get("name") for link in tree.iterfind("link")}
+    for root in spec.worldbody.bodies:
+        if root.name in links - children and not list(root.joints):
+            root.add_freejoint()
+
+
+def _refuse_elements(spec: Any) -> None:
+    for attribute, kind in REFUSED.items():
+        for element in getattr(spec, attribute):
+            raise ImportRefusedError(
+                f"{kind} '{element.name}': a scene holds free and fixed bodies only: remove the {kind}"
+            )
+    for joint in spec.joints:
+        if joint.type != mujoco.mjtJoint.mjJNT_FREE:
+            kind = str(joint.type).rpartition("mjJNT_")[2].partition(":")[0].lower()
+            raise ImportRefusedError(
+                f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds free and fixed bodies only: "
+                "use a freejoint, or remove the joint"
+            )
+
+
+def _content(model: Any, data: Any) -> Imported:
+    notes: list[str] = []
+    ground, fixed = _split_planes([read_geom(model, data, index) for index in _colliding(model, 0, notes)])
+    bricks, names = [], []
+    for body in range(1, model.nbody):
+        if model.body_weldid[body] == body and model.body_jntnum[body]:
+            name = model.body(body).name or f"body {body}"
+            geoms = [read_geom(model, data, index) for index in _colliding(model, body, notes)]
+            bricks.append(free_brick(model, data, body, name, geoms))
+            names.append(name)
+    if not bricks:
+        raise ImportRefusedError("the file has no body with a free joint: give each body that may move a <freejoint/>")
+    bodies = [part for geom in fixed for part in fixed_bodies(model, geom, notes)]
+    height = float(ground.position[2]) if ground is not None else min(0.0, _lowest(bricks))
+    height = height if abs(height) > EXACT else 0.0
+    if abs(height) > EXACT:
+        notes.append(f"all bodies shifted by {-height:g} m along z, so that the ground is z = 0")
+    shifted = [_at_height(brick, -height) for brick in bricks]
+    shifted_fixed = [_at_height(body, -height) for body in bodies]
+    fixed_above = [body for body in shifted_fixed if _highest(body) > BELOW]
+    if len(fixed_above) < len(shifted_fixed):
+        notes.append(f"{len(shifted_fixed) - len(fixed_above)} fixed bodies below the ground left out")
+    friction = ground.friction if ground is not None else shifted[0].friction
+    assert friction is not None
+    x, y, z = model.opt.gravity.tolist()
+    world = World(friction, (x, y, z), tuple(fixed_above))
+    world, bricks_of_world = with_common_friction(world, shifted)
+    if any(brick.friction is not None for brick in (*bricks_of_world, *world.fixed)):
+        notes.append("a pair has the geometric mean of both coefficients of friction; MuJoCo takes the greater one")
+    return Imported(
+        model.names[: model.names.index(b"\0")].decode() or "scene", world, bricks_of_world, tuple(names), tuple(notes)
+    )
+
+
+def _colliding(model: Any, root: int, notes: list[str]) -> list[int]:
+    """Return the indices of the geometries with contact bits of all bodies that are welded to a root."""
+    found = [index for index in range(model.ngeom) if model.body_weldid[model.geom_bodyid[index]] == root]
+    visual = [index for index in found if not (model.geom_contype[index] or model.geom_conaffinity[index])]
+    if visual:
+        notes.append(f"{len(visual)} visual geometries of '{model.body(root).name}' left out")
+    return [index for index in found if index not in visual]
+
+
+def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
+    """Return the ground, if a plane gives it, and all other geometries."""
+    planes = [geom for geom in geoms if geom.kind == mujoco.mjtGeom.mjGEOM_PLANE]
+    for plane in planes:
+        if np.hypot(*plane.frame[:2, 2]) > LEVEL or plane.frame[2, 2] < 0:
+            raise ImportRefusedError(
+                f"plane '{plane.name}' is not level: turn it level and tilt the gravity, or use a fixed box"
+            )
+    if len({round(float(plane.position[2]), 9) for plane in planes}) > 1:
+        raise ImportRefusedError(f"planes {[plane.name for plane in planes]} at several heights: keep one plane")
+    return (planes[0] if planes else None), [geom for geom in geoms if geom not in planes]
+
+
+def _lowest(bricks: Sequence[Brick]) -> float:
+    """Return the height [m] of the lowest point of all bricks."""
+    return float(height_above_ground(Boxes.of(bricks)).min())
+
+
+def _highest(body: Brick) -> float:
+    """Return the height [m] of the highest point of a body."""
+    return float(height_of_top(Boxes.of([body]))[0])
+
+
+def _at_height(brick: Brick, shift: float) -> Brick:
+    x, y, z = brick.position
+    return replace(brick, position=(x, y, z + shift))

@@ -1,0 +1,36 @@
+"""Read a scene file of another simulator, by its suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scenarios.formats.imported import Imported, ImportRefusedError
+from scenarios.formats.settling import settled
+
+MUJOCO = (".xml", ".mjcf", ".urdf")
+USD = (".usd", ".usda", ".usdc")
+SDF = (".sdf",)
+SUFFIXES = (*MUJOCO, *USD, *SDF)
+"""Suffixes of all files that ``read_file`` takes."""
+
+
+def read_file(path: Path) -> Imported:
+    """Return the content of a file, with all bodies in exact contact.
+
+    Raises:
+        ImportRefusedError: if the file has an element that a scene cannot hold, or its reader is not installed; the
+            message names the element and the fix.
+    """
+    suffix = path.suffix.lower()
+    if suffix in SDF:
+        raise ImportRefusedError(
+            "SDF has no maintained parser for Python: convert the file to URDF or MJCF, or write its bodies in a TOML "
+            "file"
+        )
+    if suffix in USD:
+        from scenarios.formats.usd_import import read_usd  # here, because OpenUSD is in an optional group
+
+        return settled(read_usd(path))
+    from scenarios.formats.mujoco_files import read_mujoco_file  # here, because MuJoCo takes a second to import
+
+    return settled(read_mujoco_file(path))

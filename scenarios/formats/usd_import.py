@@ -1,0 +1,200 @@
+"""Import OpenUSD with the physics schema through OpenUSD's own Python package.
+
+- A prim with RigidBodyAPI becomes a brick. It must have one collider: Cube, Sphere, Capsule, Cylinder or a convex Mesh.
+- A collider outside rigid bodies becomes a fixed body; a Plane with the normal z becomes the ground.
+- Units are converted by metersPerUnit and kilogramsPerUnit. The up axis must be z.
+
+Joints are refused by name. A scene holds no visual prims, cameras and lights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scenarios.formats.imported import Imported, ImportRefusedError, with_common_friction
+from scenarios.formats.meshes import is_convex
+from scenarios.formats.openusd import MISSING, has_openusd
+from scenarios.geometry import FloatArray
+from scenarios.model import Brick, World
+from scenarios.planks import DENSITY, GRAVITY, MU
+from scenarios.solids import capsule, cylinder, moments_of, polyhedron, quaternion_of, sphere, volume_of
+
+SKEW = 1e-6
+"""Greatest relative difference of scales across a round shape, and greatest skew of a transform."""
+SAME = 1e-6
+"""Greatest relative difference of moments of inertia that count as those of the homogeneous shape, because OpenUSD
+keeps them in single precision."""
+
+
+def read_usd(path: Path) -> Imported:
+    """Return the content of a USD file.
+
+    Raises:
+        ImportRefusedError: if OpenUSD is not installed or cannot read the file, or a scene cannot hold a prim.
+    """
+    if not has_openusd():
+        raise ImportRefusedError(MISSING)
+    from pxr import Tf, Usd, UsdGeom, UsdPhysics
+
+    try:
+        stage = Usd.Stage.Open(str(path))
+    except Tf.ErrorException as error:
+        raise ImportRefusedError(f"OpenUSD cannot read the file: {error}; correct the file") from error
+    if UsdGeom.GetStageUpAxis(stage) != UsdGeom.Tokens.z:
+        raise ImportRefusedError("the stage has y up: set upAxis to Z, and turn its content")
+    prims = list(stage.Traverse())
+    for prim in prims:
+        if prim.IsA(UsdPhysics.Joint):
+            raise ImportRefusedError(
+                f"joint '{prim.GetPath()}': a scene holds free and fixed bodies only: remove the joint"
+            )
+    unit = UsdGeom.GetStageMetersPerUnit(stage)
+    rigid = [prim for prim in prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    colliders = [prim for prim in prims if prim.HasAPI(UsdPhysics.CollisionAPI)]
+    owner = {prim: _owner(prim, rigid) for prim in colliders}
+    bricks = [_brick(body, [prim for prim in colliders if owner[prim] == body], unit) for body in rigid]
+    if not bricks:
+        raise ImportRefusedError("the file has no rigid body: apply RigidBodyAPI to each prim that may move")
+    loose = [prim for prim in colliders if owner[prim] is None]
+    planes = [prim for prim in loose if prim.IsA(UsdGeom.Plane)]
+    height = float(_transform(planes[0])[1][2]) * unit if planes else 0.0
+    fixed = [replace(_shape(prim, unit, 1.0), friction=_friction(prim)) for prim in loose if prim not in planes]
+    friction = (_friction(planes[0]) if planes else bricks[0].friction) or 0.0
+    world = World(friction, _gravity(prims, unit), tuple(_lowered(body, height) for body in fixed))
+    world, found = with_common_friction(world, [_lowered(brick, height) for brick in bricks])
+    notes = (f"all bodies shifted by {-height:g} m along z, so that the ground is z = 0",) if height else ()
+    return Imported(path.stem, world, found, tuple(str(prim.GetPath()) for prim in rigid), notes)
+
+
+def _owner(prim: Any, rigid: Sequence[Any]) -> Any:
+    """Return the rigid body that a collider belongs to; None for a fixed collider."""
+    while prim and prim not in rigid:
+        prim = prim.GetParent()
+    return prim if prim in rigid else None
+
+
+def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
+    from pxr import UsdPhysics
+
+    path = body.GetPath()
+    if len(colliders) != 1:
+        raise ImportRefusedError(
+            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: keep one of them, "
+            "or use a mesh of their convex hull"
+        )
+    shape = _shape(colliders[0], unit, 1.0)
+    given = UsdPhysics.MassAPI(body)
+    mass = float(given.GetMassAttr().Get() or 0.0)
+    density = float(given.GetDensityAttr().Get() or 0.0) / unit**3
+    mass = mass or (density or DENSITY) * volume_of(shape.shape, shape.size)
+    brick = replace(shape, mass=mass, friction=_friction(colliders[0]))
+    moments = np.array(given.GetDiagonalInertiaAttr().Get() or (0.0, 0.0, 0.0), np.float64) * unit**2
+    if not moments.any() or np.abs(moments / moments_of(brick) - 1).max() <= SAME:
+        return brick
+    x, y, z = moments.tolist()
+    return replace(brick, moments=(x, y, z))
+
+
+def _shape(prim: Any, unit: float, mass: float) -> Brick:
+    """Return a brick with shape and pose of a collider."""
+    from pxr import UsdGeom
+
+    frame, origin, scale = _transform(prim)
+    x, y, z = (origin * unit).tolist()
+    scale = scale * unit
+    if prim.IsA(UsdGeom.Cube):
+        length, width, height = (scale * UsdGeom.Cube(prim).GetSizeAttr().Get()).tolist()
+        return Brick((length, width, height), mass, (x, y, z), quaternion_of(frame))
+    if prim.IsA(UsdGeom.Mesh):
+        mesh = UsdGeom.Mesh(prim)
+        points = np.array(mesh.GetPointsAttr().Get(), np.float64) * scale
+        counts, indices = mesh.GetFaceVertexCountsAttr().Get(), mesh.GetFaceVertexIndicesAttr().Get()
+        if not is_convex(points, _triangles(counts, indices)):
+            raise ImportRefusedError(
+                f"mesh '{prim.GetPath()}' is not convex: replace it by its hull or by convex parts"
+            )
+        return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
+    if np.ptp(scale) > SKEW * scale.max():
+        raise ImportRefusedError(f"'{prim.GetPath()}' is a round shape with unequal scales {scale}: give it one scale")
+    if prim.IsA(UsdGeom.Sphere):
+        radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get() * scale[0])
+        return sphere(radius, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
+    for kind, make in ((UsdGeom.Capsule, capsule), (UsdGeom.Cylinder, cylinder)):
+        if prim.IsA(kind):
+            round_shape = kind(prim)
+            turned = frame @ _turn_to(round_shape.GetAxisAttr().Get())
+            radius, height = (
+                float(part.Get() * scale[0]) for part in (round_shape.GetRadiusAttr(), round_shape.GetHeightAttr())
+            )
+            return make(radius, height, position=(x, y, z), quaternion=quaternion_of(turned), mass=mass)
+    raise ImportRefusedError(
+        f"'{prim.GetPath()}' is of type {prim.GetTypeName()}: use Cube, Sphere, Capsule, Cylinder or a convex Mesh"
+    )
+
+
+def _transform(prim: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the frame (3, 3), the origin (3,) and the scales (3,) of a prim in the world, in the stage's units."""
+    from pxr import Usd, UsdGeom
+
+    matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    rows = matrix[:3, :3]  # OpenUSD multiplies rows
+    scale = np.linalg.norm(rows, axis=1)
+    frame = (rows / scale[:, None]).T
+    if np.abs(frame.T @ frame - np.eye(3)).max() > SKEW or np.linalg.det(frame) < 0:
+        raise ImportRefusedError(
+            f"'{prim.GetPath()}' is skewed or mirrored: use rotations and scales along its own axes"
+        )
+    return frame, matrix[3, :3], scale
+
+
+def _turn_to(axis: str) -> FloatArray:
+    """Return the rotation matrix that turns z to an axis of the shape."""
+    matrices = {
+        "X": [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]],
+        "Y": [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+        "Z": np.eye(3),
+    }
+    return np.array(matrices[axis])
+
+
+def _triangles(counts: Sequence[int], indices: Sequence[int]) -> list[tuple[int, int, int]]:
+    found, start = [], 0
+    for count in counts:
+        loop = indices[start : start + count]
+        found += [(loop[0], loop[k], loop[k + 1]) for k in range(1, count - 1)]
+        start += count
+    return found
+
+
+def _friction(prim: Any) -> float:
+    """Return the static friction of the material of a collider; that of the planks' wood without a material."""
+    from pxr import UsdPhysics, UsdShade
+
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+    if material and material.GetPrim().HasAPI(UsdPhysics.MaterialAPI):
+        return round(float(UsdPhysics.MaterialAPI(material.GetPrim()).GetStaticFrictionAttr().Get()), 7)
+    return MU
+
+
+def _gravity(prims: Sequence[Any], unit: float) -> tuple[float, float, float]:
+    from pxr import UsdPhysics
+
+    for prim in prims:
+        if prim.IsA(UsdPhysics.Scene):
+            scene = UsdPhysics.Scene(prim)
+            direction = np.array(scene.GetGravityDirectionAttr().Get(), np.float64)
+            strength = float(scene.GetGravityMagnitudeAttr().Get())
+            if direction.any() and np.isfinite(strength) and strength >= 0:
+                x, y, z = (round(strength, 6) * unit * direction / np.linalg.norm(direction)).tolist()
+                return x, y, z
+    return 0.0, 0.0, -GRAVITY
+
+
+def _lowered(body: Brick, height: float) -> Brick:
+    x, y, z = body.position
+    return replace(body, position=(x, y, z - height))
