@@ -117,6 +117,7 @@ class PybulletPort:
             shown["gravityAccelerationZ"],
         )
         self._bodies.follow()
+        self._audit_next()
         return self._read_motions()
 
     def add(self, bodies: Iterable[int]) -> None:
@@ -188,6 +189,12 @@ class PybulletPort:
             pybullet.setGravity(*self.gravity(), physicsClientId=self.client)
 
     # -- helpers -----------------------------------------------------------------------------------
+
+    def _audit_next(self) -> None:
+        """Check one body against Bullet, in turn, because a removed body's id may belong to a new body."""
+        for body in self._bodies.next_changed():
+            self._bodies.remove(body)
+            self.add([body])
 
     def _step_rows(self) -> Iterable[Row]:
         """Return Bullet's contacts of the latest step, without duplicates."""

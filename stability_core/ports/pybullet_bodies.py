@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pybullet
 
 from stability_core.port import GROUND
-from stability_core.ports.pybullet_calls import Row
+from stability_core.ports.pybullet_calls import Row, unfreeze
 from stability_core.ports.pybullet_shapes import vertices_of
 from stability_core.ports.shared.shapes import ShapeTable
 
@@ -42,6 +42,8 @@ class PybulletBodies:
         self._friction: dict[tuple[int, int], float] = {}
         self._planes: set[int] = set()
         self._removed: list[int] = []
+        self._audited: list[int] = []
+        self._places: dict[int, object] = {}
 
     def follow(self) -> None:
         """Control new free bodies, if the port controls all; forget bodies that left the world."""
@@ -115,11 +117,34 @@ class PybulletBodies:
         info = pybullet.getDynamicsInfo(body, _BASE, self._client)
         del self.live[body]
         self.frozen[body] = Inertia(info[_MASS], info[_INERTIA])
+        self._places[body] = pybullet.getBasePositionAndOrientation(body, self._client)
 
     def unfreeze(self, body: int) -> Inertia:
         """Record that a frozen body is live; return its mass and inertia."""
         kept = self.live[body] = self.frozen.pop(body)
         return kept
+
+    def next_changed(self) -> list[int]:
+        """Check the next controlled body, in turn; return it if Bullet has another mass or pose than the record.
+
+        A host may remove a body and add another between two updates, and Bullet gives the new body the same id. A host
+        may also move a frozen body, or change its mass.
+        """
+        if not self._audited:
+            self._audited = [*self.live, *self.frozen]
+        body = self._audited.pop() if self._audited else -1
+        kept = self.live.get(body)
+        if kept is not None:
+            mass = pybullet.getDynamicsInfo(body, _BASE, self._client)[_MASS]
+            return [] if mass == kept.mass else [body]
+        if body not in self.frozen:
+            return []
+        mass = pybullet.getDynamicsInfo(body, _BASE, self._client)[_MASS]
+        stays = pybullet.getBasePositionAndOrientation(body, self._client) == self._places[body]
+        if mass == 0.0 and not stays:  # moved by the host while it is frozen
+            kept = self.frozen[body]
+            unfreeze(body, self._client, kept.mass, pybullet.ACTIVATION_STATE_WAKE_UP)
+        return [] if mass == 0.0 and stays else [body]
 
     def take_removed(self) -> list[int]:
         """Return the ids that left since the previous call."""
