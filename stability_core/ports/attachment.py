@@ -25,7 +25,7 @@ class EnginePort(StabilityPort, Protocol):
     """Identity of the world."""
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the world's gravity [m/s2]."""
+        """Return the world's gravity [m/s2] at the latest ``begin_update``, or when the port was opened."""
         ...
 
     def begin_update(self, dt: float) -> Iterable[int]:
@@ -131,6 +131,8 @@ class Attachment(StabilityExtension):
 
     def _follow_world(self, dt: float) -> None:
         turned = self.port.begin_update(dt)
-        self.gravity = self.port.gravity()
+        gravity = self.port.gravity()
+        if gravity != self.gravity:
+            self.gravity = gravity
         if turned:
             self.wake(turned)

@@ -9,7 +9,9 @@ Contacts: MuJoCo's own, and the missing corners of contact areas between boxes, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Hashable, Iterable, Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -27,6 +29,7 @@ from stability_core.ports.mujoco_ghosts import FreeBody, geoms_of
 from stability_core.ports.mujoco_prepare import SUFFIX, prepare
 from stability_core.ports.mujoco_shapes import vertices_of
 from stability_core.ports.shared.approach import Motions, fastest_approach
+from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
 from stability_core.ports.shared.shapes import ShapeTable, compile_kernels
 from stability_core.ports.shared.vectors import dot, rotate, rows_of
 
@@ -34,6 +37,7 @@ __all__ = ["MujocoPort", "open_port", "prepare"]
 
 NEAR = 1e-3
 """Greatest gap [m] at which ``find_contacts`` lists a pair, because MuJoCo lists no contact at a gap of zero."""
+_NO_PLACES = np.empty(0, np.int64)
 _MOVED = 1e-6
 """Least change of a component of a frozen body's pose that counts as a move by the user [m], or of its quaternion."""
 _TURNED = 1e-4
@@ -106,6 +110,10 @@ class MujocoPort:
         self._turns: dict[int, FloatArray] = {}
         self._time: float = data.time
         self._finds = False
+        self._frozen_places: IntArray | None = None
+        self._frozen_poses: FloatArray = np.empty(0)
+        is_world = (model.body_weldid == 0) & (model.body_mocapid < 0)
+        self._has_movers = 1 + 2 * len(self._free) < model.nbody - np.count_nonzero(is_world[1:])
         self.add(self._free if bodies is None else bodies)
 
     # -- called by the attachment ------------------------------------------------------------------
@@ -132,14 +140,15 @@ class MujocoPort:
                 f"MuJoCo advanced by {passed:g} s since the previous update(), but dt is {dt:g} s: call update() after "
                 "mj_step, and pass the time of all steps since the previous update()"
             )
-        if not np.isfinite(self.data.qpos).all() or not np.isfinite(self.data.qvel).all():
+        if not math.isfinite(self.data.qpos.sum() + self.data.qvel.sum()):
             raise ValueError(
                 "this MuJoCo simulation has a pose or a velocity that is not finite, because it has diverged: use a "
                 "smaller timestep or softer contacts"
             )
         turned = [body for body, turn in self._turns.items() if abs(self.data.xquat[body] - turn).max() > _TURNED]
         self._turns = {body: self.data.xquat[body].copy() for body in self._obstacles}
-        pushed = [body for body in self._frozen if self.data.xfrc_applied[body].any()]
+        forces = self.data.xfrc_applied
+        pushed = [body for body in self._frozen if forces[body].any()] if forces.any() else []
         return turned + pushed
 
     def add(self, bodies: Iterable[int | str]) -> None:
@@ -175,11 +184,13 @@ class MujocoPort:
 
     def contacts(self) -> Contacts:
         """Return the contacts that touch a live body, or join a frozen body and an obstacle."""
+        if not self._live and not self._has_movers:
+            return NO_CONTACTS
         data = self._collided_copy() if self._finds else self.data
         found, finds, self._finds = data.contact, self._finds, False
         rows = self._rows(found.geom)
         if not len(rows):
-            return Contacts.empty()
+            return NO_CONTACTS
         geoms, points, normals, separation = found.geom[rows], found.pos[rows], found.frame[rows, :3], found.dist[rows]
         ids = self._id_of_geom[geoms]
         a, b = np.ascontiguousarray(ids[:, 0]), np.ascontiguousarray(ids[:, 1])
@@ -201,7 +212,10 @@ class MujocoPort:
     def masses(self) -> Masses:
         """Return the live bodies and the obstacles, whose mass is infinite, and frozen bodies that the user moved."""
         removed, self._removed = self._removed, []
-        moved = {body: free for body, free in self._frozen.items() if free.has_left_ghost(_MOVED)}
+        moved = self._moved()
+        if not self._live and not self._obstacles and not moved:
+            self._before = None
+            return replace(NO_MASSES, removed=removed) if removed else NO_MASSES
         listed = {**self._live, **moved}
         ids = np.array(sorted([*listed, *self._obstacles]), np.int64)
         motions = [self._motion_of(body, listed.get(body)) for body in ids.tolist()]
@@ -232,6 +246,17 @@ class MujocoPort:
 
     # -- helpers -----------------------------------------------------------------------------------
 
+    def _moved(self) -> dict[int, FreeBody]:
+        """Return the frozen bodies that the user has moved."""
+        if self._frozen_places is None:
+            self._frozen_places = np.concatenate([free.places for free in self._frozen.values()] or [_NO_PLACES])
+            ghosts = [free.mocap for free in self._frozen.values()]
+            poses = np.concatenate([self.data.mocap_pos[ghosts], self.data.mocap_quat[ghosts]], axis=1)
+            self._frozen_poses = poses.ravel()
+        if (self.data.qpos[self._frozen_places] == self._frozen_poses).all():
+            return {}
+        return {body: free for body, free in self._frozen.items() if free.has_left_ghost(_MOVED)}
+
     def _checked(self, name: int | str) -> int:
         """Return the id of a body that the port can control and does not control yet.
 
@@ -252,6 +277,7 @@ class MujocoPort:
     def _note(self, body: int) -> None:
         """Record the state of a body's geoms."""
         free = self._free[body]
+        self._frozen_places = None
         self._is_live[free.geoms] = body in self._live
         self._is_frozen[free.ghost_geoms] = body in self._frozen
         controlled = body in self._live or body in self._frozen

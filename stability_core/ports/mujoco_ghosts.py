@@ -29,6 +29,7 @@ class FreeBody:
         "ghost",
         "ghost_geoms",
         "mocap",
+        "places",
         "pose",
         "tree",
         "velocity",
@@ -49,6 +50,7 @@ class FreeBody:
         self.tree: int = model.body_treeid[body]
         joint = model.body_jntadr[body]
         place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+        self.places: IntArray = np.arange(place, place + 7)
         self.pose: FloatArray = data.qpos[place : place + 7]
         self.velocity: FloatArray = data.qvel[dof : dof + 6]
         self.warm: FloatArray = data.qacc_warmstart[dof : dof + 6]

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Collection, Hashable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from stability_core.ports.pybullet_bodies import PybulletBodies
 from stability_core.ports.pybullet_calls import Row, forces_of, freeze, geometry_of, pairs_of, unfreeze
 from stability_core.ports.shared.approach import Motions, fastest_approach
 from stability_core.ports.shared.free_flight import FreeFlight
+from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
 from stability_core.ports.shared.shapes import compile_kernels
 from stability_core.ports.shared.vectors import rows_of
 
@@ -34,6 +36,9 @@ _BASE = -1
 _FRICTION = 1  # column of getDynamicsInfo
 _STEP = 0.02
 """Greatest difference of ``dt`` from a whole number of steps, in steps."""
+CALM_S = 1.0
+"""Time [s] for which obstacles must have kept their places before the port omits them in frames without live bodies.
+The core counts a body that the host has moved as ground after ``Settings.still_s``, 0.5 s, and must see it so long."""
 NEAR = 1e-3
 """Greatest gap [m] at which ``find_contacts`` measures the distance of two bodies."""
 _TURNED = 1e-4
@@ -71,8 +76,11 @@ class PybulletPort:
         self._flight_fault: str | None = None
         self._touching: set[int] = set()
         self._dt = 0.0
-        self._gravity = self.gravity()
+        self._gravity = (0.0, 0.0, 0.0)
+        self._read_parameters()
         self._finds = False
+        self._places: list[object] = []
+        self._calm_s = 0.0
         self._ids: IntArray = np.empty(0, np.int64)
         self._rows: FloatArray = np.empty((0, 13))
         if bodies is not None:
@@ -81,9 +89,18 @@ class PybulletPort:
     # -- called by the attachment ------------------------------------------------------------------
 
     def gravity(self) -> tuple[float, float, float]:
-        """Return the world's gravity [m/s2]."""
-        shown = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
-        return shown["gravityAccelerationX"], shown["gravityAccelerationY"], shown["gravityAccelerationZ"]
+        """Return the world's gravity [m/s2] at the latest ``begin_update``, or when the port was opened."""
+        return self._gravity
+
+    def _read_parameters(self) -> dict[str, Any]:
+        """Read the parameters of the engine, among them gravity."""
+        shown: dict[str, Any] = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
+        self._gravity = (
+            shown["gravityAccelerationX"],
+            shown["gravityAccelerationY"],
+            shown["gravityAccelerationZ"],
+        )
+        return shown
 
     def begin_update(self, dt: float) -> list[int]:
         """Follow bodies that come and go, and check the time; return obstacles that turned in place.
@@ -91,11 +108,12 @@ class PybulletPort:
         Raises:
             ValueError: if the client is closed, PyBullet runs by its own clock, or the world contradicts ``dt``.
         """
-        if not pybullet.isConnected(self.client):
+        try:
+            shown = self._read_parameters()
+        except pybullet.error as error:
             raise ValueError(
                 f"PyBullet client {self.client} is no longer connected: call close() before pybullet.disconnect()"
-            )
-        shown = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
+            ) from error
         if shown["useRealTimeSimulation"]:
             raise ValueError(
                 "PyBullet steps this world by its own clock, so that the time between two updates is unknown: call "
@@ -111,11 +129,6 @@ class PybulletPort:
             fault, self._flight_fault = self._flight_fault, None
             raise ValueError(fault)
         self._dt = dt
-        self._gravity = (
-            shown["gravityAccelerationX"],
-            shown["gravityAccelerationY"],
-            shown["gravityAccelerationZ"],
-        )
         self._bodies.follow()
         self._audit_next()
         return self._read_motions()
@@ -145,6 +158,8 @@ class PybulletPort:
 
     def contacts(self) -> Contacts:
         """Return the contacts that touch a live body, or join a frozen body and an obstacle that moves."""
+        if not self._bodies.live and not self._bodies.movers:
+            return NO_CONTACTS
         rows = self._found_rows() if self._finds else self._step_rows()
         self._finds = False
         listed = [(a, b, row) for row in rows if (pair := self._bodies.pair_of(row)) for a, b in [pair]]
@@ -162,6 +177,10 @@ class PybulletPort:
     def masses(self) -> Masses:
         """Return the live bodies and the obstacles, whose mass is infinite."""
         ids, rows = self._ids, self._rows
+        if not len(ids) and not self._bodies.live:
+            self._before = None
+            removed = self._bodies.take_removed()
+            return replace(NO_MASSES, removed=removed) if removed else NO_MASSES
         if len(self._bodies.obstacles) + len(self._bodies.live) != len(ids):
             self._read_motions()  # an obstacle that touches a body for the first time
             ids, rows = self._ids, self._rows
@@ -186,7 +205,8 @@ class PybulletPort:
             if pybullet.getDynamicsInfo(body, _BASE, self.client)[2] != kept.inertia:
                 pybullet.changeDynamics(body, _BASE, localInertiaDiagonal=kept.inertia, physicsClientId=self.client)
         if bodies:  # or these bodies keep the gravity with which they froze
-            pybullet.setGravity(*self.gravity(), physicsClientId=self.client)
+            self._read_parameters()
+            pybullet.setGravity(*self._gravity, physicsClientId=self.client)
 
     # -- helpers -----------------------------------------------------------------------------------
 
@@ -228,6 +248,9 @@ class PybulletPort:
             ValueError: if a pose is not finite.
         """
         live, obstacles = self._bodies.live, self._bodies.obstacles
+        if self._keep_places() and not live:
+            self._ids, self._rows = self._ids[:0], self._rows[:0]
+            return []
         ids = np.array(sorted([*live, *obstacles]), np.int64)
         rows = rows_of([self._motion_of(body, *obstacles.get(body, (body, _BASE))) for body in ids.tolist()], 13)
         if not np.isfinite(rows).all():
@@ -245,6 +268,20 @@ class PybulletPort:
         self._ids, self._rows = ids, rows
         self._bodies.shapes.place(ids.tolist(), rows[:, :7])
         return turned
+
+    def _keep_places(self) -> bool:
+        """Return True if no obstacle has moved for ``CALM_S``."""
+        places = [self._place_of(key) for key in self._bodies.obstacles]
+        self._calm_s = self._calm_s + self._dt if places == self._places else 0.0
+        self._places = places
+        return self._calm_s > CALM_S or not places
+
+    def _place_of(self, key: int) -> object:
+        """Return the pose of an obstacle as Bullet returns it."""
+        body, link = self._bodies.obstacles[key]
+        if link == _BASE:
+            return pybullet.getBasePositionAndOrientation(body, self.client)
+        return pybullet.getLinkState(body, link, physicsClientId=self.client)[:2]
 
     def _motion_of(self, _: int, body: int, link: int) -> tuple[float, ...]:
         """Return centre [m], quaternion (x, y, z, w), velocity [m/s] and spin [rad/s] of a body or a link."""

@@ -13,6 +13,8 @@ from stability_core.ports.shared.shapes import ShapeTable
 
 LINK_ID = 1 << 20
 """The id of link k of an obstacle b is b + (k + 1) LINK_ID; its base, link -1, has the id b."""
+MASS_EVERY = 31
+"""Number of checks of ``next_changed`` in which it reads a mass, which takes Bullet as long as half a step."""
 _BASE = -1
 _MASS, _FRICTION, _INERTIA = 0, 1, 2  # columns of getDynamicsInfo
 
@@ -43,6 +45,7 @@ class PybulletBodies:
         self._planes: set[int] = set()
         self._removed: list[int] = []
         self._audited: list[int] = []
+        self._passed = 0
         self._places: dict[int, object] = {}
 
     def follow(self) -> None:
@@ -133,14 +136,14 @@ class PybulletBodies:
         if not self._audited:
             self._audited = [*self.live, *self.frozen]
         body = self._audited.pop() if self._audited else -1
-        kept = self.live.get(body)
-        if kept is not None:
-            mass = pybullet.getDynamicsInfo(body, _BASE, self._client)[_MASS]
-            return [] if mass == kept.mass else [body]
-        if body not in self.frozen:
+        is_frozen = body in self.frozen
+        stays = is_frozen and pybullet.getBasePositionAndOrientation(body, self._client) == self._places[body]
+        self._passed = (self._passed + 1) % MASS_EVERY if stays or body in self.live else 0
+        if self._passed or not (is_frozen or body in self.live):
             return []
         mass = pybullet.getDynamicsInfo(body, _BASE, self._client)[_MASS]
-        stays = pybullet.getBasePositionAndOrientation(body, self._client) == self._places[body]
+        if not is_frozen:
+            return [] if mass == self.live[body].mass else [body]
         if mass == 0.0 and not stays:  # moved by the host while it is frozen
             kept = self.frozen[body]
             unfreeze(body, self._client, kept.mass, pybullet.ACTIVATION_STATE_WAKE_UP)
