@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -22,6 +22,7 @@ import pyarrow.parquet as pq
 
 from reports.records.atomic import write_atomic
 from scenarios.model import Brick, Vector, World
+from scenarios.shapes import Polyhedron, Shape
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -104,6 +105,12 @@ class Recording:
     """Boxes that never move."""
     physics: Physics | None = None
     """Masses, friction and gravity; None in recordings of version 0.1.0."""
+    shapes: Mapping[int, Shape] = field(default_factory=dict)
+    """Shape of each body that is no box, by its id."""
+
+    def shape(self, body: int) -> Shape:
+        """Return the shape of a body."""
+        return self.shapes.get(body, "box")
 
     def thinned(self) -> Recording:
         """Return a smaller recording.
@@ -133,6 +140,7 @@ class Recorder:
         self._masses: dict[int, float] = {}
         self._frames = 0
         self._sizes: dict[int, Vector] = {}
+        self._shapes: dict[int, Shape] = {}
         self._position = np.empty((0, 3))
         self._quaternion = np.empty((0, 4))
         self._state = np.empty(0, np.int32)
@@ -169,6 +177,7 @@ class Recorder:
         self._make_room(int(bodies.max(initial=-1)) + 1)
         new = [body for body in bricks if body not in self._sizes]
         self._sizes |= {body: bricks[body].size for body in new}
+        self._shapes |= {body: bricks[body].shape for body in new if bricks[body].shape != "box"}
         self._masses |= {body: bricks[body].mass for body in new if not bricks[body].moved}
         state = np.full(len(self._state), REMOVED, np.int32)
         state[bodies] = LIVE
@@ -204,6 +213,7 @@ class Recorder:
             state[order],
             fixed=self._world.fixed,
             physics=Physics(self._world.friction, self._masses, tuple(self._gravity)),
+            shapes=self._shapes,
         )
 
     def _make_room(self, count: int) -> None:
@@ -253,6 +263,7 @@ def read_recording(path: Path) -> Recording:
         header["every"],
         tuple(_fixed_box(box) for box in header.get("fixed", ())),
         _physics(header["physics"]) if header.get("physics") else None,
+        {int(body): _shape(said) for body, said in header.get("shapes", {}).items()},
     )
 
 
@@ -263,7 +274,25 @@ def _physics(header: Mapping[str, Any]) -> Physics:
 
 def _fixed_box(box: Mapping[str, Any]) -> Brick:
     (length, width, height), (x, y, z), (w, i, j, k) = (box[name] for name in FIXED_FIELDS)
-    return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k))
+    return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k), shape=_shape(box.get("shape", "box")))
+
+
+def _shape(said: Any) -> Shape:
+    """Return a shape from its name, or from the vertices of a polyhedron."""
+    if isinstance(said, list):
+        return Polyhedron(tuple((x, y, z) for x, y, z in said))
+    shape: Shape = said
+    return shape
+
+
+def described(shape: Shape) -> str | list[list[float]]:
+    """Return a shape as JSON: its name, or the vertices [m] of a polyhedron."""
+    return [list(vertex) for vertex in shape.vertices] if isinstance(shape, Polyhedron) else shape
+
+
+def _fixed(body: Brick) -> dict[str, Any]:
+    fields = {name: getattr(body, name) for name in FIXED_FIELDS}
+    return fields if body.shape == "box" else {**fields, "shape": described(body.shape)}
 
 
 def _packed(recording: Recording) -> bytes:
@@ -273,9 +302,11 @@ def _packed(recording: Recording) -> bytes:
         "frames": recording.frames,
         "sizes": recording.sizes,
         "every": recording.every,
-        "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
+        "fixed": [_fixed(body) for body in recording.fixed],
         "physics": None if recording.physics is None else asdict(recording.physics),
     }
+    if recording.shapes:
+        header["shapes"] = {body: described(shape) for body, shape in recording.shapes.items()}
     schema = pa.schema([pa.field(name, pa.int32()) for name in _COLUMNS], {"stillstack": json.dumps(header)})
     table = pa.Table.from_arrays([pa.array(value, pa.int32()) for value in values], schema=schema)
     sink = pa.BufferOutputStream()

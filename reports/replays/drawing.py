@@ -34,8 +34,9 @@ def visible_space(recordings: Sequence[Recording], room: float = 0.0) -> tuple[F
     for recording in recordings:
         timeline = Timeline(recording)
         poses = timeline.at(timeline.end_s)
-        reach = Boxes.at(timeline.sizes, poses.position, poses.quaternion).reach
-        laid = Boxes.at(timeline.sizes, timeline.first, timeline.first_turn)
+        shapes = [recording.shape(body) for body in timeline.bodies.tolist()]
+        reach = Boxes.at(timeline.sizes, poses.position, poses.quaternion, shapes).reach
+        laid = Boxes.at(timeline.sizes, timeline.first, timeline.first_turn, shapes)
         ends += [*(poses.position - reach)[poses.present], *(poses.position + reach)[poses.present]]
         corners += [*(laid.center - laid.reach), *(laid.center + laid.reach)]
         for box in recording.fixed:
@@ -89,6 +90,7 @@ def view_of(
         colour=with_fixed([_tinted(painted, tints) for painted in paint], grey, 3),
         shown=with_fixed([pose.present for pose in poses], np.ones(len(fixed), bool), 1)[..., 0],
         camera=camera,
+        shapes=(*map(timeline.recording.shape, timeline.bodies.tolist()), *(body.shape for body in fixed)),
     )
 
 

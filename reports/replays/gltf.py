@@ -1,8 +1,9 @@
 """Conversion of a recording to an animated glTF 2.0 file (GLB), for viewers and 3-D programs.
 
-Each brick is a node with an animated pose. The node has a child box for each state of the brick. The animation shows
-one of these boxes at a time: its scale is the size of the brick, and the scale of the other boxes is 0. Fixed boxes are
-static nodes. The root node turns the z axis into the y axis, because the y axis of glTF points up.
+Each brick is a node with an animated pose. The node has a child mesh for each state of the brick. The animation shows
+one of these meshes at a time, and the scale of the others is 0. The mesh of all boxes is a unit cube, whose scale is
+the size of the brick; other shapes have meshes in metres. Fixed bodies are static nodes. The root node turns the z axis
+into the y axis, because the y axis of glTF points up.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Recording
-from scenarios.model import Brick
+from scenarios.model import Brick, Vector
+from scenarios.shapes import Shape
+from scenarios.surfaces import surface_of
 
 COLOURS = {"live": (0.74, 0.35, 0.03), "frozen": (0.10, 0.35, 0.58)}
 """Colours by state: linear red, green and blue from 0 to 1. The animation does not show removed bricks."""
@@ -65,10 +68,29 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
+class _Meshes:
+    """The meshes of the file: a unit cube of each material, and a mesh for each other shape and material in use."""
+
+    def __init__(self, buffer: _Buffer) -> None:
+        self._buffer = buffer
+        self.all = _boxes(buffer)
+        self._others: dict[tuple[Shape, Vector, str], int] = {}
+
+    def of(self, shape: Shape, size: Vector, material: str) -> tuple[int, Vector]:
+        """Return the index of a mesh, and the scale at which it shows a brick of this shape and size [m]."""
+        if shape == "box":
+            return list(_MATERIALS).index(material), size
+        key = shape, size, material
+        if key not in self._others:
+            self._others[key] = len(self.all)
+            self.all.append(_surface(self._buffer, shape, size, material))
+        return self._others[key], (1.0, 1.0, 1.0)
+
+
 def to_glb(recording: Recording) -> bytes:
     """Return the content of the GLB file of a recording."""
     buffer = _Buffer()
-    meshes = _boxes(buffer)
+    meshes = _Meshes(buffer)
     turn = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # by -90 degrees about x, so that z points up
     nodes: list[dict[str, Any]] = [{"name": "stack", "rotation": turn, "children": []}]
     channels: list[dict[str, Any]] = []
@@ -80,7 +102,7 @@ def to_glb(recording: Recording) -> bytes:
 
     for box in recording.fixed:
         nodes[0]["children"].append(len(nodes))
-        nodes.append(_fixed_node(box))
+        nodes.append(_fixed_node(box, meshes))
     starts = np.flatnonzero(np.diff(recording.body, prepend=-1))
     for rows in np.split(np.arange(len(recording.body)), starts[1:]) if len(starts) else ():
         body = int(recording.body[rows[0]])
@@ -100,9 +122,10 @@ def to_glb(recording: Recording) -> bytes:
         begun = np.concatenate([[0], recording.frame[changes] + 1]) * recording.frame_s  # no brick before the first row
         steps = buffer.add(begun.astype(np.float32), "SCALAR")
         for child, state in zip(children, states, strict=True):
-            nodes.append({"name": state, "mesh": list(COLOURS).index(state), "scale": [0.0, 0.0, 0.0]})
+            mesh, full = meshes.of(recording.shape(body), recording.sizes[body], state)
+            nodes.append({"name": state, "mesh": mesh, "scale": [0.0, 0.0, 0.0]})
             shown = np.concatenate([[False], recording.state[changes] == STATES.index(state)])
-            scale = (shown[:, None] * np.array(recording.sizes[body])).astype(np.float32)
+            scale = (shown[:, None] * np.array(full)).astype(np.float32)
             animate(child, "scale", steps, buffer.add(scale, "VEC3"), "STEP")
     return _packed(
         {
@@ -110,7 +133,7 @@ def to_glb(recording: Recording) -> bytes:
             "scene": 0,
             "scenes": [{"nodes": [0]}],
             "nodes": nodes,
-            "meshes": meshes,
+            "meshes": meshes.all,
             "materials": _materials(),
             "animations": [{"name": "trial", "channels": channels, "samplers": samplers}],
             "accessors": buffer.accessors,
@@ -121,10 +144,11 @@ def to_glb(recording: Recording) -> bytes:
     )
 
 
-def _fixed_node(box: Brick) -> dict[str, Any]:
-    w, x, y, z = box.quaternion
-    pose = {"translation": list(box.position), "rotation": [x, y, z, w], "scale": list(box.size)}
-    return {"name": _FIXED, "mesh": list(_MATERIALS).index(_FIXED), **pose}
+def _fixed_node(body: Brick, meshes: _Meshes) -> dict[str, Any]:
+    w, x, y, z = body.quaternion
+    mesh, scale = meshes.of(body.shape, body.size, _FIXED)
+    pose = {"translation": list(body.position), "rotation": [x, y, z, w], "scale": list(scale)}
+    return {"name": _FIXED, "mesh": mesh, **pose}
 
 
 def _keyframes(
@@ -168,6 +192,19 @@ def _boxes(buffer: _Buffer) -> list[dict[str, Any]]:
         {"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": number}]}
         for number, name in enumerate(_MATERIALS)
     ]
+
+
+def _surface(buffer: _Buffer, shape: Shape, size: Vector, material: str) -> dict[str, Any]:
+    """Return the mesh of a shape that is no box, in metres, with the normal of each face."""
+    surface = surface_of(shape, size)
+    corners = surface.corners[np.array(surface.triangles)]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    attributes = {
+        "POSITION": buffer.add(corners.reshape(-1, 3).astype(np.float32), "VEC3", _VERTICES),
+        "NORMAL": buffer.add(np.repeat(normals, 3, axis=0).astype(np.float32), "VEC3", _VERTICES),
+    }
+    return {"name": material, "primitives": [{"attributes": attributes, "material": list(_MATERIALS).index(material)}]}
 
 
 def _materials() -> list[dict[str, Any]]:

@@ -19,6 +19,8 @@ from reports.records.recording import FloatArray
 from reports.replays.camera import CAMERAS, Camera
 from reports.replays.errors import ExportError
 from reports.replays.timeline import BoolArray
+from scenarios.shapes import Shape
+from scenarios.surfaces import surface_of
 
 _ROOT = Path(__file__).parents[2]
 """Folder of the checkout."""
@@ -50,6 +52,8 @@ class View:
     shown: BoolArray
     """True for each brick in the picture, shape (f, n)."""
     camera: Camera = CAMERAS["corner"]
+    shapes: tuple[Shape, ...] = ()
+    """Shapes of the bricks; empty if all are boxes."""
 
     def order(self, poses: Path, paths: Sequence[Path] = ()) -> dict[str, Any]:
         """Write the arrays to the file ``poses``, and return the order (the renderer's input) for this view.
@@ -68,7 +72,14 @@ class View:
             "low": self.low.tolist(),
             "high": self.high.tolist(),
             "camera": (camera.azimuth, camera.elevation, camera.distance),
+            "surfaces": {row: self._surface(row) for row, shape in enumerate(self.shapes) if shape != "box"},
         }
+
+    def _surface(self, row: int) -> dict[str, Any]:
+        """Return the surface of a brick that is no box, in its own frame [m]."""
+        x, y, z = self.sizes[row].tolist()
+        surface = surface_of(self.shapes[row], (x, y, z))
+        return {"corners": surface.corners.tolist(), "faces": surface.faces, "is_round": surface.is_round}
 
 
 def draw_pictures(views: Sequence[tuple[View, Sequence[Path]]]) -> None:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,22 @@ _SHADOW_SHARE, _LEAST_SHADOW, _MOST_SHADOW = 1.5, 320, 2048
 _EDGES = {"show_edges": True, "edge_color": "#1b2730", "edge_opacity": 0.45, "line_width": 1.5}
 
 
+@dataclass(frozen=True)
+class _Solid:
+    """A brick that is no box, in the world frame."""
+
+    corners: FloatArray
+    """Corners [m], shape (n, 3)."""
+    faces: list[list[int]]
+    is_round: bool
+    colour: ByteArray
+    """Red, green and blue, shape (3,)."""
+
+    def polygons(self) -> list[FloatArray]:
+        """Return the corners (k, 3) [m] of each face."""
+        return [self.corners[face] for face in self.faces]
+
+
 class _Stage:
     """A view of bricks on the ground, drawn for one set of poses after another."""
 
@@ -53,19 +70,35 @@ class _Stage:
         self._low, self._high = np.array(view["low"]), np.array(view["high"])
         self._look(*view["camera"])
 
-    def draw(self, corners: FloatArray, colours: ByteArray) -> Image.Image:
+    def draw(self, corners: FloatArray, colours: ByteArray, others: Sequence[_Solid] = ()) -> Image.Image:
         """Return the picture of bricks with a transparent background.
 
         Args:
-            corners: corners of the bricks [m], shape (n, 8, 3), world frame.
-            colours: red, green and blue of each brick, from 0 to 255, shape (n, 3).
+            corners: corners of the boxes [m], shape (n, 8, 3), world frame.
+            colours: red, green and blue of each box, from 0 to 255, shape (n, 3).
+            others: the bricks that are no boxes.
         """
         plotter = self._plotter
         plotter.clear_actors()
         if len(corners):
             mesh = _mesh(corners, colours)
             plotter.add_mesh(mesh, scalars="colour", rgb=True, ambient=0.35, render=False, reset_camera=False, **_EDGES)
-            plane, shadow = _ground(corners, self._low, self._high, self._shadow_pixels)
+        for is_round in (False, True):
+            if drawn := [solid for solid in others if solid.is_round is is_round]:
+                # Sharp edges of round bricks stay visible, and the sides between them look smooth.
+                looks: dict[str, Any] = {"smooth_shading": True, "split_sharp_edges": True} if is_round else _EDGES
+                plotter.add_mesh(
+                    _mesh_of(drawn),
+                    scalars="colour",
+                    rgb=True,
+                    ambient=0.35,
+                    render=False,
+                    reset_camera=False,
+                    **looks,
+                )
+        if len(corners) or others:
+            faces = [*corners[:, _FACES].reshape(-1, 4, 3), *(face for solid in others for face in solid.polygons())]
+            plane, shadow = _ground(faces, self._low, self._high, self._shadow_pixels)
             plotter.add_mesh(plane, texture=shadow, lighting=False, render=False, reset_camera=False)
         plotter.renderer.reset_camera_clipping_range()
         plotter.render_window.Render()
@@ -109,14 +142,33 @@ def render(view: Mapping[str, Any]) -> Iterator[Image.Image]:
         sizes, positions, quaternions, colours, shown = (
             poses[name] for name in ("sizes", "position", "quaternion", "colour", "shown")
         )
+    surfaces = {int(row): surface for row, surface in view.get("surfaces", {}).items()}
+    is_box = np.ones(len(sizes), bool)
+    is_box[list(surfaces)] = False
     stage, picture, before = _Stage(view), None, b""
     for position, quaternion, colour, is_shown in zip(positions, quaternions, colours, shown, strict=True):
-        corners = _corners(sizes[is_shown], position[is_shown], quaternion[is_shown])
-        now = corners.tobytes() + colour[is_shown].tobytes()
+        boxes = is_shown & is_box
+        corners = _corners(sizes[boxes], position[boxes], quaternion[boxes])
+        others = [
+            _Solid(
+                _in_world(np.array(surface["corners"]), position[row], quaternion[row]),
+                surface["faces"],
+                surface["is_round"],
+                colour[row],
+            )
+            for row, surface in surfaces.items()
+            if is_shown[row]
+        ]
+        now = b"".join([corners.tobytes(), colour[is_shown].tobytes(), *(solid.corners.tobytes() for solid in others)])
         if picture is None or now != before:
-            picture, before = stage.draw(corners, colour[is_shown]), now
+            picture, before = stage.draw(corners, colour[boxes], others), now
         yield picture
     stage.close()
+
+
+def _in_world(corners: FloatArray, position: FloatArray, quaternion: FloatArray) -> FloatArray:
+    """Return the corners (n, 3) [m] of a brick at its pose."""
+    return corners @ _turns(quaternion[None])[:, :, 0].T + position
 
 
 def _corners(sizes: FloatArray, positions: FloatArray, quaternions: FloatArray) -> FloatArray:
@@ -127,16 +179,37 @@ def _corners(sizes: FloatArray, positions: FloatArray, quaternions: FloatArray) 
         positions: centres [m], shape (n, 3), world frame.
         quaternions: orientations (w, x, y, z), shape (n, 4), world frame, of any length.
     """
+    turns = _turns(quaternions)
+    corners: FloatArray = np.einsum("ijn,nkj->nki", turns, _CORNERS * sizes[:, None]) + positions[:, None]
+    return corners
+
+
+def _turns(quaternions: FloatArray) -> FloatArray:
+    """Return the rotation matrices, shape (3, 3, n), of quaternions (n, 4) of any length."""
     w, x, y, z = quaternions.T / np.linalg.norm(quaternions, axis=1)
-    turn = np.array(
+    return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
             [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
-    corners: FloatArray = np.einsum("ijn,nkj->nki", turn, _CORNERS * sizes[:, None]) + positions[:, None]
-    return corners
+
+
+def _mesh_of(solids: Sequence[_Solid]) -> pv.PolyData:
+    """Return bricks that are no boxes as one mesh."""
+    firsts = np.cumsum([0, *(len(solid.corners) for solid in solids)])
+    faces = [
+        number
+        for first, solid in zip(firsts.tolist(), solids, strict=False)
+        for face in solid.faces
+        for number in (len(face), *(first + corner for corner in face))
+    ]
+    mesh = pv.PolyData(np.vstack([solid.corners for solid in solids]), faces)
+    mesh.cell_data["colour"] = np.repeat(
+        np.array([solid.colour for solid in solids]), [len(solid.faces) for solid in solids], axis=0
+    )
+    return mesh
 
 
 def _mesh(corners: FloatArray, colours: ByteArray) -> pv.PolyData:
@@ -153,11 +226,13 @@ def _mesh(corners: FloatArray, colours: ByteArray) -> pv.PolyData:
     return mesh
 
 
-def _ground(corners: FloatArray, low: FloatArray, high: FloatArray, edge: int) -> tuple[pv.PolyData, pv.Texture]:
+def _ground(
+    faces: Sequence[FloatArray], low: FloatArray, high: FloatArray, edge: int
+) -> tuple[pv.PolyData, pv.Texture]:
     """Return the ground plane and its texture, which is transparent except for the shadow of the bricks.
 
     Args:
-        corners: corners of the bricks [m], shape (n, 8, 3), world frame.
+        faces: corners (k, 3) [m] of each face of the bricks, world frame.
         low: lower corner of the visible space [m], shape (3,).
         high: upper corner of the visible space [m], shape (3,).
         edge: edge of the picture of the shadow [pixels].
@@ -165,28 +240,29 @@ def _ground(corners: FloatArray, low: FloatArray, high: FloatArray, edge: int) -
     centre, half = (low + high)[:2] / 2, 2.0 * float(np.linalg.norm(high - low))
     plane = pv.Plane(center=(*centre, 0.0), i_size=2 * half, j_size=2 * half)
     texture = np.zeros((edge, edge, 4), np.uint8)
-    texture[..., 3] = _shadow((corners - [*(centre - half), 0]) / (2 * half) * edge, edge)
+    texture[..., 3] = _shadow([(face - [*(centre - half), 0]) / (2 * half) * edge for face in faces], edge)
     return plane, pv.Texture(texture)
 
 
-def _shadow(corners: FloatArray, edge: int) -> npt.NDArray[np.uint8]:
+def _shadow(faces: Sequence[FloatArray], edge: int) -> npt.NDArray[np.uint8]:
     """Return the opacity of the shadow on the ground, seen from above, shape (edge, edge).
 
     Args:
-        corners: corners of the bricks [pixels], shape (n, 8, 3).
+        faces: corners (k, 3) [pixels] of each face of the bricks.
         edge: edge of the picture [pixels].
     """
     sun, rng = _TO_SUN / np.linalg.norm(_TO_SUN), np.random.default_rng(0)
     right = np.cross(sun, [0.0, 0.0, 1.0])
     total = np.zeros((edge, edge), np.uint16)
+    corners, ends = np.vstack(faces), np.cumsum([len(face) for face in faces])[:-1]
     for angle, radius in zip(np.arange(_SUNS) * 2 * np.pi / _SUNS, np.sqrt(rng.uniform(size=_SUNS)), strict=True):
         ray = sun + _SUN_RADIUS * radius * (np.cos(angle) * right + np.sin(angle) * np.cross(sun, right))
-        flat = corners[..., :2] - corners[..., 2:] * ray[:2] / ray[2]
-        flat[..., 1] = edge - flat[..., 1]  # the rows of a picture run downward
         image = Image.new("L", total.shape)
         draw = ImageDraw.Draw(image)
-        for face in flat[:, _FACES].reshape(-1, 8).tolist():
-            draw.polygon(face, fill=_DARKEST)
+        flat = corners[:, :2] - corners[:, 2:] * ray[:2] / ray[2]
+        flat[:, 1] = edge - flat[:, 1]  # the rows of a picture run downward
+        for face in np.split(flat, ends):
+            draw.polygon(face.ravel().tolist(), fill=_DARKEST)
         total += np.asarray(image)
     shade = Image.fromarray((total // _SUNS).astype(np.uint8)).filter(ImageFilter.GaussianBlur(_BLUR * edge))
     return np.asarray(shade)

@@ -23,6 +23,9 @@ from reports.records.atomic import write_atomic
 from reports.records.recording import FIXED_FIELDS, LENGTH_STEP, QUATERNION_STEP, STATES, Recording
 from reports.records.trial import TrialRecord
 from reports.replays.margins import MARGIN_COLOURS, QUANTITIES, Margins, legend
+from scenarios.model import Vector
+from scenarios.shapes import Shape
+from scenarios.surfaces import surface_of
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _THREE = ("jupyter_threejs_sage", "static/r130/three.min.js")
@@ -88,12 +91,27 @@ def _described(trial: Replayed, margins: Margins | None) -> dict[str, Any]:
         "every": recording.every,
         "fixed": [{name: getattr(box, name) for name in FIXED_FIELDS} for box in recording.fixed],
         "sizes": {str(body): size for body, size in recording.sizes.items()},
+        "surfaces": {
+            **{str(body): _surface(shape, recording.sizes[body]) for body, shape in recording.shapes.items()},
+            **{
+                f"fixed {index}": _surface(body.shape, body.size)
+                for index, body in enumerate(recording.fixed)
+                if body.shape != "box"
+            },
+        },
         "rows": len(recording.body),
         "data": _packed(np.array(rows, np.int32)),
         "steps": [LENGTH_STEP, QUATERNION_STEP],
         "states": STATES,
         "margins": None if margins is None else _margins(margins),
     }
+
+
+def _surface(shape: Shape, size: Vector) -> list[list[float]]:
+    """Return the corners [m] of the triangles that cover a shape, nine numbers a triangle, in the brick's own frame."""
+    surface = surface_of(shape, size)
+    triangles: list[list[float]] = np.round(surface.corners[np.array(surface.triangles)].reshape(-1, 9), 6).tolist()
+    return triangles
 
 
 def _margins(margins: Margins) -> dict[str, Any]:

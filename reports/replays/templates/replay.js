@@ -26,10 +26,18 @@
     const bodies = [];
     for (let begin = 0, end; begin < trial.rows; begin = end) {
       for (end = begin; end < trial.rows && columns[BODY][end] === columns[BODY][begin];) end++;
-      const size = trial.sizes[columns[BODY][begin]];
-      bodies.push({ begin, end, size, thickness: Math.min(...size), tint: 1 + .07 * Math.sin(12.9898 * bodies.length) });
+      const name = columns[BODY][begin], size = trial.sizes[name];
+      bodies.push({ name, begin, end, size, thickness: Math.min(...size), tint: 1 + .07 * Math.sin(12.9898 * bodies.length) });
     }
     return bodies;
+  };
+
+  // The geometry of a shape that is no box, from the corners of its triangles.
+  const surfaceOf = triangles => {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(triangles.flat(), 3));
+    geometry.computeVertexNormals();
+    return geometry;
   };
 
   const trials = JSON.parse(document.getElementById("trials").textContent);
@@ -70,19 +78,33 @@
     const ground = new THREE.Mesh(new THREE.PlaneGeometry(20, 20), new THREE.ShadowMaterial({ opacity: .22 }));
     ground.receiveShadow = true;
     const box = new THREE.BoxGeometry(1, 1, 1);
-    const bricks = new THREE.InstancedMesh(box, new THREE.MeshStandardMaterial({ roughness: .8 }), trial.bodies.length);
-    bricks.castShadow = bricks.receiveShadow = true;
-    bricks.frustumCulled = false;
-    scene.add(ground, bricks);
-    for (const { size, position, quaternion: [w, x, y, z] } of trial.fixed) {
-      const still = new THREE.Mesh(box, new THREE.MeshStandardMaterial({ color: FIXED, roughness: .9 }));
+    scene.add(ground);
+    const meshOf = (geometry, count) => {
+      const mesh = new THREE.InstancedMesh(geometry, new THREE.MeshStandardMaterial({ roughness: .8 }), count);
+      mesh.castShadow = mesh.receiveShadow = true;
+      mesh.frustumCulled = false;
+      scene.add(mesh);
+      return mesh;
+    };
+    // Boxes are instances of one mesh; a brick of another shape has a mesh of its own, in metres.
+    const boxes = meshOf(box, trial.bodies.length), meshes = [boxes];
+    const slots = trial.bodies.map(({ name, size }, index) => {
+      if (!(name in trial.surfaces)) return { mesh: boxes, at: index, scale: size };
+      const mesh = meshOf(surfaceOf(trial.surfaces[name]), 1);
+      meshes.push(mesh);
+      boxes.setMatrixAt(index, new THREE.Matrix4().makeScale(0, 0, 0));
+      return { mesh, at: 0, scale: [1, 1, 1] };
+    });
+    trial.fixed.forEach(({ size, position, quaternion: [w, x, y, z] }, index) => {
+      const surface = trial.surfaces[`fixed ${index}`], material = new THREE.MeshStandardMaterial({ color: FIXED, roughness: .9 });
+      const still = new THREE.Mesh(surface ? surfaceOf(surface) : box, material);
       still.position.set(...position);
       still.quaternion.set(x, y, z, w);
-      still.scale.set(...size);
+      if (!surface) still.scale.set(...size);
       still.castShadow = still.receiveShadow = true;
       scene.add(still);
-    }
-    return { trial, renderer, scene, sun, bricks, cursors: trial.bodies.map(body => body.begin) };
+    });
+    return { trial, renderer, scene, sun, slots, meshes, cursors: trial.bodies.map(body => body.begin) };
   }).filter(view => view);
 
   // The visible space: every brick at its initial position, and the fixed boxes.
@@ -113,15 +135,16 @@
     return margins[shade.value][next < 0 ? margins.times.length - 1 : next];
   };
   const pose = (view, frame) => {
-    const { trial, bricks, cursors } = view, { columns, steps } = trial;
+    const { trial, slots, meshes, cursors } = view, { columns, steps } = trial;
     const classes = classesAt(trial, frame * trial.frame_s);
     trial.bodies.forEach((body, index) => {
       let row = cursors[index];
       if (columns[FRAME][row] > frame) row = body.begin;
       while (row + 1 < body.end && columns[FRAME][row + 1] <= frame) row++;
       cursors[index] = row;
+      const { mesh, at, scale } = slots[index];
       if (columns[FRAME][row] > frame || trial.states[columns[STATE][row]] === "removed") {
-        bricks.setMatrixAt(index, NOWHERE);
+        mesh.setMatrixAt(at, NOWHERE);
         return;
       }
       place.set(columns[X][row], columns[Y][row], columns[Z][row]).multiplyScalar(steps[0]);
@@ -137,11 +160,13 @@
       const state = trial.states[columns[STATE][row]];
       const byState = moved > body.thickness ? FALLEN : state === "frozen" ? FROZEN : LIVE;
       colour.copy(classes ? MARGINS[classes[index]] ?? NO_MARGIN : byState).multiplyScalar(body.tint);
-      bricks.setMatrixAt(index, matrix.compose(place, turned, scaled.set(...body.size)));
-      bricks.setColorAt(index, colour.convertSRGBToLinear());
+      mesh.setMatrixAt(at, matrix.compose(place, turned, scaled.set(...scale)));
+      mesh.setColorAt(at, colour.convertSRGBToLinear());
     });
-    bricks.instanceMatrix.needsUpdate = true;
-    if (bricks.instanceColor) bricks.instanceColor.needsUpdate = true;
+    for (const mesh of meshes) {
+      mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+    }
   };
 
   let time = 0, playing = false, last = 0, waiting = false;
