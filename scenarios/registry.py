@@ -21,6 +21,7 @@ from scenarios.scenes.ceiling import ceiling
 from scenarios.scenes.character import character
 from scenarios.scenes.corbelled_arch import corbelled_arch
 from scenarios.scenes.dome_ring import dome_ring
+from scenarios.scenes.dominoes import dominoes
 from scenarios.scenes.dropped_plank import dropped_plank
 from scenarios.scenes.four_stack import four_stack
 from scenarios.scenes.from_file import own_scene
@@ -109,6 +110,7 @@ SCENARIOS: Mapping[str, Scenario[...]] = {
         leaning_drums,
         log_pile,
         ball_pyramid,
+        dominoes,
         poured_pile,
         mould,
         own_scene,

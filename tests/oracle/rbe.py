@@ -64,6 +64,21 @@ FAMILIES: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 """Scenes of the study `truth`, one pair or more of each family that tips, as small as statics lets them be: no answer
 of statics depends on the size. They are solved as they are at the end, and those that are robbed as they are built."""
+SOLIDS: tuple[tuple[str, dict[str, Any]], ...] = (
+    *(
+        ("leaning_drums", {"shape": s, "drums": n, "margin": m})
+        for s in ("cylinder", "hexagon")
+        for n in (3, 4)
+        for m in (0.2, -0.2)
+    ),
+    *(("voussoir_arch", {"voussoirs": n, "margin": margin}) for n in (5, 7, 9) for margin in (0.25, -0.25)),
+    *(("voussoir_arch", {"margin": 0.5, "friction": friction}) for friction in (0.6, 0.2)),
+    *(("dome_ring", {"stones": n, "ring": ring}) for n in (6, 8) for ring in ("whole", "open")),
+    *(("log_pile", {"rows": n, "stops": stops}) for n in (2, 3) for stops in ("both", "none")),
+    *(("ball_pyramid", {"margin": margin}) for margin in (0.4, -0.4)),
+    *(("groove", {"body": body, "margin": margin}) for body in ("wedge", "cylinder") for margin in (0.35, -0.35)),
+)
+"""Scenes of the study `truth` whose bodies are no boxes: one pair or more of each family."""
 RANDOM = {"level": partial(level_pile, widest=0.12), "leaning": leaned_on_tower, "roofed": laden_pair}
 SEEDS = range(16)
 
@@ -74,7 +89,7 @@ def at_the_end(scene: Scene) -> tuple[Brick, ...]:
     return tuple(brick for index, brick in enumerate(scene.bricks) if index not in taken)
 
 
-def of_scene(bricks: tuple[Brick, ...], friction: float) -> dict[str, Any]:
+def of_scene(bricks: tuple[Brick, ...], friction: float, walls: tuple[Brick, ...] = ()) -> dict[str, Any]:
     """A scene's bricks with their ideal contacts."""
     return {
         "friction": friction,
@@ -82,8 +97,25 @@ def of_scene(bricks: tuple[Brick, ...], friction: float) -> dict[str, Any]:
         "center": [list(brick.position) for brick in bricks],
         "contacts": [
             [patch.first, patch.second, point.round(9).tolist(), patch.normal.tolist()]
-            for patch in contact_patches(bricks)
+            for patch in contact_patches(bricks, walls)
             for point in patch.points
+        ],
+    }
+
+
+def of_solids(scene: Scene) -> dict[str, Any]:
+    """A scene's final bricks in the size and weight of planks, because the solver's tolerances are absolute."""
+    bricks = at_the_end(scene)
+    length = LENGTH / float(np.mean([max(brick.size) for brick in bricks]))
+    heavier = MASS / float(np.mean([brick.mass for brick in bricks]))
+    problem = of_scene(bricks, scene.world.friction, scene.world.fixed)
+    return {
+        "friction": problem["friction"],
+        "mass": [heavier * mass for mass in problem["mass"]],
+        "center": (length * np.array(problem["center"])).tolist(),
+        "contacts": [
+            [first, second, (length * np.array(point)).round(9).tolist(), normal]
+            for first, second, point, normal in problem["contacts"]
         ],
     }
 
@@ -163,6 +195,11 @@ def main() -> None:
     for kind, make in RANDOM.items():
         for seed in SEEDS:
             problems[f"{kind} pile {seed}"] = of_pile(make(np.random.default_rng([7, seed])))
+    for scenario, parameters in SOLIDS:
+        scene = build(scenario, **parameters)
+        stands = {"stands": scene.expectation.outcome == "stand"}
+        problem = of_solids(scene)
+        problems[f"{scene.variant} at the end"] = stands | problem
     cases = {}
     for name, problem in problems.items():
         cases[name] = solved(problem)

@@ -13,7 +13,7 @@ from scenarios.registry import build
 from scenarios.statics.contact_patch import Patch
 from scenarios.statics.force_balance import solve_balance
 from stability_core import Contacts, Masses, solve_equilibrium
-from tests.oracle.rbe import FAMILIES, at_the_end
+from tests.oracle.rbe import FAMILIES, SOLIDS, at_the_end, of_solids
 
 CASES = json.loads((Path(__file__).parents[1] / "fixtures" / "rbe.json").read_text(encoding="utf-8"))["cases"]
 NO_TENSION = 3e-4
@@ -74,6 +74,16 @@ def test_the_fixture_is_of_the_scenes_as_they_are():
         assert np.array(case["center"]) == pytest.approx(
             np.array([brick.position for brick in at_the_end(scene)]), abs=1e-12
         ), scene.variant
+
+
+def test_the_fixture_is_of_the_solids_as_they_are():
+    for scenario, parameters in SOLIDS:
+        scene = build(scenario, **parameters)
+        case, problem = CASES[f"{scene.variant} at the end"], of_solids(scene)
+        assert case["stands"] == (scene.expectation.outcome == "stand"), scene.variant
+        assert case["friction"] == problem["friction"], scene.variant
+        assert case["mass"] == pytest.approx(problem["mass"]), scene.variant
+        assert np.array(case["center"]) == pytest.approx(np.array(problem["center"]), abs=1e-12), scene.variant
 
 
 def test_forces_of_rbe_hold_the_piles_that_stand():

@@ -1,12 +1,15 @@
 """Scenes whose ground is moved by the host come out on an engine as theory says, on both sides of each limit."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from adapters import open_engine
 from bench.trial.judging import verdict
 from bench.trial.playback import Playback
+from scenarios.geometry import rotation
 from scenarios.registry import build
 
 PAIRS = (
@@ -15,6 +18,7 @@ PAIRS = (
     ("trapdoor", "beyond", (-10.0, 10.0)),
     ("pressed_plank", "force", (0.7, 1.5)),
     ("tilted_ground", "angle", (20.0, 28.0)),
+    ("dominoes", "margin", (0.3, -0.3)),
 )
 
 
@@ -42,3 +46,24 @@ def test_the_scenes_of_a_pair_share_it_and_differ_in_their_answers(name: str, pa
     stands, falls = (build(name, **{parameter: value}) for value in both)
     assert stands.pair == falls.pair != ""
     assert (stands.expectation.outcome, falls.expectation.outcome) == ("stand", "fall")
+
+
+@pytest.mark.parametrize("engine", ["bullet", "mujoco"])
+def test_one_falling_domino_topples_the_whole_row(engine: str) -> None:
+    """The first domino begins at 25 deg, beyond atan(b / h) = 14 deg, about its front edge; there is no striker."""
+    row = build("dominoes", count=4).bricks[:4]
+    lean = math.radians(25)
+    thickness, _, height = row[0].size
+    x = thickness / 2 - thickness / 2 * math.cos(lean) + height / 2 * math.sin(lean)
+    z = thickness / 2 * math.sin(lean) + height / 2 * math.cos(lean)
+    first = replace(row[0], position=(x, 0.0, z), quaternion=(math.cos(lean / 2), 0.0, math.sin(lean / 2), 0.0))
+    simulation = open_engine(engine, "game", world=build("dominoes").world, expected=row)
+    try:
+        for brick in (first, *row[1:]):
+            simulation.spawn(brick)
+        for _ in range(120):
+            simulation.step(1 / 60)
+        tilts = np.degrees(np.arccos(rotation(simulation.poses()[2])[:, 2, 2]))
+    finally:
+        simulation.close()
+    assert (tilts > 45).all()

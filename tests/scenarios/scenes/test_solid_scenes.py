@@ -9,13 +9,13 @@ import pytest
 from scenarios.registry import build
 from scenarios.scenes.voussoir_arch import least_thickness
 from scenarios.statics.contact_patch import GROUND, contact_patches
-from scenarios.statics.truth import equilibrium, first_fall
+from scenarios.statics.truth import equilibrium
 
 
 def test_the_least_thickness_tends_to_that_of_the_solid_arch():
     """0.1075 of the mean radius (Heyman 1966; Cocchetti et al. 2012 give 0.10748); discrete arches may be thinner,
     because they open at joints only."""
-    assert least_thickness(201) == pytest.approx(0.10748, abs=2e-4)
+    assert least_thickness(101) == pytest.approx(0.10748, abs=2e-4)
     assert all(least_thickness(count) < 0.1075 for count in (3, 5, 9, 20, 61))
 
 
@@ -69,7 +69,6 @@ def test_stops_carry_half_the_tangent_of_thirty_degrees():
     ]
     expected = logs[-1].mass * 9.81 * math.tan(math.radians(30))  # half of it on each stop
     assert sum(sideways) == pytest.approx(expected)
-    assert first_fall(scene) is None
 
 
 def test_cylinders_and_spheres_touch_in_lines_and_points():

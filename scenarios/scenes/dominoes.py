@@ -1,0 +1,64 @@
+"""A row of dominoes, the first of which a striker pushes over, or not quite.
+
+Theory: the striker is taller than a domino (height h, thickness b), so it pushes the domino's upper rear edge. A domino
+that leans forward by p about its lower front edge has moved this edge by d(p) = h sin(p) + b (1 - cos(p)). The domino's
+centre passes over the front edge at p = atan(b / h), so the domino falls if the striker moves it by more than
+d(atan(b / h)), and stands up again if the striker stops before. It tips before it slides, because the push needs only
+b / (2 h) of the weight, less than friction bears. The striker is slow, so the domino's speed does not matter. The gap
+between neighbours is less than h, so one falling domino topples the whole row.
+
+Look for: the chain. Each domino of a row that falls must topple the next one: a rule that freezes a domino while its
+neighbour falls stops the chain.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from scenarios.margins import by_margin
+from scenarios.model import Action, Place, Pull, World
+from scenarios.parameters import Margin, Whole
+from scenarios.planks import MU, box
+from scenarios.scenario import Plan, dynamic_scenario
+
+SIZE = (0.03, 0.06, 0.12)
+"""Edges of a domino [m]: thickness, width and height."""
+PITCH = 0.09
+"""Distance [m] between the middles of neighbours, which leaves half a height between them."""
+STRIKER = (0.16, 0.06, 0.16)
+"""Edges of the striker [m]: so long that friction below it does not tip it while it is pulled by its centre."""
+APART = 0.002
+"""Gap [m] between the striker and the first domino."""
+SPEED = 0.02
+"""Speed of the striker [m/s]: the first domino turns by about 10 deg/s, with 0.1 % of the energy that tips it."""
+BEGINS_S = 2.0
+"""Start of the push [s]."""
+
+
+@dynamic_scenario
+def dominoes(*, count: Annotated[int, Whole(1, 100)] = 5, margin: Margin = 0.3) -> Plan:
+    """Build a row of standing dominoes, and push the first one.
+
+    Args:
+        count: number of dominoes.
+        margin: share by which the striker stops before the limit; if negative, it pushes further than the limit.
+    """
+    thickness, _, height = SIZE
+    lean = math.atan(thickness / height)
+    limit = height * math.sin(lean) + thickness * (1 - math.cos(lean))
+    row = [box(SIZE, index * PITCH, level=1) for index in range(count)]
+    striker = box(STRIKER, -(thickness + STRIKER[0]) / 2 - APART, level=1)
+    push = Pull(BEGINS_S, count, (SPEED, 0.0), (APART + (1 - margin) * limit) / SPEED)
+    actions: tuple[Action, ...] = (Place(0.0, (*row, striker)), push)
+    return Plan(
+        world=World(friction=MU),
+        actions=actions,
+        expectation=by_margin(
+            margin, f"{limit * 1e3:.1f} mm, where a domino's centre is over its edge", falls_at=1, not_before_s=BEGINS_S
+        ),
+        look_for="a falling domino that does not topple the next one",
+        partner={"margin": abs(margin)},
+        planar=True,
+        watch_s=8.0,
+    )
