@@ -3,7 +3,8 @@
 The hook ``_contacts`` returns the engine's contacts. The port adds missing contacts, in the same way for every engine
 and from the boxes' geometry only:
 
-1. Corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``).
+1. Corners of contact areas, and pairs that nearly touch, unless the engine lists both (``near_contacts``); of pairs
+   with a body that is no box the missing corners, on every engine (``convex_contacts``).
 2. Contacts between host-driven and frozen bodies, because no engine lists contacts of two bodies that forces do not
    move.
 3. Pairs that will meet within the next frames, while any body is fast.
@@ -22,6 +23,7 @@ import numpy as np
 from adapters.hooks import EngineHooks
 from adapters.shared.bodies import NO_FORCE
 from adapters.shared.contact_completion import BoxTable, edges_of, joined
+from adapters.shared.convex_contacts import ConvexContacts
 from adapters.shared.live_pairs import of_live
 from adapters.shared.swept_contacts import HORIZON
 from scenarios.model import Brick
@@ -42,6 +44,7 @@ class EnginePort:
         self._engine = engine
         self._bodies = engine.bodies
         self._boxes = BoxTable(engine.world.fixed)
+        self._solids = ConvexContacts(engine.world)
         self._found: Contacts | None = None  # the result of find_contacts, until the next step
 
     # -- called by the core ------------------------------------------------------------------------
@@ -59,6 +62,7 @@ class EnginePort:
         contacts = self._engine._contacts() if live else NO_CONTACTS
         if live and not self._engine.capabilities.near_contacts:
             contacts = self._completed(contacts)
+        contacts = self._solids.completed(contacts, self._engine._poses)
         if driven:
             contacts = self._with_driven(contacts, driven)
         return self._for_core(self._with_approaching(contacts))
@@ -107,11 +111,13 @@ class EnginePort:
     # -- called by the simulation ------------------------------------------------------------------
 
     def add(self, body: int, brick: Brick) -> None:
-        """Add a new body to the table of boxes."""
+        """Add a new body."""
+        self._solids.add(body, brick)
         self._boxes.add(body, edges_of(brick))
 
     def remove(self, body: int) -> None:
-        """Remove a body from the table of boxes."""
+        """Remove a body."""
+        self._solids.remove(body)
         self._boxes.remove(body)
 
     def note_move(self, body: int) -> None:
@@ -128,7 +134,7 @@ class EnginePort:
             return
         found = self._engine._find_contacts()
         self._place_boxes(self._bodies.bricks)
-        whole = self._with_exact_faces(found)
+        whole = self._solids.completed(self._with_exact_faces(found), self._engine._poses)
         velocity = self._velocities_at(whole.body_b, whole.point) - self._velocities_at(whole.body_a, whole.point)
         self._found = replace(whole, relative_velocity=velocity, force=None)
 

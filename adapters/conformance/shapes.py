@@ -118,7 +118,7 @@ def reports_where_every_shape_stands(rig: Rig) -> None:
     for what, brick in _every(rig):
         simulation = rig.open()
         body = simulation.spawn(_at(brick, 0.0))
-        for _ in range(frames(simulation, 0.3)):
+        for _ in range(frames(simulation, 0.8)):
             simulation.step(simulation.info.frame_s)
         contacts = touching(simulation.port.contacts(), body)
         require(len(contacts) > 0, f"a {what} at rest on the ground has no contact, must have one or more")
