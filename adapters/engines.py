@@ -131,6 +131,41 @@ class LibraryEntry:
         return getattr(importlib.import_module(self.adapter), self.simulation)
 
 
+@dataclass(frozen=True, slots=True)
+class ReferenceEntry:
+    """A reference engine, whose code is in this repository."""
+
+    module: str
+    simulation: str
+    revision: int
+    """Number of the engine's version, raised by every change of its poses."""
+    package: str = ""
+    """The Python distribution that solves the engine's programs; empty if the engine needs none."""
+    is_optional: bool = False
+
+    @property
+    def remedy(self) -> str:
+        """Text for an error message: how to fix an engine that cannot be loaded."""
+        return f"install '{self.package}' with: uv sync --group engines"
+
+    def version(self) -> str:
+        """Return the revision, and the version of the package.
+
+        Raises:
+            PackageNotFoundError: if the package is not installed.
+        """
+        solver = f" ({self.package} {importlib.metadata.version(self.package)})" if self.package else ""
+        return f"{self.revision}{solver}"
+
+    def load(self) -> Any:
+        """Return the class of the adapter.
+
+        Raises:
+            ImportError: if the package is not installed.
+        """
+        return getattr(importlib.import_module(self.module), self.simulation)
+
+
 ENGINES: dict[str, EngineEntry] = {
     "bullet": Entry("adapters._bullet", "BulletSimulation", "pybullet"),
     "mujoco": Entry("adapters._mujoco", "MujocoSimulation", "mujoco"),
@@ -142,6 +177,8 @@ ENGINES: dict[str, EngineEntry] = {
     "jolt": WasmEntry("adapters._jolt", "JoltSimulation", "jolt-physics"),
     "havok": WasmEntry("adapters._havok", "HavokSimulation", "@babylonjs/havok"),
     "ode": LibraryEntry("adapters._ode_world", "OdeSimulation", "adapters._ode", "adapters._ode_library", "ode"),
+    "staggered": ReferenceEntry("adapters._staggered", "StaggeredSimulation", 1, "piqp"),
+    "erleben": ReferenceEntry("adapters._erleben", "ErlebenSimulation", 1),
 }
 
 

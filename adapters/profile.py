@@ -130,6 +130,9 @@ class Capabilities:
     """True if bodies may have coefficients of restitution above 0, of which a pair has the geometric mean."""
     own_moments: bool = False
     """True if a body may have moments of inertia of its own."""
+    reference: bool = False
+    """True for a reference engine: written in this repository after a published method, and no product. Rankings of
+    products leave it out."""
 
 
 @dataclass(frozen=True, slots=True)

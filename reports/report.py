@@ -123,7 +123,7 @@ def build_report(folder: ResultsFolder, missing: Sequence[str] = (), *, all_stil
             f"{folder.trials_file}: a report needs at least one trial, but the file contains none; run the study first"
         )
     tables = tables_of(folder)
-    judged = rank(groups_of(_fixed(folder)))
+    judged = rank(groups_of(_fixed(folder)), folder.reference_engines)
     ranking, verdict = ranking_table(judged, folder.records), sentence(judged, len(missing))
     write_tables(folder, [*([ranking] if ranking.rows else []), *chain.from_iterable(tables.values())], verdict)
     _draw_height_cost(folder)

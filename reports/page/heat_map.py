@@ -105,7 +105,7 @@ def _map(by: str, members: Mapping[tuple[str], list[Group]], columns: Sequence[C
             f"{place.right}/{len(ranking.units)}",
             tuple(_cell(states.get((place.set_up, number))) for number in range(len(columns))),
         )
-        for place in ranking.places
+        for place in (*ranking.places, *ranking.references)
     )
     shown = {cell.state for row in rows for cell in row.cells}
     legend = [(str(state), STATE_WORDS[state][0]) for state in STATES if state in shown]

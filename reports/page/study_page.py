@@ -69,7 +69,7 @@ def write_page(folder: Path, records: Sequence[TrialRecord], missing: Sequence[s
     kept, groups = ResultsFolder(folder), groups_of(records)
     scores, engines, names = engine_scores(groups), kept.engines, scene_names(records)
     fixed = of_fixed_scenes(records, kept.study)
-    judged = rank(groups_of(fixed))
+    judged = rank(groups_of(fixed), kept.reference_engines)
     sentences = verdicts(scores)
     thinned, without_frames = traces(folder, groups)
     study = kept.study.get("name")

@@ -119,6 +119,13 @@ class ResultsFolder:
         engines: Mapping[str, Any] = self.environment.get("engines", {})
         return engines
 
+    @property
+    def reference_engines(self) -> frozenset[str]:
+        """Names of the reference engines, which are no products and have no place in a ranking."""
+        return frozenset(
+            name for name, engine in self.engines.items() if engine.get("capabilities", {}).get("reference", False)
+        )
+
     @cached_property
     def study(self) -> Mapping[str, Any]:
         """Content of the resolved study; empty if the folder has no readable study."""

@@ -3,13 +3,15 @@
 A unit is one seed of a pair of scenes, or of a scene without a partner, with a known answer. A unit of a pair is right
 only if both trials are right, so that a policy that freezes everything, or nothing, is never right. The ranking counts
 all units of the study for every set-up: a unit that was not played or not decided is not right.
+
+Reference engines are no products. They have no place among the set-ups of products, and a list of their own.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -77,7 +79,9 @@ class Ranking:
     outcomes: frozenset[str]
     """Outcomes that the units demand: ``stand``, ``fall`` or both."""
     places: tuple[Place, ...]
-    """Places of the set-ups, the best first."""
+    """Places of the set-ups of products, the best first."""
+    references: tuple[Place, ...] = ()
+    """Set-ups of reference engines, the best first, outside the places."""
 
     @cached_property
     def pairs(self) -> int:
@@ -95,8 +99,12 @@ class Ranking:
         return tuple(place for place in self.places if place.right == len(self.units))
 
 
-def rank(groups: Sequence[Group]) -> Ranking:
+def rank(groups: Sequence[Group], references: Collection[str] = ()) -> Ranking:
     """Return the ranking of the set-ups of all groups.
+
+    Args:
+        groups: the groups of a study.
+        references: names of the reference engines, which have no place.
 
     The sort keys are the number of right units (descending), then the number of wrong units, then the frame time, and
     then the order of the groups.
@@ -107,7 +115,13 @@ def rank(groups: Sequence[Group]) -> Ranking:
     units = frozenset(unit for of_set_up in states.values() for unit in of_set_up)
     places = [_place(set_up, of_set_up, len(units), by_set_up[set_up]) for set_up, of_set_up in states.items()]
     outcomes = frozenset(group.expectation.outcome for group in groups) - {"study"}
-    return Ranking(units, outcomes, tuple(sorted(places, key=_order)))
+    ordered = sorted(places, key=_order)
+    return Ranking(
+        units,
+        outcomes,
+        tuple(place for place in ordered if place.set_up.engine not in references),
+        tuple(place for place in ordered if place.set_up.engine in references),
+    )
 
 
 def _sides(groups: Sequence[Group]) -> dict[str, frozenset[str]]:

@@ -9,6 +9,7 @@ from reports.tables.table import NOTHING, Table
 
 _PROPERTIES = (
     ("version", "version"),
+    ("kind", "reference"),
     ("plays", "planar"),
     ("contact points", "contact_points"),
     ("points that nearly touch", "near_contacts"),
@@ -25,6 +26,7 @@ _PROPERTIES = (
 """Rows of the table: name, and field of an engine's description."""
 _WORDS = {
     "near_contacts": {True: "listed", False: "added by geometry"},
+    "reference": {True: "reference engine", False: "product"},
     "planar": {True: "planar scenes", False: "all scenes"},
 }
 

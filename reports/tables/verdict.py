@@ -27,6 +27,8 @@ STATE_WORDS: dict[State, tuple[str, str]] = {
     "open": ("not judged", "not judged"),
 }
 """Words for each state: for one build, and for several builds."""
+REFERENCE = "ref."
+"""Entry of a reference engine in the column of places."""
 _PERCENTILES = (5, 95)
 """Percentiles of the calibration times, whose ratio measures the variation of the machine's speed."""
 
@@ -42,6 +44,8 @@ def sentence(ranking: Ranking, unfinished: int = 0) -> str:
     if not ranking.units:
         return f"No scene of this study is judged right or wrong; its tables hold the results{still}."
     everything = _everything(ranking)
+    if not ranking.places:
+        return f"Reference engines only, which have no place in a ranking of products{still}."
     if not ranking.all_right:
         best = ranking.places[0]
         held = f"{best.right} right, {_misses(best)}"
@@ -67,9 +71,12 @@ def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
         ranking: the ranking of the study.
         records: records of the study, whose calibration times show the variation of the machine's speed.
     """
+    placed = [(str(number), place) for number, place in enumerate(ranking.places, start=1)]
+    listed = [*placed, *((REFERENCE, place) for place in ranking.references)]
+    causes = [*reasons(ranking), *(_misses(place) or "right in all" for place in ranking.references)]
     rows = tuple(
         (
-            str(number),
+            number,
             *place.set_up,
             f"{place.right}/{len(ranking.units)}",
             milliseconds(place.frame_ms),
@@ -77,7 +84,7 @@ def ranking_table(ranking: Ranking, records: Sequence[TrialRecord]) -> Table:
             _micrometres(place.creep),
             reason,
         )
-        for number, (place, reason) in enumerate(zip(ranking.places, reasons(ranking), strict=True), start=1)
+        for (number, place), reason in zip(listed, causes, strict=True)
         if ranking.units
     )
     header = ("place", *SetUp._fields, "right", "p50", "p99", "creep", "reason")
@@ -181,6 +188,10 @@ def _notes(ranking: Ranking, records: Sequence[TrialRecord]) -> tuple[str, ...]:
         "p50, p99 [ms]: median over scenes of the median and of the 99th percentile of the frame time. creep [µm/s]: "
         "of the brick nearest to its creep limit, over all stacks that must stand."
     )
+    if ranking.references:
+        units += (
+            f" “{REFERENCE}”: a reference engine, written after a published method; it is no product and has no place."
+        )
     calibrations = [record.calibration_ms for record in records if record.calibration_ms is not None]
     low, high = np.percentile(calibrations, _PERCENTILES) if calibrations else (1.0, 1.0)
     if high / low < 1.05:

@@ -94,7 +94,9 @@ def test_only_lengths_chosen_for_the_bricks_follow_the_world() -> None:
     assert profile_named("bullet", "game@scale=10").knobs == profile_named("bullet", "game").knobs
 
 
-@pytest.mark.parametrize("engine", [name for name in ENGINES if ENGINES[name].load().iterations])
+@pytest.mark.parametrize(
+    "engine", [name for name in ENGINES if ENGINES[name].load().iterations and name != "staggered"]
+)  # one turn of staggered solves a stack without friction exactly; test_staggered.py varies its turns
 def test_iterations_are_those_of_the_engines_own_solver(engine: str) -> None:
     """The varied knob takes effect: fewer iterations leave a stack of live bricks elsewhere than many do."""
     heights = []

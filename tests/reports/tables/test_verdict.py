@@ -46,6 +46,20 @@ def test_pairs_and_other_scenes_are_counted_apart_and_builds_of_several_seeds_na
     assert "right in all 3 pairs and 3 other scenes: bullet" in said(*more, *singles)
 
 
+def test_a_reference_engine_stands_below_the_places_and_never_wins() -> None:
+    ours = [record(engine="staggered", frame_ms_p50=0.1), tower(engine="staggered")]
+    trials = [record(verdict="creeps"), tower(), *ours]
+    ranking = rank(groups_of(trials), {"staggered"})
+    table = ranking_table(ranking, trials)
+    assert [row[:2] + row[4:5] for row in table.rows] == [("1", "bullet", "1/2"), ("ref.", "staggered", "2/2")]
+    assert table.rows[1][-1] == "right in all"
+    assert "a reference engine, written after a published method" in table.notes[1]
+    assert sentence(ranking).startswith("No set-up is right in both scenes; the nearest is bullet game alone")
+    alone = rank(groups_of(ours), {"staggered"})
+    assert sentence(alone) == "Reference engines only, which have no place in a ranking of products."
+    assert not alone.all_right
+
+
 def test_it_says_when_no_set_up_is_right_in_all_and_which_is_nearest() -> None:
     trials = [record(verdict="creeps"), tower(), fallen(3, engine="dart"), tower(engine="dart", verdict="failed")]
     assert said(*trials) == (

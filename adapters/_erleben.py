@@ -1,0 +1,71 @@
+"""Shock propagation after Erleben 2007: a reference engine, written in this repository.
+
+Each step solves the contacts of the whole stack, then its layers one after the other from the ground up, each on a
+fixed floor: see ``_erleben_solver``. With the fraction phi = 0, as its author coded it, structured stacks stand without
+sinking at little cost, and stacks that must fall stand as well, because no layer feels the weight above it.
+
+Forces: the impulses of a layer carry its own bodies only, not what rests on them. The adapter therefore reports none.
+
+The author's sleeping (a group of bodies slower than 4.5 mm/s in five steps is skipped) is left out: the policies of the
+suite take its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from adapters._erleben_solver import ErlebenSolver
+from adapters.profile import Capabilities, KnobValue
+from adapters.profile_files import load_settings
+from adapters.reference.contact_rows import ContactRows
+from adapters.reference.detector import FoundContacts
+from adapters.reference.simulation import ReferenceSimulation
+from stability_core.port import FloatArray
+
+KNOBS = frozenset({"fraction", "sweeps"})
+"""Knobs that a profile may have."""
+
+_SETTINGS = load_settings("erleben", KNOBS.__contains__)
+
+
+class ErlebenSimulation(ReferenceSimulation):
+    """One world of the reference engine ``erleben``."""
+
+    engine = "erleben"
+    profiles = _SETTINGS.profiles
+    sleep_knobs = _SETTINGS.sleep_knobs
+    knows_knob = staticmethod(_SETTINGS.knows)
+    iterations = "sweeps"
+    capabilities = Capabilities(
+        contact_points="up to 8 points",
+        near_contacts=True,
+        separation=True,
+        relative_velocity="from the velocities before the step",
+        forces="no",
+        freeze="fixed box",
+        frozen_contacts=False,
+        friction_law="box along the sliding direction",
+        moved="prescribed velocity",
+        deterministic="across processes",
+        reference=True,
+    )
+
+    def _open(self) -> None:
+        if self.info.sleeping != "off":
+            raise NotImplementedError("erleben: this reference engine has no sleeping of its own; use sleeping='off'")
+        knobs = self.info.profile.values
+        fraction = float(knobs["fraction"])
+        if not 0.0 <= fraction <= 1.0:
+            raise ValueError(f"erleben: the knob 'fraction' must be a number from 0 to 1, got {fraction}")
+        self._solver = ErlebenSolver(self.world.friction, fraction, int(knobs["sweeps"]))
+        super()._open()
+
+    def _read_knobs(self) -> Mapping[str, KnobValue]:
+        return {"fraction": self._solver.fraction, "sweeps": self._solver.sweeps}
+
+    def _solve(
+        self,
+        problem: ContactRows,
+        found: FoundContacts,  # noqa: ARG002 - no impulse outlives the step
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return self._solver.solve(problem)
