@@ -27,7 +27,7 @@ from stability_core.ports.mujoco_calls import (
 )
 from stability_core.ports.mujoco_ghosts import FreeBody, geoms_of
 from stability_core.ports.mujoco_prepare import SUFFIX, prepare
-from stability_core.ports.mujoco_shapes import vertices_of
+from stability_core.ports.mujoco_shapes import solid_of
 from stability_core.ports.shared.approach import Motions, fastest_approach
 from stability_core.ports.shared.nothing import NO_CONTACTS, NO_MASSES
 from stability_core.ports.shared.shapes import ShapeTable, compile_kernels
@@ -162,9 +162,9 @@ class MujocoPort:
             self._live[body] = self._free[body]
             self._obstacles.discard(body)
             self._note(body)
-            vertices = vertices_of(self.model, body)
-            if vertices is not None:
-                self._shapes.add(body, vertices)
+            solid = solid_of(self.model, body)
+            if solid is not None:
+                self._shapes.add(body, solid)
 
     def remove(self, bodies: Iterable[int]) -> None:
         """Stop to control bodies; frozen bodies become live first."""
@@ -306,15 +306,15 @@ class MujocoPort:
             if body == GROUND or body in self._live or body in self._frozen or body in self._obstacles:
                 continue
             self._obstacles.add(body)
-            vertices = vertices_of(self.model, body)
-            if vertices is not None:
-                self._shapes.add(body, vertices)
+            solid = solid_of(self.model, body)
+            if solid is not None:
+                self._shapes.add(body, solid)
 
     def _place(self, data: Data) -> None:
         """Write the poses of the contacts' time into the table of shapes."""
         if GROUND not in self._shapes and len(geoms_of(self.model, 0)) == 1:
-            plane = vertices_of(self.model, 0)
-            if plane is not None and not len(plane):
+            plane = solid_of(self.model, 0)
+            if plane is not None and not len(plane.vertices):
                 self._shapes.add(GROUND, plane)
         bodies = [*self._live, *self._obstacles]
         self._shapes.place(bodies, np.concatenate([data.xpos[bodies], np.roll(data.xquat[bodies], -1, axis=1)], axis=1))

@@ -1,4 +1,4 @@
-"""Vertices of MuJoCo's geoms."""
+"""Convex shapes of MuJoCo's bodies."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 from stability_core.port import FloatArray
 from stability_core.ports.mujoco_calls import Model
 from stability_core.ports.mujoco_ghosts import geoms_of
-from stability_core.ports.shared.shapes import HALF_SPACE, box_vertices, cylinder_vertices
+from stability_core.ports.shared.shapes import HALF_SPACE, NO_AXIS, Solid, box_vertices, cylinder_vertices
 from stability_core.ports.shared.vectors import rotate
 
 
-def vertices_of(model: Model, body: int) -> FloatArray | None:
-    """Return the vertices (n, 3) [m] of a body in its frame; n = 0 for a plane.
+def solid_of(model: Model, body: int) -> Solid | None:
+    """Return the shape of a body in its frame.
 
     Returns:
         None if the body is round or has several colliding geoms: MuJoCo's own contacts stand for themselves.
@@ -24,17 +24,19 @@ def vertices_of(model: Model, body: int) -> FloatArray | None:
     geom = geoms[0]
     kind, size = model.geom_type[geom], model.geom_size[geom]
     if kind == mujoco.mjtGeom.mjGEOM_PLANE:
-        return HALF_SPACE
+        return Solid(HALF_SPACE)
+    axis = NO_AXIS
     if kind == mujoco.mjtGeom.mjGEOM_BOX:
         vertices = box_vertices(size)
     elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
-        vertices = cylinder_vertices(size[0], 2 * size[1])
+        vertices, axis = cylinder_vertices(size[0], 2 * size[1]), np.array([0.0, 0.0, 1.0])
     elif kind == mujoco.mjtGeom.mjGEOM_MESH:
         vertices = _hull_of(model, model.geom_dataid[geom])
     else:
         return None
-    turned = rotate(np.tile(model.geom_quat[geom], (len(vertices), 1)), vertices)
-    return np.asarray(model.geom_pos[geom] + turned)
+    turn = model.geom_quat[None, geom]
+    turned = rotate(np.tile(turn, (len(vertices), 1)), vertices)
+    return Solid(model.geom_pos[geom] + turned, rotate(turn, axis[None])[0])
 
 
 def _hull_of(model: Model, mesh: int) -> FloatArray:

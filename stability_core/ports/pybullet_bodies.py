@@ -8,7 +8,7 @@ import pybullet
 
 from stability_core.port import GROUND
 from stability_core.ports.pybullet_calls import Row, unfreeze
-from stability_core.ports.pybullet_shapes import vertices_of
+from stability_core.ports.pybullet_shapes import solid_of
 from stability_core.ports.shared.shapes import ShapeTable
 
 LINK_ID = 1 << 20
@@ -104,9 +104,9 @@ class PybulletBodies:
         self.obstacles.pop(body, None)
         info = pybullet.getDynamicsInfo(body, _BASE, self._client)
         self.live[body] = Inertia(info[_MASS], info[_INERTIA])
-        vertices = vertices_of(body, self._client, is_hull=True)
-        if vertices is not None:
-            self.shapes.add(body, vertices)
+        solid = solid_of(body, self._client, is_hull=True)
+        if solid is not None:
+            self.shapes.add(body, solid)
 
     def remove(self, body: int) -> None:
         """Forget a body that leaves the world or the port's control."""
@@ -188,12 +188,12 @@ class PybulletBodies:
             return GROUND
         key = body + (link + 1) * LINK_ID
         if key not in self.obstacles:
-            vertices = vertices_of(body, self._client, is_hull=False) if link == _BASE else None
-            if vertices is not None and not len(vertices):
+            solid = solid_of(body, self._client, is_hull=False) if link == _BASE else None
+            if solid is not None and not len(solid.vertices):
                 self._planes.add(body)
-                self.shapes.add(GROUND, vertices)
+                self.shapes.add(GROUND, solid)
                 return GROUND
             self.obstacles[key] = body, link
-            if vertices is not None:
-                self.shapes.add(key, vertices)
+            if solid is not None:
+                self.shapes.add(key, solid)
         return key

@@ -1,4 +1,4 @@
-"""Vertices of PyBullet's collision shapes."""
+"""Convex shapes of PyBullet's bodies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 
 from stability_core.port import FloatArray
-from stability_core.ports.shared.shapes import HALF_SPACE, box_vertices, cylinder_vertices
+from stability_core.ports.shared.shapes import HALF_SPACE, NO_AXIS, Solid, box_vertices, cylinder_vertices
 from stability_core.ports.shared.vectors import rotate
 
 _BASE = -1
@@ -17,8 +17,8 @@ _INERTIA_FITS = 0.02
 precision."""
 
 
-def vertices_of(body: int, client: int, *, is_hull: bool) -> FloatArray | None:
-    """Return the vertices (n, 3) [m] of a body's base in the frame of its centre of mass; n = 0 for a plane.
+def solid_of(body: int, client: int, *, is_hull: bool) -> Solid | None:
+    """Return the shape of a body's base in the frame of its centre of mass.
 
     Args:
         body: PyBullet's body id.
@@ -34,19 +34,22 @@ def vertices_of(body: int, client: int, *, is_hull: bool) -> FloatArray | None:
     shape = shapes[0]
     kind, size = shape[2], np.array(shape[3], np.float64)
     if kind == pybullet.GEOM_PLANE:
-        return HALF_SPACE
+        return Solid(HALF_SPACE)
+    axis = NO_AXIS
     if kind == pybullet.GEOM_BOX:
         vertices = box_vertices(size / 2)
     elif kind == pybullet.GEOM_CYLINDER:
         height, radius, _ = size
-        vertices = cylinder_vertices(float(radius), float(height))
+        vertices, axis = cylinder_vertices(float(radius), float(height)), np.array([0.0, 0.0, 1.0])
     elif kind == pybullet.GEOM_MESH and is_hull:
         vertices = np.array(pybullet.getMeshData(body, _BASE, collisionShapeIndex=0, physicsClientId=client)[1])
-        return vertices.reshape(-1, 3) if len(vertices) >= 4 else None
+        return Solid(vertices.reshape(-1, 3)) if len(vertices) >= 4 else None
     else:
         return None
     x, y, z, w = shape[6]
-    return np.array(shape[5]) + rotate(np.tile((w, x, y, z), (len(vertices), 1)), vertices)
+    turn = np.array([[w, x, y, z]])
+    placed = np.array(shape[5]) + rotate(np.tile(turn, (len(vertices), 1)), vertices)
+    return Solid(placed, rotate(turn, axis[None])[0])
 
 
 def _shapes_of(body: int, client: int) -> tuple[tuple[Any, ...], ...]:

@@ -26,6 +26,9 @@ from stability_core.port import FloatArray, IntArray
 NEAR = 1.67e-3
 """Greatest difference of a corner's gap from the gap at the deepest point, in half diagonals of the smaller body. For a
 plank of 117 mm it is 0.1 mm, which exceeds the differences below a tilted body at rest and is not visible."""
+UPRIGHT = 0.9
+"""Least cosine of a cylinder's axis to the normal at which the vertices of its rims stand for the cylinder. On its side
+a cylinder touches along a line, which rolls, but the polygon of its rim has flat sides."""
 SAME = 1.67e-2
 """Distance between a corner and a listed point that count as one point, in half diagonals of the smaller body."""
 _DEGENERATE = 1e-12
@@ -187,6 +190,18 @@ def _placed(vertices: FloatArray, pose: FloatArray) -> FloatArray:
 
 
 @numba.njit(cache=True)
+def _stands(axis: FloatArray, pose: FloatArray, normal: FloatArray) -> bool:
+    """Return True unless a cylinder with this axis, in its own frame, touches with its side at a contact normal."""
+    if axis[0] == 0.0 and axis[1] == 0.0 and axis[2] == 0.0:
+        return True
+    ends = _placed(np.array([[0.0, 0.0, 0.0], [axis[0], axis[1], axis[2]]]), pose)
+    along = 0.0
+    for k in range(3):
+        along += (ends[1, k] - ends[0, k]) * normal[k]
+    return abs(along) >= UPRIGHT
+
+
+@numba.njit(cache=True)
 def area_corners(
     vertices_a: FloatArray, vertices_b: FloatArray, normal: FloatArray, point: FloatArray, gap: float, near: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -250,6 +265,7 @@ def missing_corners(
     first_vertex: IntArray,
     poses: FloatArray,
     sizes: FloatArray,
+    axes: FloatArray,
     a: IntArray,
     b: IntArray,
     point: FloatArray,
@@ -263,6 +279,7 @@ def missing_corners(
         first_vertex: first vertex of each body, and v, shape (m + 1,).
         poses: positions [m] and quaternions (x, y, z, w), shape (m, 7).
         sizes: half diagonals [m], shape (m,); infinite for a half space.
+        axes: axes of cylinders in their own frames, shape (m, 3); zero for other bodies.
         a: row of the first body of each contact, shape (n,); contacts of a pair are adjacent. A negative row is a body
             of unknown shape, which gets no corners.
         b: row of the second body of each contact, shape (n,).
@@ -282,7 +299,8 @@ def missing_corners(
             deepest = last if separation[last] < separation[deepest] else deepest
             last += 1
         i, j = a[first], b[first]
-        if i >= 0 and j >= 0 and min(sizes[i], sizes[j]) < np.inf:
+        fits = i >= 0 and j >= 0 and min(sizes[i], sizes[j]) < np.inf
+        if fits and _stands(axes[i], poses[i], normal[deepest]) and _stands(axes[j], poses[j], normal[deepest]):
             size = min(sizes[i], sizes[j])
             found, opened = area_corners(
                 _placed(vertices[first_vertex[i] : first_vertex[i + 1]], poses[i]),

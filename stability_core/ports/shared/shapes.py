@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from stability_core.ports.shared.contact_area import missing_corners
 
 RIM = 24
 """Number of vertices on each rim of a cylinder: their polygon lies within the circle, by 0.9 % of the radius."""
+NO_AXIS: FloatArray = np.zeros(3)
 HALF_SPACE: FloatArray = np.empty((0, 3))
 """Vertices of a half space, such as the ground."""
 
@@ -28,29 +30,39 @@ def cylinder_vertices(radius: float, height: float) -> FloatArray:
     return np.concatenate([np.column_stack([circle, np.full(RIM, z)]) for z in (-height / 2, height / 2)])
 
 
+class Solid(NamedTuple):
+    """A convex body, in the frame of its pose."""
+
+    vertices: FloatArray
+    """Vertices [m], shape (n, 3); n = 0 for a half space."""
+    axis: FloatArray = NO_AXIS
+    """Axis of a cylinder, whose vertices are points of its rims, shape (3,); zero for a polyhedron."""
+
+
 class ShapeTable:
     """Vertices and poses of bodies. Contacts of a body without vertices are not completed."""
 
     def __init__(self) -> None:
-        self._vertices: dict[int, FloatArray] = {}
+        self._solids: dict[int, Solid] = {}
         self._row_of: dict[int, int] = {}
         self._flat: FloatArray = HALF_SPACE
         self._first: IntArray = np.zeros(1, np.int64)
         self._sizes: FloatArray = np.empty(0)
+        self._axes: FloatArray = HALF_SPACE
         self._poses: FloatArray = np.empty((0, 7))
         self._is_current = True
 
     def __contains__(self, body: int) -> bool:
-        return body in self._vertices
+        return body in self._solids
 
-    def add(self, body: int, vertices: FloatArray) -> None:
-        """Add a convex body by its vertices (n, 3) [m] in the frame of its pose; n = 0 for a half space."""
-        self._vertices[body] = vertices
+    def add(self, body: int, solid: Solid) -> None:
+        """Add a convex body."""
+        self._solids[body] = solid
         self._is_current = False
 
     def remove(self, body: int) -> None:
         """Delete the vertices of a body, if the table has any."""
-        if self._vertices.pop(body, None) is not None:
+        if self._solids.pop(body, None) is not None:
             self._is_current = False
 
     def place(self, bodies: list[int], poses: FloatArray) -> None:
@@ -66,7 +78,7 @@ class ShapeTable:
 
         A corner has the velocity and the friction of the deepest contact of its pair, and no force.
         """
-        if not len(contacts) or not self._vertices:
+        if not len(contacts) or not self._solids:
             return contacts
         self._refresh()
         row_of = self._row_of
@@ -78,6 +90,7 @@ class ShapeTable:
             self._first,
             self._poses,
             self._sizes,
+            self._axes,
             a[order],
             b[order],
             contacts.point[order],
@@ -91,14 +104,15 @@ class ShapeTable:
         if self._is_current:
             return
         poses = {body: self._poses[row] for body, row in self._row_of.items()}
-        self._row_of = {body: row for row, body in enumerate(self._vertices)}
-        parts = list(self._vertices.values())
+        self._row_of = {body: row for row, body in enumerate(self._solids)}
+        parts = [solid.vertices for solid in self._solids.values()]
+        self._axes = np.array([solid.axis for solid in self._solids.values()]).reshape(-1, 3)
         self._flat = np.concatenate([HALF_SPACE, *parts])
         self._first = np.cumsum([0, *map(len, parts)])
         reach = [np.sqrt((part**2).sum(axis=1).max()) if len(part) else np.inf for part in parts]
         self._sizes = np.array(reach, np.float64)
         upright = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
-        self._poses = np.array([poses.get(body, upright) for body in self._vertices]).reshape(-1, 7)
+        self._poses = np.array([poses.get(body, upright) for body in self._solids]).reshape(-1, 7)
         self._is_current = True
 
 
@@ -119,5 +133,5 @@ def compile_kernels() -> None:
     """Compile the kernels of this module, or load them from the cache, so that no frame waits for them."""
     table, ids, up = ShapeTable(), np.arange(1, 2), np.array([[0.0, 0.0, 1.0]])
     for body in range(2):
-        table.add(body, box_vertices(np.ones(3)))
+        table.add(body, Solid(box_vertices(np.ones(3))))
     table.completed(Contacts(ids - 1, ids, up, up, np.zeros(1), up, np.zeros(1)))

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stability_core.port import Contacts
 from stability_core.ports.shared.contact_area import area_corners
-from stability_core.ports.shared.shapes import HALF_SPACE, box_vertices, cylinder_vertices
+from stability_core.ports.shared.shapes import HALF_SPACE, ShapeTable, Solid, box_vertices, cylinder_vertices
 
 UP = np.array([0.0, 0.0, 1.0])
 NEAR = 1e-4
@@ -84,3 +85,31 @@ def test_crossing_edges_keep_the_engines_point() -> None:
     floor = -upper(0.0, np.radians(45.0)) @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])
     corners, _ = area_corners(floor, roof, UP, np.zeros(3), 0.0, NEAR)
     assert len(corners) == 0
+
+
+def lying(turn: float) -> ShapeTable:
+    """A cylinder on its side on the ground, turned about its axis."""
+    table = ShapeTable()
+    table.add(0, Solid(cylinder_vertices(0.04, 0.1), np.array([0.0, 0.0, 1.0])))
+    table.add(-1, Solid(HALF_SPACE))
+    half = np.sqrt(0.5)
+    about_x, about_axis = np.array([half, 0, 0, half]), np.array([0, 0, np.sin(turn / 2), np.cos(turn / 2)])
+    x1, y1, z1, w1 = about_x
+    x2, y2, z2, w2 = about_axis
+    both = [
+        w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2,
+        w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+        w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
+        w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
+    ]
+    table.place([0], np.array([[0.0, 0.0, 0.04, *both]]))
+    return table
+
+
+@pytest.mark.parametrize("turn", [0.0, np.radians(7.5)])
+def test_a_cylinder_on_its_side_keeps_the_engines_line(turn: float) -> None:
+    """Its rim has 24 flat sides in the table, but none in the engine: it would stand on a slope and not roll."""
+    ids = np.array([-1, -1]), np.array([0, 0])
+    points = np.array([[0.0, -0.05, 0.0], [0.0, 0.05, 0.0]])
+    line = Contacts(*ids, points, np.array([UP, UP]), np.zeros(2), np.zeros((2, 3)), np.ones(2))
+    assert len(lying(turn).completed(line)) == 2

@@ -171,3 +171,15 @@ def test_bodies_that_are_not_listed_are_left_alone(client: int) -> None:
         assert list(extension.frozen) == [first, second]
         extension.remove([first])
         assert pybullet.getDynamicsInfo(first, -1, client)[0] == pytest.approx(0.5)
+
+
+def test_a_cylinder_on_its_side_rolls_down_a_slope_of_two_degrees(client: int) -> None:
+    """It rests on a line. Within a second it rolls by g sin(2 deg) / 3 = 11 cm; 5 cm at least."""
+    pybullet.setGravity(9.81 * np.sin(np.radians(2)), 0, -9.81, client)
+    side = pybullet.getQuaternionFromEuler((np.pi / 2, 0, 0))
+    body = add(client, (0.0, 0.0, 0.05), "cylinder", baseOrientation=side)
+    pybullet.changeDynamics(body, -1, linearDamping=0, angularDamping=0, physicsClientId=client)
+    with attach(client) as extension:
+        assert not extension.adopt().frozen
+        run(client, extension, 1.0)
+        assert position(client, body)[0] > 0.05
