@@ -70,6 +70,10 @@ class Box3dSimulation(SubstepSimulation):
         friction_law="cone",
         moved="kinematic",
         deterministic="across processes",
+        shapes=("box", "capsule", "sphere", "polyhedron"),
+        other_shapes="Box3D's cylinder is a prism, on which it comes to rest",
+        own_friction=True,
+        own_moments=True,
     )
 
     def _open(self) -> None:
@@ -150,6 +154,7 @@ class Box3dSimulation(SubstepSimulation):
     def _unfreeze(self, body: int) -> None:
         handle = self._engine.handle(body)
         lib.b3Body_SetType(handle, lib.b3_dynamicBody)
+        self._engine.restore_inertia(body, self.bricks[body])
         lib.b3Body_SetAwake(handle, True)
 
     def _contacts(self) -> Contacts:

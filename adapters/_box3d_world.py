@@ -17,6 +17,8 @@ from adapters._box3d_state import raw_handle
 from adapters.profile import KnobValue, Profile
 from adapters.shared.vectors import half_edges
 from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.shapes import Polyhedron
+from scenarios.solids import friction_of, moments_of, volume_of
 from stability_core.port import GROUND, IntArray
 
 _FIELDS = ("contactHertz", "enableSleep")
@@ -32,7 +34,7 @@ class Box3dWorld:
 
     def __init__(self, world: World, profile: Profile) -> None:
         self._knobs = profile.values
-        self._friction = world.friction
+        self._scene = world
         self.iterations = int(self._knobs["subStepCount"])
         """Number of the solver's iterations per step."""
         self.has_diverged = False
@@ -47,12 +49,13 @@ class Box3dWorld:
         self.world = self._opened(world)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
-        self._add_box(body, box, lib.b3_staticBody)
+        """Add the ground or a fixed body; ``body`` is its id in contacts."""
+        self._add_solid(body, box, lib.b3_staticBody)
 
     def add_live(self, body: int, brick: Brick) -> None:
         """Add a live brick, at rest."""
         self._add(body, brick, lib.b3_dynamicBody)
+        self.restore_inertia(body, brick)
 
     def add_moved(self, body: int, brick: Brick) -> None:
         """Add a brick that the host moves."""
@@ -62,6 +65,17 @@ class Box3dWorld:
         """Remove a body."""
         self.body_of[self.shapes.pop(body)] = GROUND
         lib.b3DestroyBody(self.handles.pop(body))
+
+    def restore_inertia(self, body: int, brick: Brick) -> None:
+        """Set the inertia of a dynamic body unless it is a homogeneous box.
+
+        Box3D computes the inertia of a hull to 2e-6, again whenever a body becomes dynamic.
+        """
+        if brick.shape == "box" and brick.moments is None:
+            return
+        x, y, z = moments_of(brick)
+        inertia = ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
+        lib.b3Body_SetMassData(self.handles[body], (brick.mass, (0.0, 0.0, 0.0), inertia))
 
     def handle(self, body: int) -> Any:
         """Return the handle of a body that the caller will change.
@@ -112,26 +126,46 @@ class Box3dWorld:
         lib.b3SetLengthUnitsPerMeter(self._knobs["lengthUnitsPerMeter"])
 
     def _add(self, body: int, brick: Brick, kind: int) -> None:
-        handle, self.shapes[body] = self._add_box(body, brick, kind)
+        handle, self.shapes[body] = self._add_solid(body, brick, kind)
         self.handles[body] = handle
         self.raw_handles = _with_room(self.raw_handles, body)
         self.raw_handles[body] = raw_handle(handle)
 
-    def _add_box(self, body: int, box: Brick, kind: int) -> tuple[Any, int]:
-        """Add a static, dynamic or kinematic box; ``body`` is its id in contacts. Return its handle and shape index."""
+    def _add_solid(self, body: int, box: Brick, kind: int) -> tuple[Any, int]:
+        """Add a static, dynamic or kinematic body, with id ``body`` in contacts; return its handle and shape index."""
         self._set_length_unit()
-        x, y, z = box.size
         body_definition, shape = lib.b3DefaultBodyDef(), lib.b3DefaultShapeDef()
         body_definition.type, body_definition.position = kind, box.position
         body_definition.rotation = split(box.quaternion)
         body_definition.sleepThreshold *= float(self._knobs.get("sleepThreshold", 1.0))
-        shape.density, shape.baseMaterial.friction = box.mass / (x * y * z), self._friction
+        shape.density = box.mass / volume_of(box.shape, box.size)
+        shape.baseMaterial.friction = friction_of(box, self._scene)
         handle = lib.b3CreateBody(self.world, ffi.addressof(body_definition))
-        hull = lib.b3MakeBoxHull(*half_edges(box.size))
-        index = int(lib.b3CreateHullShape(handle, ffi.addressof(shape), ffi.addressof(hull, "base")).index1)
+        index = _attach_shape(handle, shape, box)
         self.body_of = _with_room(self.body_of, index)
         self.body_of[index] = body
         return handle, index
+
+
+def _attach_shape(handle: Any, definition: Any, brick: Brick) -> int:
+    """Create the collision shape of a body; return its index."""
+    shape, defined = brick.shape, ffi.addressof(definition)
+    radius, _, half_length = half_edges(brick.size)
+    if isinstance(shape, Polyhedron):
+        points = ffi.new("b3Vec3[]", [tuple(vertex) for vertex in shape.vertices])
+        hull = lib.b3CreateHull(points, len(shape.vertices), len(shape.vertices))
+        index = lib.b3CreateHullShape(handle, defined, hull).index1
+        lib.b3DestroyHull(hull)  # Box3D has copied it
+        return int(index)
+    if shape == "sphere":
+        sphere = ffi.new("b3Sphere *", ((0.0, 0.0, 0.0), radius))
+        return int(lib.b3CreateSphereShape(handle, defined, sphere).index1)
+    if shape == "capsule":
+        end = half_length - radius
+        capsule = ffi.new("b3Capsule *", ((0.0, 0.0, -end), (0.0, 0.0, end), radius))
+        return int(lib.b3CreateCapsuleShape(handle, defined, capsule).index1)
+    box = lib.b3MakeBoxHull(*half_edges(brick.size))
+    return int(lib.b3CreateHullShape(handle, defined, ffi.addressof(box, "base")).index1)
 
 
 def set_velocity(handle: Any, linear: Vector = _STILL, angular: Vector = _STILL) -> None:

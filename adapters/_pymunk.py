@@ -71,6 +71,11 @@ class PymunkSimulation(SubstepSimulation):
         moved="kinematic",
         deterministic="across processes",
         planar=True,
+        shapes=("box", "sphere", "polyhedron"),
+        other_shapes="in its plane a round body is a circle, and the adapter turns bodies about y only",
+        own_friction=True,
+        restitution=True,
+        own_moments=True,
     )
 
     def _open(self) -> None:

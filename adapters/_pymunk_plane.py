@@ -8,6 +8,8 @@ import numpy as np
 import pymunk
 
 from scenarios.model import Brick, Quaternion, Vector
+from scenarios.shapes import Polyhedron
+from scenarios.solids import moments_of
 from stability_core.port import FloatArray
 
 UNITS_PER_METRE = 1000.0
@@ -21,7 +23,29 @@ def planar_gravity(gravity: Vector) -> tuple[float, float]:
 
 def moment(brick: Brick) -> float:
     """Return the moment of inertia [kg mm2] of a brick about the y axis."""
+    if brick.shape != "box" or brick.moments is not None:
+        return moments_of(brick)[1] * UNITS_PER_METRE**2
     return brick.mass * (brick.size[0] ** 2 + brick.size[2] ** 2) / 12 * UNITS_PER_METRE**2
+
+
+def outline(polyhedron: Polyhedron) -> tuple[list[tuple[float, float]], float]:
+    """Return the corners [mm] in the engine's plane of a prism with its axis along y, and its depth [m].
+
+    Raises:
+        NotImplementedError: if the polyhedron is no such prism.
+    """
+    depth = polyhedron.extents[1]
+    ends = [
+        {(round(x / depth, 9), round(z / depth, 9)) for x, y, z in polyhedron.vertices if abs(y - side) < 1e-9 * depth}
+        for side in (-depth / 2, depth / 2)
+    ]
+    if ends[0] != ends[1] or 2 * len(ends[0]) != len(polyhedron.vertices):
+        raise NotImplementedError(
+            "pymunk is planar: a polyhedron must be a prism with its axis along y, with equal corners at both ends: "
+            "use another engine"
+        )
+    corners = [(x * UNITS_PER_METRE, z * UNITS_PER_METRE) for x, y, z in polyhedron.vertices if y < 0]
+    return corners, depth
 
 
 def in_plane(position: Vector, quaternion: Quaternion) -> tuple[tuple[float, float], float]:

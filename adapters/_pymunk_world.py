@@ -7,10 +7,12 @@ import math
 import numpy as np
 import pymunk
 
-from adapters._pymunk_plane import UNITS_PER_METRE, halt, in_plane, moment, planar_gravity
+from adapters._pymunk_plane import UNITS_PER_METRE, halt, in_plane, moment, outline, planar_gravity
 from adapters._pymunk_reader import SpaceReader
 from adapters.profile import Profile
 from scenarios.model import Brick, Quaternion, Vector, World
+from scenarios.shapes import Polyhedron
+from scenarios.solids import friction_of, restitution_of
 from stability_core.port import GROUND, FloatArray
 
 MIN_GROUND_WIDTH = 20.0
@@ -33,7 +35,7 @@ class PymunkWorld:
         self.reader = SpaceReader(self.space, self.fixed_rows)
         self.depths = np.full(self.fixed_rows, np.inf)
         """Extents along y [m], by the rows of ``reader``."""
-        self._friction = math.sqrt(world.friction)  # the coefficient of a pair is the product of both shapes'
+        self._world = world
         self._min_ground_width = MIN_GROUND_WIDTH * profile.scale
         self._new_statics: list[int] = []
 
@@ -42,7 +44,7 @@ class PymunkWorld:
         self.space.gravity = planar_gravity(gravity)
 
     def add_fixed(self, body: int, box: Brick) -> None:
-        """Add the ground or a fixed box; ``body`` is its id in contacts."""
+        """Add the ground or a fixed body; ``body`` is its id in contacts."""
         length, depth, height = box.size
         if body == GROUND:
             length, depth = max(length, self._min_ground_width), np.inf
@@ -112,11 +114,20 @@ class PymunkWorld:
         self.bodies[body] = planar
 
     def _add(self, body: int, planar: pymunk.Body, box: Brick, size: Vector) -> None:
-        """Add the engine's body for a box with edges ``size`` [m]; ``body`` is its id in contacts."""
+        """Add the engine's body for a brick, for a box with edges ``size`` [m]; ``body`` is its id in contacts."""
         length, depth, height = size
         planar.position, planar.angle = in_plane(box.position, box.quaternion)
-        shape = pymunk.Poly.create_box(planar, (length * UNITS_PER_METRE, height * UNITS_PER_METRE))
-        shape.friction = self._friction
+        if box.shape == "sphere":
+            shape: pymunk.Shape = pymunk.Circle(planar, length / 2 * UNITS_PER_METRE)
+            depth = 0.0
+        elif isinstance(box.shape, Polyhedron):
+            corners, depth = outline(box.shape)
+            shape = pymunk.Poly(planar, corners)
+        else:
+            shape = pymunk.Poly.create_box(planar, (length * UNITS_PER_METRE, height * UNITS_PER_METRE))
+        # The coefficients of a pair are the products of both shapes'.
+        shape.friction = math.sqrt(friction_of(box, self._world))
+        shape.elasticity = math.sqrt(restitution_of(box, self._world))
         self.space.add(planar, shape)
         self.reader.add(planar, body)
         self.depths = self._longer(self.depths)

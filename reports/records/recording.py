@@ -21,8 +21,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from reports.records.atomic import write_atomic
+from reports.records.body_fields import fixed_body, fixed_fields, read_shape, shape_field
 from scenarios.model import Brick, Vector, World
-from scenarios.shapes import Polyhedron, Shape
+from scenarios.shapes import Shape
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -41,8 +42,6 @@ LENGTH_BAND = 5e-5
 _QUATERNION_BAND = 4e-4
 """Dead band of each component of a quaternion, chosen so that a change by the dead band moves a plank's end by about
 0.05 mm."""
-FIXED_FIELDS = ("size", "position", "quaternion")
-"""Fields of a fixed box that a recording contains."""
 _COLUMNS = ("body", "frame", "x", "y", "z", "qw", "qx", "qy", "qz", "state")
 STATES: tuple[Literal["live", "frozen", "removed"], ...] = ("live", "frozen", "removed")
 """Names of the states of a body."""
@@ -261,38 +260,15 @@ def read_recording(path: Path) -> Recording:
         np.stack([columns[name] for name in ("qw", "qx", "qy", "qz")], axis=1),
         columns["state"],
         header["every"],
-        tuple(_fixed_box(box) for box in header.get("fixed", ())),
+        tuple(fixed_body(box) for box in header.get("fixed", ())),
         _physics(header["physics"]) if header.get("physics") else None,
-        {int(body): _shape(said) for body, said in header.get("shapes", {}).items()},
+        {int(body): read_shape(said) for body, said in header.get("shapes", {}).items()},
     )
 
 
 def _physics(header: Mapping[str, Any]) -> Physics:
     masses = {int(body): mass for body, mass in header["masses"].items()}
     return Physics(header["friction"], masses, tuple((since, (x, y, z)) for since, (x, y, z) in header["gravity"]))
-
-
-def _fixed_box(box: Mapping[str, Any]) -> Brick:
-    (length, width, height), (x, y, z), (w, i, j, k) = (box[name] for name in FIXED_FIELDS)
-    return Brick((length, width, height), 1.0, (x, y, z), (w, i, j, k), shape=_shape(box.get("shape", "box")))
-
-
-def _shape(said: Any) -> Shape:
-    """Return a shape from its name, or from the vertices of a polyhedron."""
-    if isinstance(said, list):
-        return Polyhedron(tuple((x, y, z) for x, y, z in said))
-    shape: Shape = said
-    return shape
-
-
-def described(shape: Shape) -> str | list[list[float]]:
-    """Return a shape as JSON: its name, or the vertices [m] of a polyhedron."""
-    return [list(vertex) for vertex in shape.vertices] if isinstance(shape, Polyhedron) else shape
-
-
-def _fixed(body: Brick) -> dict[str, Any]:
-    fields = {name: getattr(body, name) for name in FIXED_FIELDS}
-    return fields if body.shape == "box" else {**fields, "shape": described(body.shape)}
 
 
 def _packed(recording: Recording) -> bytes:
@@ -302,11 +278,11 @@ def _packed(recording: Recording) -> bytes:
         "frames": recording.frames,
         "sizes": recording.sizes,
         "every": recording.every,
-        "fixed": [_fixed(body) for body in recording.fixed],
+        "fixed": [fixed_fields(body) for body in recording.fixed],
         "physics": None if recording.physics is None else asdict(recording.physics),
     }
     if recording.shapes:
-        header["shapes"] = {body: described(shape) for body, shape in recording.shapes.items()}
+        header["shapes"] = {body: shape_field(shape) for body, shape in recording.shapes.items()}
     schema = pa.schema([pa.field(name, pa.int32()) for name in _COLUMNS], {"stillstack": json.dumps(header)})
     table = pa.Table.from_arrays([pa.array(value, pa.int32()) for value in values], schema=schema)
     sink = pa.BufferOutputStream()

@@ -20,7 +20,8 @@ import numpy as np
 from markupsafe import Markup
 
 from reports.records.atomic import write_atomic
-from reports.records.recording import FIXED_FIELDS, LENGTH_STEP, QUATERNION_STEP, STATES, Recording
+from reports.records.body_fields import FIXED_FIELDS
+from reports.records.recording import LENGTH_STEP, QUATERNION_STEP, STATES, Recording
 from reports.records.trial import TrialRecord
 from reports.replays.margins import MARGIN_COLOURS, QUANTITIES, Margins, legend
 from scenarios.model import Vector
