@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 DOCS = Path(__file__).parent.parent / "docs"
-EXAMPLES = ("pybullet_tower", "mujoco_gripper")
+EXAMPLES = ("pybullet_tower", "mujoco_gripper", "gymnasium_stacking")
 
 
 def example(name: str) -> dict[str, Any]:
@@ -37,3 +37,13 @@ def test_a_gripper_stacks_four_parts_and_topples_them() -> None:
     stacked, toppled = example("mujoco_gripper")["main"]()
     assert stacked == pytest.approx([0.025, 0.075, 0.125, 0.175], abs=2e-3)
     assert max(toppled) < 0.05
+
+
+@pytest.mark.slow
+def test_an_episode_ends_early_without_the_extension_and_in_full_with_it() -> None:
+    """The page names both numbers."""
+    play = example("gymnasium_stacking")["play"]
+    with play(False) as env:
+        assert len(env.bricks) == 14
+    with play(True) as env:
+        assert len(env.bricks) == 20
