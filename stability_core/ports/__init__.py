@@ -11,11 +11,13 @@ from collections.abc import Collection
 from types import ModuleType
 from typing import Any
 
+from stability_core import extension
 from stability_core.policies import Policy
 from stability_core.ports.attachment import Attachment
+from stability_core.ports.shared.shapes import compile_kernels
 from stability_core.settings import Settings
 
-__all__ = ["Attachment", "attach"]
+__all__ = ["Attachment", "attach", "warm_up"]
 
 ENGINES = {"pybullet": "pybullet", "mujoco": "mujoco"}
 """Python package of each engine, by the name of its port and of the wheel's extra."""
@@ -46,6 +48,20 @@ def attach(
     """
     name = _engine_of(world)
     return Attachment(_module(name).open_port(world, bodies), policy, settings)
+
+
+def warm_up(policy: str = "equilibrium") -> float:
+    """Compile the core for ``policy`` and the ports, or read them from Numba's cache; return the core's time [s].
+
+    ``attach`` does so on first use. Call this function where the wait matters least: it takes two to three minutes, once per
+    version.
+
+    Raises:
+        UnknownNameError: if there is no such policy.
+    """
+    seconds = extension.warm_up(policy)
+    compile_kernels()
+    return seconds
 
 
 def _engine_of(world: object) -> str:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from stability_core.port import Contacts
-from stability_core.ports.shared.contact_area import area_corners
+from stability_core.ports import warm_up
+from stability_core.ports.shared.contact_area import area_corners, missing_corners
 from stability_core.ports.shared.shapes import HALF_SPACE, ShapeTable, Solid, box_vertices, cylinder_vertices
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -113,3 +114,9 @@ def test_a_cylinder_on_its_side_keeps_the_engines_line(turn: float) -> None:
     points = np.array([[0.0, -0.05, 0.0], [0.0, 0.05, 0.0]])
     line = Contacts(*ids, points, np.array([UP, UP]), np.zeros(2), np.zeros((2, 3)), np.ones(2))
     assert len(lying(turn).completed(line)) == 2
+
+
+def test_warm_up_compiles_the_ports_as_well() -> None:
+    """A frame must not wait for the compiler: the kernel of contact areas is ready, the policy's are as well."""
+    assert warm_up("at_rest") >= 0.0
+    assert missing_corners.signatures
