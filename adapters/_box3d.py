@@ -10,7 +10,8 @@ impulse in the solver's latest iteration, divided by the duration of the iterati
 exact. A contact that only the step of length 0 has detected has no force.
 
 Friction: the coefficient of a pair is the geometric mean of both shapes' coefficients (as shipped), and every shape has
-the world's coefficient. The law is a cone, with one constraint per manifold for sliding and one constraint for twist.
+its own, else the world's coefficient. The law is a cone, with one constraint per manifold for sliding and one
+constraint for twist.
 
 Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
 frequency, ``contactHertz``. Box3D silently caps this frequency at an eighth of the rate of its iterations (Box3D's name

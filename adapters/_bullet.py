@@ -14,7 +14,10 @@ first. In the first world the call would refresh Bullet's cached points, which d
 1 s. The second world has no cached points, so that it may list other corners than the next step solves.
 
 Friction: the coefficient of a pair is the product of both bodies' coefficients, so that each body has the square root
-of the world's. The law is a cone.
+of its own, else of the world's. The law is a cone. Restitution likewise.
+
+Shapes: Bullet's inertia of a capsule and of a convex hull is that of a box, so that the adapter sets it, together with
+the mass (alone it makes the next pose NaN). A hull has no margin, because Bullet adds 1 mm around its vertices.
 
 Traps:
 

@@ -23,7 +23,9 @@ creates no arbiters and changes nothing. Between corners that meet, rounding det
 of up to 90 degrees; ``BoxTable`` replaces these contacts.
 
 Friction: the coefficient of a pair is the product of both shapes' coefficients, so that each shape has the square root
-of the world's.
+of its own, else of the world's. Restitution likewise.
+
+Shapes: a sphere is a circle with a sphere's inertia; a polyhedron must be a prism with its axis along y.
 
 Traps:
 

@@ -13,9 +13,13 @@ prediction distance; the adapter omits points with a gap of more than 0.1 mm.
 ``find_contacts`` runs ``detect_collisions`` in a copy of the world, restored from a snapshot, and does not change the
 world itself. In the world itself this call changed later poses, and once made the next step crash.
 
-Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), and every collider has the
-world's coefficient. The law is a cone, with one constraint per manifold for sliding and one constraint for twist.
+Friction: the coefficient of a pair is the mean of both colliders' coefficients (as shipped), or the
+geometric mean if a body has its own; the other colliders have the world's coefficient. The law is a cone,
+with one constraint per manifold for sliding and one constraint for twist.
 (``FrictionModel.COULOMB``, with one constraint per point, holds too little across a plank.)
+
+Shapes: the axis of Rapier's cylinders is y, so that the collider of a cylinder is turned in its body. While a pair
+moves by less than 1 mm Parry keeps its points, so that a lying cylinder may start to roll by itself.
 
 Stiffness: contacts are springs. Their sag under load is inversely proportional to the square of their natural
 frequency. The solver makes ``num_solver_iterations`` substeps per step, and resolves a frequency of up to a quarter of
