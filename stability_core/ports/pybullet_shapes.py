@@ -12,6 +12,8 @@ from stability_core.ports.shared.shapes import HALF_SPACE, NO_AXIS, Solid, box_v
 from stability_core.ports.shared.vectors import rotate
 
 _BASE = -1
+_BODY_TYPE, _MAXIMAL = 10, 1
+"""Column of getDynamicsInfo, and its value for a body in maximal coordinates."""
 _INERTIA_FITS = 0.02
 """Greatest relative difference of moments of inertia of the same shape. Bullet computes them in single or double
 precision."""
@@ -58,11 +60,10 @@ def _shapes_of(body: int, client: int) -> tuple[tuple[Any, ...], ...]:
     PyBullet does not report the collision shape of a body in maximal coordinates. Its visual shape counts instead if
     the body's moments of inertia, which Bullet computes from the collision shape, fit the visual shape.
     """
-    try:
-        return tuple(pybullet.getCollisionShapeData(body, _BASE, client))
-    except pybullet.error:
-        shown = tuple(pybullet.getVisualShapeData(body, physicsClientId=client))
     info = pybullet.getDynamicsInfo(body, _BASE, client)
+    if info[_BODY_TYPE] != _MAXIMAL:
+        return tuple(pybullet.getCollisionShapeData(body, _BASE, client))
+    shown = tuple(pybullet.getVisualShapeData(body, physicsClientId=client))
     fits = len(shown) == 1 and np.allclose(_inertia(shown[0], info[0]), info[2], rtol=_INERTIA_FITS, atol=0.0)
     return shown if fits else ()
 

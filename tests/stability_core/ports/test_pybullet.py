@@ -183,3 +183,15 @@ def test_a_cylinder_on_its_side_rolls_down_a_slope_of_two_degrees(client: int) -
         assert not extension.adopt().frozen
         run(client, extension, 1.0)
         assert position(client, body)[0] > 0.05
+
+
+def test_a_tower_of_bodies_in_maximal_coordinates_freezes_without_a_warning(
+    client: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """PyBullet prints a warning if it is asked for the collision shape of such a body."""
+    for level in range(3):
+        add(client, (0.0, 0.0, (level + 0.5) * HEIGHT), useMaximalCoordinates=True)
+    with attach(client) as extension:
+        assert len(extension.adopt().frozen) == 3
+    captured = capfd.readouterr()
+    assert "Warning" not in captured.out + captured.err
