@@ -44,7 +44,7 @@ class Settings:
     """Tolerances for bodies of any size, at any frame rate.
 
     Raises:
-        ValueError: if a setting is negative or not finite.
+        ValueError: if a setting is negative or not finite, ``repose`` is not below pi/2, or ``rest_s`` is 0.
     """
 
     rest_speed: float = _speed(
@@ -175,6 +175,13 @@ class Settings:
         "4 s, because a pile that still grows keeps moving: a body that unfreezes repeatedly waits twice as "
         "long each time, up to this time",
     )
+    repose: float = _setting(
+        0.0,
+        "rad",
+        "0 for atan(mu), because friction alone holds this slope: the angle of repose of the policy 'pile'. A steeper "
+        "angle freezes bodies that come to rest above that slope; a flatter angle leaves them live, because nothing "
+        "pushes them down",
+    )
     flight_speed: float = _speed(
         0.3, "0.3 m/s, because a faster body comes to rest elsewhere: the core forgets how often the body was unfrozen"
     )
@@ -186,6 +193,11 @@ class Settings:
                 raise ValueError(f"setting {item.name} must be a number, got {value!r}: pass a float")
             if not (math.isfinite(value) and value >= 0):
                 raise ValueError(f"setting {item.name} must be finite and at least 0, got {value}")
+        if self.repose >= math.pi / 2:
+            raise ValueError(
+                f"setting repose must be below pi/2 rad, got {self.repose}: pass the angle in radians, such as "
+                "math.radians(35)"
+            )
         if self.rest_s == 0:
             raise ValueError(
                 "setting rest_s must be above 0 s, got 0: rest_s is also the interval at which the core judges a "

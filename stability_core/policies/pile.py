@@ -7,9 +7,9 @@ and mass:
 
 - The pile of a body is the set of frozen bodies joined to it by contacts. The pile stands on a base: the convex hull,
   in plan, of its contact points on the ground.
-- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward, with the
-  slope mu, the friction coefficient of the contact on which a body stands. The angle of repose is atan(mu); in their
-  method the user chooses this angle.
+- The shape of the pile is the shape of sand on this base: a roof that rises from the hull's border inward. As in their
+  method, the user chooses the angle of repose (``Settings.repose``). By default the slope of the roof is mu, the
+  friction coefficient of the contact on which a body stands, so that the angle of repose is atan(mu).
 - A body lies inside if it stands on the ground, or on frozen bodies at points below the roof.
 - A body freezes once it is at rest, as in every policy, and touches no moving live body, which would move it.
 - A body unfreezes by an impact, as in every policy, and when one of its supports is gone.
@@ -95,8 +95,15 @@ def _base_of(graph: Graph, pile: IntArray) -> FloatArray:
 
 
 @compiled
-def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
-    """Return True if ``body`` stands only on the ground, or on frozen bodies below the roof over ``base``."""
+def _lies_inside(graph: Graph, body: int, base: FloatArray, repose: float) -> bool:
+    """Return True if ``body`` stands only on the ground, or on frozen bodies below the roof over ``base``.
+
+    Args:
+        graph: the stack.
+        body: the body.
+        base: hull of the pile's contact points on the ground [m], shape (k, 3).
+        repose: angle of repose [rad]; 0 for the angle of friction.
+    """
     stands = False
     at = graph.bodies[body].first_support
     while at != NONE:
@@ -108,7 +115,8 @@ def _lies_inside(graph: Graph, body: int, base: FloatArray) -> bool:
             return False
         stands = True
         if not is_ground(graph.bodies, patch.lower):
-            roof = patch.friction * inside_distance(base, patch.center[0], patch.center[1])
+            slope = np.tan(repose) if repose > 0.0 else patch.friction
+            roof = slope * inside_distance(base, patch.center[0], patch.center[1])
             if not patch.center[2] - base[:, 2].mean() <= roof:  # also for a pile without a base (NaN)
                 return False
     return stands
@@ -141,7 +149,8 @@ def _settle(graph: Graph, buffers: FrameBuffers, limits: Limits, supports: IntAr
     asleep = np.empty(len(candidates), np.int64)
     n = 0
     for body in candidates:
-        if not (movers == body).any() and _lies_inside(graph, body, _base_of(graph, _pile_with(graph, body))):
+        base = _base_of(graph, _pile_with(graph, body))
+        if not (movers == body).any() and _lies_inside(graph, body, base, limits[0].repose):
             graph.bodies[body].state, graph.bodies[body].leans = FROZEN, False
             asleep[n] = body
             n += 1

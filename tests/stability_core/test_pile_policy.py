@@ -59,6 +59,23 @@ def test_the_angle_of_repose_is_that_of_friction(port, mu, sleeps):
     assert (100 in port.frozen) == sleeps
 
 
+@pytest.mark.parametrize(("slope", "sleeps"), [(0.99 / 3.5, False), (1.01 / 3.5, True)])
+@pytest.mark.parametrize("mu", [0.1, 0.9])
+def test_the_user_sets_the_angle_of_repose_at_any_friction(port, mu, slope, sleeps):
+    """The slope from the border to the foot of the cube is 1 / 3.5, as above."""
+    floor(port, 7)
+    upon(port, 100, 24, 0.0, level=2)
+    port.touches[-1].friction = mu
+    settings = Settings(repose=float(np.arctan(slope)))
+    run(StabilityExtension(port, "pile", settings=settings), 3 * DWELL)
+    assert (100 in port.frozen) == sleeps
+
+
+def test_an_angle_of_repose_in_degrees_is_refused_with_the_unit():
+    with pytest.raises(ValueError, match=r"repose must be below pi/2 rad, got 35.0: pass the angle in radians"):
+        Settings(repose=35.0)
+
+
 def test_a_tower_is_no_pile(port):
     port.add(0, (0.0, 0.0, 0.005))
     port.lay(0, GROUND, (-0.05, 0.05), (-0.01, 0.01), 0.0)
