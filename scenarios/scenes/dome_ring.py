@@ -1,12 +1,13 @@
-"""A ring of wedge-shaped stones on a seat that slopes down inward, as in a dome: whole, or with one stone missing.
+"""A ring of wedge-shaped stones on a seat that slopes down inward, as in a dome: a whole ring, or half a ring.
 
 Theory: the seat slopes by ``SLOPE``, above the angle of friction, so a single stone slides inward. In a whole ring the
 stones' sides, which point to the axis, press against each other, and by symmetry pressure alone holds all stones: on
-each stone the sides push outward with 2 P sin(pi / n) = W tan(slope). In a ring with a gap the two stones beside it
-have no pressure on one side, so the ring opens: exact statics finds no forces that hold it.
+each stone the sides push outward with 2 P sin(pi / n) = W tan(slope). In half a ring the two outer stones have no
+pressure on one side, so the stones slide inward: exact statics finds no forces that hold them. But engines show that
+they meet the seats of their neighbours after 20 mm, where they may jam, so half a ring is a study.
 
 Look for: pressure between the sides, which arises only as the stones begin to slide. A rule that judges each stone by
-what lies below it freezes an open ring, or never freezes a whole ring.
+what lies below it freezes half a ring, or never freezes a whole ring.
 """
 
 from __future__ import annotations
@@ -47,19 +48,18 @@ def dome_ring(
 
     Args:
         stones: number of stones of a whole ring.
-        ring: "whole", or "open" for one stone less.
+        ring: "whole", or "open" for half of the stones.
         scale: factor on all lengths.
     """
-    count = stones if ring == "whole" else stones - 1
+    count = stones if ring == "whole" else stones // 2
     is_whole = count == stones
     return Plan(
         world=World(friction=FRICTION, fixed=tuple(_seat(index, stones, scale) for index in range(stones))),
         actions=(Place(0.0, tuple(_stone(index, stones, scale) for index in range(count)), 0.0),),
         expectation=Expectation("stand", "pressure between the sides alone holds the ring, by symmetry")
         if is_whole
-        else Expectation("fall", "nothing presses on the stones beside the gap, and mu < tan(30 deg)", 1),
-        look_for="stones that slide inward beside a gap, and nowhere else",
-        partner={"ring": "whole"},
+        else Expectation("study", "the stones slide inward, but meet other seats after 20 mm, where they may jam"),
+        look_for="stones that slide inward in half a ring, and nowhere else",
     )
 
 

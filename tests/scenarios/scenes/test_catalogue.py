@@ -28,7 +28,7 @@ STATIC = {
 """What a blow does is no matter of statics: ``tests/bench/trial/test_manipulator.py`` measures it."""
 QUICK = {name: scene for name, scene in STATIC.items() if len(scene.bricks) < 8}
 """Exact statics takes seconds for the larger ones."""
-SLOPES = {"incline", "groove", "seesaw", "dome_ring"}
+SLOPES = {"incline", "groove", "seesaw"}
 """Families whose bricks lie on a slope."""
 BY_MARGIN = {
     "harmonic_overhang": {},
