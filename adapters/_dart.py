@@ -48,7 +48,7 @@ import numpy as np
 
 from adapters._dart_contacts import CollisionObjects, forces_of, geometry_of
 from adapters._dart_coordinates import coordinates_of, quaternions_of
-from adapters._dart_settings import KNOBS
+from adapters._dart_settings import HAS_DEACTIVATION, KNOBS, MISSING_KNOBS
 from adapters._dart_world import DartWorld
 from adapters.profile import Capabilities, KnobValue
 from adapters.profile_files import load_settings
@@ -58,7 +58,7 @@ from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 
-_SETTINGS = load_settings("dart", KNOBS.__contains__)
+_SETTINGS = load_settings("dart", KNOBS.__contains__, missing=MISSING_KNOBS)
 
 
 class DartSimulation(SubstepSimulation):
@@ -67,6 +67,7 @@ class DartSimulation(SubstepSimulation):
     engine = "dart"
     profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    missing_knobs = _SETTINGS.missing
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "matrix_free_max_iterations"
     capabilities = Capabilities(
@@ -86,6 +87,8 @@ class DartSimulation(SubstepSimulation):
     )
 
     def _open(self) -> None:
+        if self.info.sleeping != "off" and not HAS_DEACTIVATION:
+            raise NotImplementedError(f"DART {self.info.version} has no sleeping of its own")
         self._engine = DartWorld(self.world, self.info.profile, self.expected)
         self._joints = self._engine.joints
         self._objects = CollisionObjects()

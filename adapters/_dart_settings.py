@@ -35,22 +35,42 @@ _DEACTIVATION_OPTIONS = {
 KNOBS = frozenset({"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS, *_DEACTIVATION_OPTIONS})
 """Knobs that a profile may have."""
 
+HAS_MATRIX_FREE = hasattr(dartpy.constraint.ConstraintSolver, "getMatrixFreeContactSolverOptions")
+"""True if DART has the matrix-free solver, which came with 6.20.0."""
+HAS_DEACTIVATION = hasattr(dartpy.simulation.World, "getDeactivationOptions")
+"""True if DART can deactivate bodies at rest."""
+MISSING_KNOBS = frozenset(
+    {*(() if HAS_MATRIX_FREE else _MATRIX_FREE_OPTIONS), *(() if HAS_DEACTIVATION else _DEACTIVATION_OPTIONS)}
+)
+"""Knobs that this release does not have."""
+
 
 def configure(world: Any, knobs: Mapping[str, KnobValue], bricks: Sequence[Brick]) -> None:
     """Set a world's knobs, with impulse tolerances scaled to the mass of the expected ``bricks``."""
-    if "collision_detector" in knobs:
-        detectors = dartpy.simulation.CollisionDetectorType
-        world.setCollisionDetector(getattr(detectors, str(knobs["collision_detector"])))
-    deactivation = world.getDeactivationOptions()
-    _set_fields(deactivation, _DEACTIVATION_OPTIONS, knobs)
-    world.setDeactivationOptions(deactivation)
     solver = world.getConstraintSolver()
+    if "collision_detector" in knobs:
+        _set_detector(world, solver, str(knobs["collision_detector"]))
+    if HAS_DEACTIVATION:
+        deactivation = world.getDeactivationOptions()
+        _set_fields(deactivation, _DEACTIVATION_OPTIONS, knobs)
+        world.setDeactivationOptions(deactivation)
+    if not HAS_MATRIX_FREE:
+        return
     options = solver.getMatrixFreeContactSolverOptions()
     _set_fields(options, _MATRIX_FREE_OPTIONS, knobs)
     for knob in _IMPULSE_TOLERANCES:
         if knob in knobs:
             setattr(options, _MATRIX_FREE_OPTIONS[knob], float(knobs[knob]) * _mass_in_planks(bricks))
     solver.setMatrixFreeContactSolverOptions(options)
+
+
+def _set_detector(world: Any, solver: Any, name: str) -> None:
+    """Choose the collision detector of a world by its name in DART, such as ``DART`` or ``FCL``."""
+    detectors = getattr(dartpy.simulation, "CollisionDetectorType", None)
+    if detectors is None:  # before 6.20
+        solver.setCollisionDetector(getattr(dartpy.collision, f"{name}CollisionDetector")())
+    else:
+        world.setCollisionDetector(getattr(detectors, name))
 
 
 def _set_fields(options: Any, fields: Mapping[str, str], knobs: Mapping[str, KnobValue]) -> None:
@@ -77,8 +97,11 @@ def _mass_in_planks(bricks: Sequence[Brick]) -> float:
 
 def read_knobs(world: Any, knobs: Mapping[str, KnobValue]) -> dict[str, KnobValue]:
     """Return the present values of the knobs that are options of the world, except the impulse tolerances."""
-    options = world.getConstraintSolver().getMatrixFreeContactSolverOptions()
-    owners = ((_MATRIX_FREE_OPTIONS, options), (_DEACTIVATION_OPTIONS, world.getDeactivationOptions()))
+    owners = []
+    if HAS_MATRIX_FREE:
+        owners.append((_MATRIX_FREE_OPTIONS, world.getConstraintSolver().getMatrixFreeContactSolverOptions()))
+    if HAS_DEACTIVATION:
+        owners.append((_DEACTIVATION_OPTIONS, world.getDeactivationOptions()))
     return {
         name: getattr(owner, field)
         for fields, owner in owners

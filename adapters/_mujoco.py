@@ -1,4 +1,4 @@
-"""MuJoCo 4: soft contacts, solved to convergence by Newton's method.
+"""MuJoCo 3 and 4: soft contacts, solved to convergence by Newton's method.
 
 Slots: MuJoCo compiles its model in advance, so that the adapter reserves a slot for every expected brick. A slot is a
 free body that is parked (without collisions, weight or cost) until the host spawns the brick (``_mujoco_slots.py``). If
@@ -46,6 +46,7 @@ from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 from stability_core.ports.mujoco_calls import speculative_rows
+from stability_core.ports.mujoco_release import HAS_SLEEP, HAS_SPECULATIVE
 
 mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
@@ -55,7 +56,12 @@ def _knows(knob: str) -> bool:
     return "." in knob or knob in (CONTACT_STEPS, "sleep")
 
 
-_SETTINGS = load_settings("mujoco", _knows)
+_MISSING_KNOBS = (
+    *(() if HAS_SLEEP else ("sleep", "option.sleep_tolerance")),
+    *(() if HAS_SPECULATIVE else ("flag.speculative",)),
+)
+"""Knobs that this release does not have."""
+_SETTINGS = load_settings("mujoco", _knows, missing=_MISSING_KNOBS)
 
 
 class MujocoSimulation(SubstepSimulation):
@@ -64,6 +70,7 @@ class MujocoSimulation(SubstepSimulation):
     engine = "mujoco"
     profiles = _SETTINGS.profiles
     sleep_knobs = _SETTINGS.sleep_knobs
+    missing_knobs = _SETTINGS.missing
     knows_knob = staticmethod(_SETTINGS.knows)
     iterations = "option.iterations"
     capabilities = Capabilities(
@@ -82,6 +89,8 @@ class MujocoSimulation(SubstepSimulation):
     )
 
     def _open(self) -> None:
+        if self.info.sleeping != "off" and not HAS_SLEEP:
+            raise NotImplementedError(f"MuJoCo {self.info.version} has no sleeping of its own: 3.4 introduced it")
         self._engine = MujocoWorld(
             self.world, self.info.profile, self.bodies, self.expected, needs_ghosts=lambda: self.is_observed
         )

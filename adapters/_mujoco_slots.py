@@ -15,7 +15,8 @@ from scenarios.shapes import Polyhedron
 from scenarios.solids import moments_of
 from stability_core.port import FloatArray
 from stability_core.ports import mujoco_calls
-from stability_core.ports.mujoco_ghosts import SLEEP_ALLOWED, SLEEP_NEVER, FreeBody
+from stability_core.ports.mujoco_ghosts import FreeBody
+from stability_core.ports.mujoco_release import HAS_SLEEP, SLEEP_ALLOWED, SLEEP_NEVER, detection_attributes
 
 CONTACT_STEPS = "contact_steps"
 """Knob for the time constant of contacts [steps]; MuJoCo's ``solref`` has this constant in seconds."""
@@ -138,14 +139,18 @@ def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: 
     timestep = profile.frame_s / profile.substeps
     settings: dict[str, dict[str, object]] = {
         "option": {"timestep": timestep, "gravity": _numbers(world.gravity)},
-        "flag": {"sleep": "enable"},  # parked bricks sleep in every profile, live bricks by their sleep policy
+        "flag": {"sleep": "enable"}
+        if HAS_SLEEP
+        else {},  # parked bricks sleep in every profile, live bricks by their sleep policy
         "geom": {"friction": world.friction, "contype": 0, "conaffinity": 0},
     }
     if CONTACT_STEPS in profile.knobs:
         settings["geom"]["solref"] = _numbers((float(profile.knobs[CONTACT_STEPS].value) * timestep, 1))
     for name, knob in profile.knobs.items():
         element, _, attribute = name.partition(".")
-        if attribute:
+        if name == "geom.gap":
+            settings[element] |= detection_attributes(float(knob.value))
+        elif attribute:
             settings[element][attribute] = knob.value
     option, flag, geom = (
         " ".join(f'{name}="{value}"' for name, value in settings[element].items())
@@ -154,6 +159,7 @@ def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: 
     meshes = dict.fromkeys(brick.shape for brick in (*patterns, *world.fixed) if isinstance(brick.shape, Polyhedron))
     names = {mesh: f"mesh{number}" for number, mesh in enumerate(meshes)}
     bodies = [_inertial(pattern) + _geom(pattern, names) for pattern in patterns]
+    asleep = 'sleep="init"' if HAS_SLEEP else ""
     fixed = [
         f'<body pos="{_numbers(body.position)}" quat="{_numbers(body.quaternion)}">'
         f"{_geom(replace(body, mass=1.0), names, _COLLIDES)}</body>"
@@ -166,7 +172,7 @@ def _mjcf(patterns: Sequence[Brick], world: World, profile: Profile, *, ghosts: 
             {_assets(names)}
             <worldbody>
                 <geom type="plane" size="0 0 1" {_COLLIDES}/>
-                {"".join(f'<body sleep="init" gravcomp="1"><freejoint/>{body}</body>' for body in bodies)}
+                {"".join(f'<body {asleep} gravcomp="1"><freejoint/>{body}</body>' for body in bodies)}
                 {"".join(f'<body mocap="true">{body}</body>' for body in bodies) if ghosts else ""}
                 {"".join(fixed)}
             </worldbody>

@@ -30,6 +30,8 @@ class EngineHooks(ABC):
     profiles: ClassVar[Mapping[str, Profile]]
     sleep_knobs: ClassVar[Mapping[str, Mapping[str, Knob]]] = {}
     """Knobs added to every profile, by the mode of the engine's own sleeping: off, native or raised."""
+    missing_knobs: ClassVar[frozenset[str]] = frozenset()
+    """Knobs of the profile file that the installed release of the engine does not have; no profile contains them."""
     iterations: ClassVar[str]
     """Name of the knob for the greatest number of solver iterations per step; empty if the engine has no such knob."""
 

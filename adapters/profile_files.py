@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
@@ -50,15 +50,25 @@ class EngineSettings:
     sleep_knobs: Mapping[str, Knobs]
     knows: Callable[[str], bool] = lambda _: True
     """Function that returns whether a knob of this name exists."""
+    missing: frozenset[str] = frozenset()
+    """Knobs of the file that the installed release of the engine does not have. No profile contains them."""
 
 
-def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, folder: Path = FOLDER) -> EngineSettings:
+def load_settings(
+    engine: str,
+    knows: Callable[[str], bool] = lambda _: True,
+    folder: Path = FOLDER,
+    *,
+    missing: Iterable[str] = (),
+) -> EngineSettings:
     """Read and check the profile file of an engine.
 
     Args:
         engine: name of the engine.
         knows: returns whether a knob of this name exists, for engines that ignore a misspelt knob.
         folder: folder of the files.
+        missing: knobs that the installed release of the engine does not have, although another release does. The
+            profiles are returned without these knobs.
 
     Raises:
         ProfileFileError: if the file is missing, or an entry in it is invalid.
@@ -78,7 +88,23 @@ def load_settings(engine: str, knows: Callable[[str], bool] = lambda _: True, fo
         _check_known(settings, knows)
     except ProfileFileError as error:
         raise ProfileFileError(f"{path}: {error}") from error
-    return settings
+    return _without(settings, frozenset(missing))
+
+
+def _without(settings: EngineSettings, missing: frozenset[str]) -> EngineSettings:
+    """Return the settings without the missing knobs, and record which of them the file has."""
+
+    def kept(knobs: Knobs) -> dict[str, Knob]:
+        return {name: knob for name, knob in knobs.items() if name not in missing}
+
+    named = {name for profile in settings.profiles.values() for name in profile.knobs}
+    named |= {name for knobs in settings.sleep_knobs.values() for name in knobs}
+    return replace(
+        settings,
+        profiles={name: replace(one, knobs=kept(one.knobs)) for name, one in settings.profiles.items()},
+        sleep_knobs={mode: kept(knobs) for mode, knobs in settings.sleep_knobs.items()},
+        missing=missing & named,
+    )
 
 
 def _check_known(settings: EngineSettings, knows: Callable[[str], bool]) -> None:

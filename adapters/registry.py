@@ -56,6 +56,11 @@ def profiles(name: str) -> Mapping[str, Profile]:
     return _load(name).profiles
 
 
+def missing_knobs(name: str) -> list[str]:
+    """Return the knobs that the installed release of engine ``name`` does not have, sorted; no profile has them."""
+    return sorted(_load(name).missing_knobs)
+
+
 def profile_named(engine: str, name: str) -> Profile:
     """Return the profile ``name`` of an engine, varied if its name states a variation (``adapters.profile_variants``).
 

@@ -18,6 +18,7 @@ from bench.cli.compare import compare
 from bench.cli.completion import install_completion, show_completion
 from bench.cli.console import input_errors
 from bench.cli.export import export
+from bench.cli.history import history
 from bench.cli.list import list_
 from bench.cli.replay import replay
 from bench.cli.report import report
@@ -63,7 +64,7 @@ def add_external_engines(
         register_external()
 
 
-for _verb in (run, report, replay, baseline, compare, export):
+for _verb in (run, report, replay, baseline, compare, export, history):
     app.command()(_verb)
 app.command(name="list")(list_)
 app.command()(check)

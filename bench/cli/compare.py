@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bench.cli.completion import STUDY
-from bench.cli.console import ERR, OUT, RESULTS, input_errors
+from bench.cli.console import ERR, OUT, RESULTS, input_errors, note
 from bench.compare import render
-from bench.compare.baseline import read_baseline
+from bench.compare.baseline import of_engines, read_baseline
 from bench.compare.benchmarks import are_benchmarks, compare_benchmarks, read_benchmarks
-from bench.compare.checkouts import prepare
+from bench.compare.checkouts import Checkout, named_by_difference, prepare, prune_checkouts
 from bench.compare.comparison import compare_runs
+from bench.compare.environments import prune_environments
 from bench.compare.findings import GATES, chosen_gates
 from bench.compare.interleave import run_interleaved
 from bench.execution.results import check_folder
-from bench.studies.schema import load_study, study_names
-from bench.studies.selection import default_part
+from bench.studies.schema import Study, load_study, study_names
+from bench.studies.selection import Selection, default_part, selected
 from reports.records.atomic import write_atomic
 
 
@@ -29,11 +33,18 @@ def compare(
         typer.Argument(
             help="The base: a results folder, a baseline file or a pytest-benchmark file; with --run a version."
         ),
-    ],
-    head: Annotated[str, typer.Argument(help="The head: the same kinds as BASE.")],
+    ] = "",
+    head: Annotated[str, typer.Argument(help="The head: the same kinds as BASE.")] = "",
     fail_on: Annotated[str, typer.Option(help="Gates whose alarms give exit status 1, or 'none'.")] = ",".join(GATES),
     across_versions: Annotated[
         bool, typer.Option("--across-versions", help="Also judge trials whose engine has another version.")
+    ] = False,
+    poses: Annotated[
+        bool, typer.Option("--poses", help="As --across-versions; also judge whether poses changed between versions.")
+    ] = False,
+    engine: Annotated[list[str] | None, typer.Option(help="Compare only this engine; may be repeated.")] = None,
+    require_all: Annotated[
+        bool, typer.Option("--require-all", help="A trial of BASE that HEAD does not have is an alarm.")
     ] = False,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the tables as Markdown.")] = None,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")] = None,
@@ -50,24 +61,38 @@ def compare(
         list[str] | None, typer.Option(help="With --run: a package or wheel to install for HEAD.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="With --run: results folder [results/compare-TIME].")] = None,
+    allow_dirty: Annotated[
+        bool, typer.Option("--allow-dirty", help="With --run: accept uncommitted changes of a checkout.")
+    ] = False,
+    prune: Annotated[
+        bool, typer.Option("--prune", help="Remove the kept checkouts and environments; compare nothing.")
+    ] = False,
 ) -> None:
     """Compare two runs for regressions of outcome, trajectory and time; exit status 1 if a gate raises an alarm."""
+    if prune:
+        _prune()
+        return
+    if not (base and head):
+        raise typer.BadParameter("name BASE and HEAD, or --prune")
     with input_errors():
         gates = chosen_gates(fail_on)
+        judge = partial(compare_runs, across_versions=across_versions, poses=poses, require_all=require_all)
         if run_both:
             plan = default_part(load_study(study)) if study in study_names() else load_study(study)
+            plan = selected(plan, Selection(engine or ()))
             folder = out or RESULTS / f"compare-{datetime.now(UTC):%Y%m%d-%H%M%S}"
             check_folder(folder)
-            versions = prepare(base, base_with or (), ERR), prepare(head, head_with or (), ERR)
+            packages = tuple(base_with or ()), tuple(head_with or ())
+            versions = _prepared((base, head), packages, plan, allow_dirty)
             sides = run_interleaved(versions, plan, rounds, folder, ERR)
-            comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
+            comparison = judge(*sides, (versions[0].name, versions[1].name))
         elif are_benchmarks(Path(base), Path(head)):
             gates = tuple(gate for gate in gates if gate == "time")
             frame_times = read_benchmarks(Path(base)), read_benchmarks(Path(head))
             comparison = compare_benchmarks(*frame_times, across_versions=across_versions)
         else:
-            sides = read_baseline(Path(base)), read_baseline(Path(head))
-            comparison = compare_runs(*sides, (base, head), across_versions=across_versions)
+            sides = of_engines(read_baseline(Path(base)), engine), of_engines(read_baseline(Path(head)), engine)
+            comparison = judge(*sides, (base, head))
         if markdown is not None:
             write_atomic(markdown, render.markdown(comparison, gates).encode())
         if junit is not None:
@@ -77,3 +102,22 @@ def compare(
     else:
         render.show(comparison, gates, OUT)
     raise typer.Exit(1 if comparison.alarms(gates) else 0)
+
+
+def _prepared(
+    versions: tuple[str, str], packages: tuple[Sequence[str], Sequence[str]], plan: Study, allow_dirty: bool
+) -> tuple[Checkout, Checkout]:
+    """Return the checkouts of base and head, named by what differs."""
+    base, head = (
+        prepare(version, chosen, ERR, engines=plan.engines, allow_dirty=allow_dirty)
+        for version, chosen in zip(versions, packages, strict=True)
+    )
+    names = named_by_difference((base, head), packages)
+    return replace(base, name=names[0]), replace(head, name=names[1])
+
+
+def _prune() -> None:
+    """Remove all kept checkouts and environments, and print their number."""
+    with input_errors():
+        checkouts, environments = prune_checkouts(ERR), prune_environments()
+    note(f"removed {checkouts} checkouts and {len(environments)} environments")

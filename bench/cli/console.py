@@ -15,12 +15,16 @@ from rich.console import Console
 
 from adapters import EngineNotInstalledError, EnginesFileError, PeerError, ProfileError, ProfileFileError
 from bench.compare.baseline import BaselineError
-from bench.compare.checkouts import CheckoutError
+from bench.compare.commands import CheckoutError
 from bench.compare.comparison import NothingInCommonError
+from bench.compare.failures import SideFailedError
 from bench.execution.errors import ClusterError
 from bench.execution.results import ResultsError
+from bench.history.bisection import BisectionError
+from bench.history.versions import VersionsError
 from bench.studies.schema import StudyError
 from reports.records.folder import ResultsFolder
+from reports.records.history import HistoryError
 from reports.records.recording import RecordingError
 from reports.records.trial import RecordError, RecordWarning, TrialRecord
 from reports.replays.errors import ExportError
@@ -57,6 +61,10 @@ def input_errors() -> Iterator[None]:
         ClusterError,
         BaselineError,
         CheckoutError,
+        SideFailedError,
+        VersionsError,
+        BisectionError,
+        HistoryError,
         NothingInCommonError,
         ExportError,
         OSError,

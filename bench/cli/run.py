@@ -86,6 +86,7 @@ def run(
         typer.Option(metavar="ADDRESS", help="Show them in the open viewer at rerun+http://HOST:PORT/proxy."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print records as JSON lines instead of tables.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write the records only: no tables, no page.")] = False,
 ) -> None:
     """Run a study, or continue an interrupted run, and print the outcomes."""
     with input_errors():
@@ -120,9 +121,9 @@ def run(
             return outcomes_on_cluster(chosen, waiting, environment, dask, interruption, ERR, results.know)
 
         _run(chosen, results, outcomes, as_json)
-    report = make_report(folder)
+    report = None if no_report else make_report(folder)
     note(f"{len(results.finished)} trials are kept in {relative(folder)}")
-    if not as_json:
+    if report is not None and not as_json:
         show(report)
 
 

@@ -39,6 +39,8 @@ class Engine(_Model):
     version: str
     deterministic: str
     """Scope in which the engine repeats bit for bit: "across processes", "within a process" or "no"."""
+    missing_knobs: Sequence[str] = ()
+    """Settings of the profiles that this version of the engine does not have, so that it ran without them."""
 
 
 class Machine(_Model):
@@ -126,6 +128,21 @@ def read_baseline(path: Path) -> Baseline:
             )
         seen.add(record.trial)
     return baseline
+
+
+def of_engines(side: Baseline, engines: Sequence[str] | None) -> Baseline:
+    """Return the trials of the named engines only; all trials if none is named.
+
+    Raises:
+        BaselineError: if the side has no trial of these engines.
+    """
+    if not engines:
+        return side
+    trials = [record for record in side.trials if record.engine in engines]
+    if not trials:
+        has = ", ".join(sorted({record.engine for record in side.trials}))
+        raise BaselineError(f"a side has no trial of {', '.join(engines)}: its engines are {has}")
+    return side.model_copy(update={"trials": trials})
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
@@ -257,7 +274,11 @@ def _shares(folder: Path, records: Sequence[TrialRecord]) -> dict[str, dict[Part
 def _machine(environment: Mapping[str, Any]) -> Machine:
     kept = {name: environment[name] for name in Machine.model_fields if name != "engines"}
     engines = {
-        name: Engine(version=engine["version"], deterministic=engine["capabilities"]["deterministic"])
+        name: Engine(
+            version=engine["version"],
+            deterministic=engine["capabilities"]["deterministic"],
+            missing_knobs=engine.get("missing_knobs", ()),
+        )
         for name, engine in environment["engines"].items()
     }
     return Machine(**kept, engines=engines)

@@ -1,27 +1,21 @@
-"""Checkouts of two versions of the suite, each with its own environment."""
+"""Checkouts of two versions of the suite, each with an environment of its own packages."""
 
 from __future__ import annotations
 
-import hashlib
-import os
-import subprocess
-from collections.abc import Sequence
+import shutil
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
+from bench.compare.commands import CheckoutError, call
+from bench.compare.environments import CACHE, environment
+from bench.compare.requirements import pinned
 from bench.machine.source_digest import ROOT
 
-_HOME = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stillstack" / "checkouts"
-"""Folder that keeps the checkouts, so that a later comparison need not install or compile them again."""
-_UV = os.environ.get("UV", "uv")  # 'uv run' sets this variable
-_INHERITED = ("VIRTUAL_ENV", "PYTHONPATH")
-"""Environment variables to remove, because they would make a checkout use the environment of this process."""
-
-
-class CheckoutError(ValueError):
-    """A version that cannot be checked out, installed or run; the message names the reason and the fix."""
+_NO_REPORT = "--no-report"
+"""Option of ``bench run`` that earlier versions of the suite do not have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,78 +23,132 @@ class Checkout:
     """A version of the suite that can be run."""
 
     name: str
-    """Name given by the user."""
+    """Name for messages and tables."""
     folder: Path
+    python: Path
+    """Interpreter of its environment."""
+    pins: tuple[str, ...] = ()
+    """Packages of the environment with their versions; empty for a folder with its own environment."""
 
-    @property
-    def python(self) -> Path:
-        """Path of the interpreter in the checkout's environment."""
-        return self.folder / ".venv" / "bin" / "python"
-
-    def run(self, study: Path, out: Path) -> None:
+    def run(self, study: Path, out: Path, *, report: bool = True) -> None:
         """Run or continue a study with this version.
 
         Args:
             study: file of the study.
             out: results folder.
+            report: False to write no report, if this version of the suite can leave it out.
 
         Raises:
             CheckoutError: if the run fails.
         """
-        _call(self.name, [str(self.python), "-m", "bench", "run", str(study), "--out", str(out)], self.folder)
+        command = [str(self.python), "-m", "bench", "run", str(study), "--out", str(out)]
+        can_omit = _NO_REPORT in (self.folder / "bench" / "cli" / "run.py").read_text(encoding="utf-8")
+        call(self.name, [*command, *([] if report or not can_omit else [_NO_REPORT])], self.folder)
 
 
-def prepare(version: str, packages: Sequence[str], console: Console) -> Checkout:
+def prepare(
+    version: str,
+    packages: Sequence[str],
+    console: Console,
+    *,
+    engines: Iterable[str],
+    allow_dirty: bool = False,
+) -> Checkout:
     """Return a checkout of ``version`` with its own environment.
 
     Args:
         version: a commit, a branch or a tag; or a folder with a checkout, which stays unchanged.
-        packages: packages to install over the locked environment, such as the wheel of another build of an engine.
+        packages: packages that replace the locked ones, such as the wheel of another build of an engine.
         console: console that shows the start of each slow step.
+        engines: names of the engines to install.
+        allow_dirty: True to accept uncommitted changes.
 
     Raises:
-        CheckoutError: if there is no such version, or it cannot be installed.
+        CheckoutError: if there is no such version, it has uncommitted changes, or it cannot be installed.
     """
     if (Path(version) / "bench" / "__main__.py").is_file():
-        checkout = Checkout(version, Path(version).resolve())
-        if packages:
-            raise CheckoutError(
-                f"this command installs packages only for commits, branches and tags, but {version} is a folder: "
-                f"install {packages[0]} in its environment, and leave out the package"
-            )
-        if not checkout.python.exists():
-            raise CheckoutError(
-                f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' there"
-            )
-        return checkout
-    commit = _call(version, ["git", "rev-parse", "--verify", "--end-of-options", f"{version}^{{commit}}"], ROOT).strip()
-    variant = hashlib.blake2b("\0".join(packages).encode(), digest_size=4).hexdigest() if packages else "locked"
-    checkout = Checkout(version, _HOME / f"{commit[:12]}-{variant}")
-    if not (checkout.folder / "bench").exists():
+        return _folder(version, packages, allow_dirty)
+    folder = checked_out(version, console, allow_dirty=allow_dirty)
+    pins = pinned(version, folder, engines, packages)
+    return Checkout(version, folder, environment(version, pins, console), tuple(pins))
+
+
+def checked_out(version: str, console: Console, *, allow_dirty: bool = False) -> Path:
+    """Return the folder of a kept checkout of a commit, a branch or a tag, without an environment.
+
+    Raises:
+        CheckoutError: if there is no such version, or if it is the present commit and the checkout has uncommitted
+            changes.
+    """
+    commit = call(
+        version,
+        ["git", "rev-parse", "--verify", "--end-of-options", f"{version}^{{commit}}"],
+        ROOT,
+        "name a commit, a branch, a tag, or the folder of a checkout",
+    ).strip()
+    if not allow_dirty and commit == call(version, ["git", "rev-parse", "HEAD"], ROOT).strip():
+        _refuse_changes(version, ROOT, "the comparison would leave them out")
+    folder = CACHE / "checkouts" / commit[:12]
+    if not (folder / "bench").exists():
         console.print(f"checking out {version} (commit {commit[:12]})", highlight=False)
-        _call(version, ["git", "worktree", "add", "--detach", "--force", str(checkout.folder), commit], ROOT)
-    console.print(f"installing the locked packages of {version}", highlight=False)
-    _call(version, [_UV, "sync", "--locked"], checkout.folder)
+        call(version, ["git", "worktree", "add", "--detach", "--force", str(folder), commit], ROOT)
+    return folder
+
+
+def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequence[str], Sequence[str]]) -> list[str]:
+    """Return the names of base and head, made of what differs: the version of the suite, the chosen packages, or both.
+
+    If only one side has chosen packages, the name of the other side states the locked versions of these packages.
+    """
+    pins = [dict(pin.partition("==")[::2] for pin in side.pins if "==" in pin) for side in sides]
+    chosen = sorted({name for one in pins for name in one if len({pin.get(name) for pin in pins}) > 1})
+    names = []
+    for side, pin, asked in zip(sides, pins, packages, strict=True):
+        replaced = [Path(one).name if Path(one).exists() else one.replace("==", " ") for one in asked]
+        told = {one.split(" ")[0] for one in replaced}
+        wanted = {one.partition("==")[0] for other in packages for one in other}
+        kept = [f"{name} {pin[name]}" for name in chosen if name in wanted - told and name in pin]
+        same_suite = sides[0].name == sides[1].name
+        parts = [*([] if same_suite else [side.name]), *replaced, *kept]
+        names.append(", ".join(parts) or side.name)
+    return names
+
+
+def prune_checkouts(console: Console) -> int:
+    """Remove all kept checkouts from the cache; return their number."""
+    folders = sorted(path for path in (CACHE / "checkouts").glob("*") if path.is_dir())
+    for folder in folders:
+        try:
+            call(folder.name, ["git", "worktree", "remove", "--force", str(folder)], ROOT)
+        except CheckoutError:  # of another clone, or damaged
+            shutil.rmtree(folder, ignore_errors=True)
+        console.print(f"removed the checkout {folder.name}", highlight=False)
+    call("prune", ["git", "worktree", "prune"], ROOT)
+    return len(folders)
+
+
+def _folder(version: str, packages: Sequence[str], allow_dirty: bool) -> Checkout:
+    """Return a folder with a checkout and its environment as they are."""
+    checkout = Checkout(version, Path(version).resolve(), Path(version).resolve() / ".venv" / "bin" / "python")
     if packages:
-        found = [str(Path(package).resolve()) if Path(package).exists() else package for package in packages]
-        _call(version, [_UV, "pip", "install", "--python", str(checkout.python), "--", *found], checkout.folder)
+        raise CheckoutError(
+            f"this command installs packages only for commits, branches and tags, but {version} is a folder: "
+            f"install {packages[0]} in its environment, and leave out the package"
+        )
+    if not checkout.python.exists():
+        raise CheckoutError(
+            f"{version}: the folder must contain an environment (.venv), but does not: run 'uv sync' there"
+        )
+    if not allow_dirty and (checkout.folder / ".git").exists():
+        _refuse_changes(version, checkout.folder, "no commit would name what was compared")
     return checkout
 
 
-def _call(version: str, command: Sequence[str], folder: Path) -> str:
-    """Return the output of a command.
-
-    Raises:
-        CheckoutError: if the command cannot be run, or fails; the message ends with its error output.
-    """
-    environment = {name: value for name, value in os.environ.items() if name not in _INHERITED}
-    try:
-        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    except OSError as error:
+def _refuse_changes(version: str, folder: Path, why: str) -> None:
+    """Raise an error for uncommitted changes of tracked files."""
+    changed = call(version, ["git", "status", "--porcelain", "--untracked-files=no"], folder).splitlines()
+    if changed:
         raise CheckoutError(
-            f"{version}: {command[0]} cannot be run ({error.strerror}): install {command[0]}, or repair the checkout"
-        ) from error
-    if done.returncode != 0:
-        words = " ".join(done.stderr.split())[-500:] or "no error output"
-        raise CheckoutError(f"{version}: '{' '.join(command[:4])} ...' failed; correct this error: {words}")
-    return done.stdout
+            f"{version}: {folder} has {len(changed)} uncommitted changes, such as {changed[0][3:]!r}, and {why}: "
+            "commit or stash them, or add --allow-dirty"
+        )

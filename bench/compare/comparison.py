@@ -7,8 +7,9 @@ from collections.abc import Collection, Iterator, Sequence
 
 from bench.compare.baseline import Baseline, Machine
 from bench.compare.determinism import judge_poses, other_processor
-from bench.compare.findings import Comparison, Finding
-from bench.compare.outcomes import judge_draws, judge_outcome
+from bench.compare.failures import failed_engines, require_results
+from bench.compare.findings import Comparison, Finding, Judgement
+from bench.compare.outcomes import judge_draws, judge_outcome, values_of
 from bench.compare.timing import PARTS, Part, judge_times
 from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
@@ -24,7 +25,13 @@ Pair = tuple[TrialRecord, TrialRecord]
 
 
 def compare_runs(
-    base: Baseline, head: Baseline, names: tuple[str, str], *, across_versions: bool = False
+    base: Baseline,
+    head: Baseline,
+    names: tuple[str, str],
+    *,
+    across_versions: bool = False,
+    poses: bool = False,
+    require_all: bool = False,
 ) -> Comparison:
     """Return the findings of all gates for ``head``, compared with ``base``.
 
@@ -33,30 +40,43 @@ def compare_runs(
         head: the run to judge; its study gives the tolerances.
         names: names of base and head, for the messages.
         across_versions: True to compare outcomes of different versions of an engine.
+        poses: True to compare poses of different versions of an engine as well.
+        require_all: True if a trial of the base that the head does not have is an alarm.
 
     Raises:
+        SideFailedError: if all trials of a side failed.
         NothingInCommonError: if no trial is in both runs.
     """
+    across_versions |= poses
+    require_results(base, names[0])
+    require_results(head, names[1])
     before = {record.trial: record for record in base.trials}
     now = {record.trial: record for record in head.trials}
     pairs = [(before[trial], now[trial]) for trial in before if trial in now]
     if not pairs:
         raise NothingInCommonError(f"{names[0]} and {names[1]} have no trial in common: compare runs of the same study")
-    findings = [Finding("outcome", trial, "open", f"missing in {names[1]}") for trial in before if trial not in now]
+    missing = [trial for trial in before if trial not in now]
+    lost: Judgement = "worse" if require_all else "open"
+    findings = [Finding("outcome", trial, lost, f"missing in {names[1]}") for trial in missing]
     findings += [Finding("outcome", trial, "open", f"new: not in {names[0]}") for trial in now if trial not in before]
+    failed = failed_engines(base)
+    findings += [Finding("outcome", engine, "open", f"in {names[0]} {why}") for engine, why in failed.items()]
     comparable = []
     for one, other in pairs:
+        if one.engine in failed:
+            continue
         why = _incomparable(base, head, one, other, across_versions)
         if why is None:
             comparable.append((one, other))
         else:
             findings.append(Finding("outcome", other.trial, "open", why))
     findings += _outcomes(base, head, comparable)
-    hashed = list(_trajectories(base, head, comparable))
+    hashed = list(_trajectories(base, head, comparable, poses))
     same_way = {finding.trial for finding in hashed if finding.judgement == "same"}
     findings += hashed
     findings += _times(base, head, comparable, same_way)
-    return Comparison(*names, tuple(findings), tuple(_differences(base, head)))
+    notes = tuple(_differences(base, head))
+    return Comparison(*names, tuple(findings), notes, missing=len(missing), expected=len(before))
 
 
 def _incomparable(
@@ -89,19 +109,21 @@ def _outcomes(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator
     draws: dict[str, list[Pair]] = defaultdict(list)
     for one, other in pairs:
         if base.repeats_itself(one) and head.repeats_itself(other):
-            yield Finding("outcome", other.trial, *judge_outcome(one, other, _tolerance(head, other)))
+            judged = judge_outcome(one, other, _tolerance(head, other))
+            yield Finding("outcome", other.trial, *judged, values_of([one]), values_of([other]))
         else:
             draws[other.trial.rpartition(".r")[0]].append((one, other))
     for name, group in draws.items():
         before, now = zip(*group, strict=True)
-        yield Finding("outcome", name, *judge_draws(before, now, _tolerance(head, now[0])))
+        judged = judge_draws(before, now, _tolerance(head, now[0]))
+        yield Finding("outcome", name, *judged, values_of(before), values_of(now))
 
 
-def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator[Finding]:
+def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair], across: bool) -> Iterator[Finding]:
     for one, other in pairs:
         if base.repeats_itself(one) and head.repeats_itself(other):
             machines = base.machine(one), head.machine(other)
-            yield Finding("hash", other.trial, *judge_poses(one, other, machines))
+            yield Finding("hash", other.trial, *judge_poses(one, other, machines, across_versions=across))
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
@@ -167,4 +189,5 @@ def _circumstances(side: Baseline) -> dict[str, set[str]]:
             found[name].add(version)
         for name, engine in machine.engines.items():
             found[name].add(engine.version)
+            found[f"settings that {name} does not have"].add(", ".join(engine.missing_knobs) or "none")
     return found

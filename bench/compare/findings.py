@@ -33,6 +33,10 @@ class Finding:
     judgement: Judgement
     message: str
     """The difference, or the reason for which the gate could not decide; empty if base and head are the same."""
+    base: str = ""
+    """Values of the base, to show beside those of the head; empty if the message has all."""
+    head: str = ""
+    """Values of the head."""
 
     @property
     def is_alarm(self) -> bool:
@@ -53,6 +57,10 @@ class Comparison:
     """Differences between the runs as a whole, such as their machines."""
     about_times: str = ""
     """Explanation of the figures of the time gate; empty if these figures are the usual parts of a frame."""
+    missing: int = 0
+    """Number of trials of the base that the head does not have."""
+    expected: int = 0
+    """Number of trials of the base."""
 
     def alarms(self, gates: Collection[Gate] = GATES) -> list[Finding]:
         """Return the findings that fail one of ``gates``."""

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from bench.compare.baseline import Baseline, Machine, read_baseline
 from bench.compare.checkouts import Checkout
+from bench.compare.failures import require_results
 from bench.compare.timing import Part
 from bench.studies.schema import Study
 from bench.studies.tolerance import Tolerance
@@ -34,7 +35,8 @@ def run_interleaved(
 
     Raises:
         CheckoutError: if a side cannot run the study.
-        BaselineError: if a run of a side has no results.
+        BaselineError: if a run of a side has no records.
+        SideFailedError: if all trials of a run failed.
     """
     out.mkdir(parents=True, exist_ok=True)
     plan = (out / "study.toml").resolve()
@@ -45,7 +47,9 @@ def run_interleaved(
             folder = out / f"{('base', 'head')[side]}-{number + 1}"
             console.print(f"round {number + 1} of {rounds}: {sides[side].name}", highlight=False)
             sides[side].run(plan, folder.resolve())
-            found[side].append(read_baseline(folder))
+            run = read_baseline(folder)
+            require_results(run, sides[side].name)
+            found[side].append(run)
     tolerances = {one.name: one.tolerance for one in study.scenario}
     base, head = (as_repeats(runs, study.repeats) for runs in found)
     return base, head.model_copy(update={"tolerances": tolerances})

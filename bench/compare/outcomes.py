@@ -59,6 +59,24 @@ def judge_draws(
     return judgement, message
 
 
+def values_of(records: Sequence[TrialRecord]) -> str:
+    """Return the outcome of a trial, or the distinct outcomes of its repeats: verdict, levels, sink and creep."""
+    return " | ".join(dict.fromkeys(map(_values, records)))
+
+
+def _values(record: TrialRecord) -> str:
+    if record.status not in _PLAYED:
+        return f"{record.status}: {record.message}" if record.message else record.status
+    parts = [record.verdict, f"{record.height_levels} of {record.levels_planned} levels"]
+    if record.collapse_level is not None:
+        parts.append(f"falls at {record.collapse_level}")
+    if record.sink_m is not None:
+        parts.append(f"sinks {_figure(record.sink_m, 'mm')}")
+    if record.creep_m_s is not None:
+        parts.append(f"creeps {_figure(record.creep_m_s, 'mm/s')}")
+    return ", ".join(parts)
+
+
 def _judge_failure(base: TrialRecord, head: TrialRecord) -> tuple[Judgement, str]:
     """Judge two trials, at least one of which was not played to its end."""
     message = f"{head.status}, was {base.status}"

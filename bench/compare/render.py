@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable, Collection, Iterable
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict, replace
 from typing import get_args
 from xml.etree import ElementTree as ET
@@ -36,7 +37,10 @@ def headline(comparison: Comparison, fail_on: Collection[Gate]) -> str:
         )
         return f"{len(alarms)} alarm{'s' * (len(alarms) > 1)}: {counts}"
     idle = [gate for gate in fail_on if not any(f.gate == gate and f.judgement != "open" for f in comparison.findings)]
-    return "no alarm" + (f"; nothing could be decided by {' and '.join(idle)}" if idle else "")
+    undecided = f"; nothing could be decided by {' and '.join(idle)}" if idle else ""
+    missing = comparison.missing
+    lost = f"; {missing} of {comparison.expected} trials are missing (--require-all)" if missing else ""
+    return f"no alarm{undecided}{lost}"
 
 
 def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
@@ -55,20 +59,38 @@ def tables(comparison: Comparison, fail_on: Collection[Gate]) -> list[Table]:
         ),
     )
     ratio = comparison.about_times or _RATIO
-    lists = [
-        _listed("Worse or changed", [finding for finding in comparison.findings if finding.is_alarm], (), ratio),
-        _listed("Better", [finding for finding in comparison.findings if finding.judgement == "better"], (), ratio),
-        _listed("Not decided", [f for f in comparison.findings if f.judgement == "open"], (_ASIDE,), ratio),
-        _listed("Times", [f for f in comparison.findings if f.gate == "time" and f.judgement == "same"], (), ratio),
-    ]
-    return [counted, *(table for table in lists if table.rows)]
+    names = (plain(comparison.base), plain(comparison.head))
+    kinds = (
+        ("Worse or changed", [finding for finding in comparison.findings if finding.is_alarm], ()),
+        ("Better", [finding for finding in comparison.findings if finding.judgement == "better"], ()),
+        ("Not decided", [finding for finding in comparison.findings if finding.judgement == "open"], (_ASIDE,)),
+        ("Times", [one for one in comparison.findings if one.gate == "time" and one.judgement == "same"], ()),
+    )
+    return [counted, *(_listed(title, found, notes, ratio, names) for title, found, notes in kinds if found)]
 
 
-def _listed(title: str, findings: Iterable[Finding], notes: tuple[str, ...], ratio: str) -> Table:
-    rows = tuple((finding.gate, plain(finding.trial), plain(finding.message)) for finding in findings)
-    if any(gate == "time" for gate, _, _ in rows):
+def _listed(
+    title: str, findings: Sequence[Finding], notes: tuple[str, ...], ratio: str, names: tuple[str, str]
+) -> Table:
+    """Return the table of findings, with the values of both sides; equal findings of repeats share a row."""
+    counts = Counter((one.gate, _without_repeat(one), one.message, one.base, one.head) for one in findings)
+    first = {(one.gate, _without_repeat(one), one.message, one.base, one.head): one for one in findings}
+    rows = []
+    for key, count in counts.items():
+        one = first[key]
+        trial = one.trial if count == 1 else f"{_without_repeat(one)} (x{count})"
+        rows.append((one.gate, plain(trial), plain(one.message), plain(one.base), plain(one.head)))
+    if any(row[0] == "time" for row in rows):
         notes += (ratio,)
-    return Table(title, ("gate", "trial", "what"), rows, notes, folds=True)
+    if not any(row[3] or row[4] for row in rows):
+        return Table(title, ("gate", "trial", "what"), tuple(row[:3] for row in rows), notes, folds=True)
+    return Table(title, ("gate", "trial", "what", *names), tuple(rows), notes, folds=True)
+
+
+def _without_repeat(finding: Finding) -> str:
+    """Return the name of a finding's trial without the number of the repeat."""
+    trial, separator, repeat = finding.trial.rpartition(".r")
+    return trial if separator and repeat.isdigit() else finding.trial
 
 
 def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) -> None:

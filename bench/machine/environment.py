@@ -15,7 +15,7 @@ from typing import Any
 
 import psutil
 
-from adapters import Profile, capabilities, engine_version, profiles
+from adapters import Profile, capabilities, engine_version, missing_knobs, profiles
 from bench.machine.checkout import head, is_modified
 from bench.machine.core_digest import present_core
 from bench.machine.instructions import availability
@@ -57,11 +57,13 @@ def describe_engine(name: str) -> dict[str, Any]:
         EngineNotInstalledError: if the engine's package is missing.
     """
     shown = capabilities(name)  # loads the engine, so that a missing package raises EngineNotInstalledError
-    return {
+    description = {
         "version": engine_version(name),
         "capabilities": asdict(shown),
         "profiles": described_profiles(name),
     }
+    missing = missing_knobs(name)
+    return {**description, "missing_knobs": missing} if missing else description
 
 
 def described_profiles(name: str) -> dict[str, dict[str, Any]]:

@@ -2,11 +2,13 @@
 
 Numba's cache detects a change of the kernel's own file, but not a change of an inlined kernel in another file. After an
 update of the checkout, Numba would therefore use stale kernels. A folder named after the digest of all sources prevents
-this.
+this. Kernels that were compiled with NumPy 2 cannot be loaded with NumPy 1, which an old engine may need, so that
+NumPy 1 has folders of its own.
 """
 
 from __future__ import annotations
 
+import importlib.metadata
 import os
 import tempfile
 from pathlib import Path
@@ -25,7 +27,8 @@ def keep_kernels_apart() -> None:
     if _VARIABLE in os.environ:
         return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = home / "stillstack" / "kernels" / sources_digest([_CORE])
+    older = "-numpy1" if importlib.metadata.version("numpy").startswith("1.") else ""
+    folder = home / "stillstack" / "kernels" / (sources_digest([_CORE]) + older)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:  # the home is read-only: use a temporary folder, so that each session compiles

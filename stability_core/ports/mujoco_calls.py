@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from stability_core.port import FloatArray, IntArray
+from stability_core.ports.mujoco_release import SLEEPING_OR_SPECULATIVE
 from stability_core.ports.shared.vectors import cross
 
 Model: TypeAlias = Any
@@ -22,15 +23,12 @@ Data: TypeAlias = Any
 Found: TypeAlias = Any
 """The contacts of a ``mujoco.MjData``."""
 
-_SLEEPING_OR_SPECULATIVE = mujoco.mjtEnableBit.mjENBL_SLEEP.value | mujoco.mjtEnableBit.mjENBL_SPECULATIVE.value
-"""Flags that make MuJoCo omit sleeping pairs, or list distances that it did not measure."""
-
 
 def collided_copy(model: Model, data: Data) -> Data:
     """Return a copy of the state with the contacts at the present poses."""
     copied = copy.copy(data)
     flags = model.opt.enableflags
-    model.opt.enableflags = flags & ~_SLEEPING_OR_SPECULATIVE
+    model.opt.enableflags = flags & ~SLEEPING_OR_SPECULATIVE
     mujoco.mj_kinematics(model, copied)
     mujoco.mj_comPos(model, copied)
     mujoco.mj_collision(model, copied)

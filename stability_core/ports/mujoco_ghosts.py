@@ -8,14 +8,11 @@ MuJoCo counts a ghost as a part of the world body, like the ground.
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 
 from stability_core.port import FloatArray, IntArray
 from stability_core.ports.mujoco_calls import Data, Model
-
-SLEEP_ALLOWED = mujoco.mjtSleepPolicy.mjSLEEP_ALLOWED.value
-SLEEP_NEVER = mujoco.mjtSleepPolicy.mjSLEEP_NEVER.value
+from stability_core.ports.mujoco_release import HAS_SLEEP, SLEEP_ALLOWED
 
 
 class FreeBody:
@@ -73,19 +70,24 @@ class FreeBody:
         none = np.zeros(len(self.geoms), np.int64)
         self.collide(none, none)
         self._model.body_gravcomp[self.body] = 1
-        self._model.tree_sleep_policy[self.tree] = SLEEP_ALLOWED
-        if self._data.tree_asleep[self.tree] < 0:
+        self._set_sleep_policy(SLEEP_ALLOWED)
+        if HAS_SLEEP and self._data.tree_asleep[self.tree] < 0:
             self._data.tree_asleep[self.tree] = -1  # end of MuJoCo's count-down: the body sleeps after the next step
 
     def unpark(self, gravcomp: float, sleep_policy: int) -> None:
         """Give the body its weight, its sleep policy and its place among the awake bodies, but no collisions."""
         self._model.body_gravcomp[self.body] = gravcomp
-        self._model.tree_sleep_policy[self.tree] = sleep_policy
+        self._set_sleep_policy(sleep_policy)
         self.wake()
 
     def wake(self) -> None:
         """Wake the body, and the island in which it sleeps, from MuJoCo's own sleep."""
-        self._data.tree_awake[self.tree] = 1  # MuJoCo wakes a tree whose two sleep records disagree
+        if HAS_SLEEP:
+            self._data.tree_awake[self.tree] = 1  # MuJoCo wakes a tree whose two sleep records disagree
+
+    def _set_sleep_policy(self, policy: int) -> None:
+        if HAS_SLEEP:
+            self._model.tree_sleep_policy[self.tree] = policy
 
     def show_ghost(self, contype: IntArray, conaffinity: IntArray) -> None:
         """Place the ghost at the body's pose, and make the ghost collide by these masks, each of shape (geoms,)."""

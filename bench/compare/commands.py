@@ -1,0 +1,47 @@
+"""Run commands of other programs (git, uv, another checkout of the suite), and turn failures into messages."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+UV = os.environ.get("UV", "uv")  # 'uv run' sets this variable
+"""Name or path of uv."""
+PYTHON = "3.11"
+"""Version of Python in every environment, as in the suite's ``.python-version``."""
+_INHERITED = ("VIRTUAL_ENV", "PYTHONPATH", "PYTHONHOME", "PYTHONDONTWRITEBYTECODE")
+"""Environment variables to remove. The first three would make a command use the environment of this process; without
+the last, every run in a new environment compiles all packages again."""
+_LONGEST = 700
+"""Greatest length of the error output in a message [characters]."""
+
+
+class CheckoutError(ValueError):
+    """A version that cannot be checked out, installed or run; the message names the reason and the fix."""
+
+
+def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct this error") -> str:
+    """Return the output of a command.
+
+    Args:
+        name: the side of the comparison for which the command runs, for messages.
+        command: the program and its arguments.
+        folder: working directory.
+        fix: what the user can do if the command fails.
+
+    Raises:
+        CheckoutError: if the command cannot be run, or fails; the message ends with its error output.
+    """
+    environment = {key: value for key, value in os.environ.items() if key not in _INHERITED}
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CheckoutError(
+            f"{name}: {command[0]} cannot be run ({error.strerror}): install {command[0]}, or repair the checkout"
+        ) from error
+    if done.returncode != 0:
+        words = " ".join(done.stderr.split())[-_LONGEST:] or "no error output"
+        raise CheckoutError(f"{name}: '{' '.join(command[:4])} ...' failed; {fix}: {words}")
+    return done.stdout

@@ -1,0 +1,57 @@
+"""Sides whose trials all failed: such a side states nothing about stacking, so that no comparison with it has a result.
+
+A trial failed if an error, a crash or a lack of memory ended it. A trial that collapsed, diverged or reached its time
+limit has a result.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+from bench.compare.baseline import Baseline
+from reports.records.trial import Status, TrialRecord
+
+FAILED: frozenset[Status] = frozenset({"error", "crashed", "out_of_memory"})
+"""Statuses of failed trials."""
+_NO_RESULT: frozenset[Status] = FAILED | {"unsupported"}
+
+
+class SideFailedError(ValueError):
+    """A side all of whose trials failed; the message has the first failure."""
+
+
+def require_results(side: Baseline, name: str) -> None:
+    """Check that at least one trial of a side has a result.
+
+    Args:
+        side: base or head.
+        name: its name, for the message.
+
+    Raises:
+        SideFailedError: if all trials failed.
+    """
+    if any(record.status not in _NO_RESULT for record in side.trials):
+        return
+    first = _first(side.trials)
+    raise SideFailedError(
+        f"{name}: all {len(side.trials)} trials failed, so that nothing can be compared; the first, {first.trial}: "
+        f"{first.status}: {first.message or 'no message'}; correct this failure, or choose another version"
+    )
+
+
+def failed_engines(side: Baseline) -> dict[str, str]:
+    """Return the engines all of whose trials in a side failed, with the number of trials and the first message."""
+    groups: dict[str, list[TrialRecord]] = defaultdict(list)
+    for record in side.trials:
+        groups[record.engine].append(record)
+    return {
+        engine: f"all {len(records)} trials failed; the first: {first.status}: {first.message or 'no message'}"
+        for engine, records in groups.items()
+        if all(record.status in _NO_RESULT for record in records) and (first := _first(records)).status in FAILED
+    }
+
+
+def _first(records: Sequence[TrialRecord]) -> TrialRecord:
+    """Return the first failed trial, or the first trial of an engine that supports none."""
+    return next((record for record in records if record.status in FAILED), records[0])

@@ -1,0 +1,62 @@
+"""The first version with a new value of a figure, by bisection: about log2(n) of n versions run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from reports.records.history import Kind
+from reports.statistics.steps import SCALES
+
+
+class BisectionError(ValueError):
+    """A search that cannot start; the message names the fix."""
+
+
+@dataclass(frozen=True, slots=True)
+class FirstNew:
+    """Result of a bisection: indices of versions."""
+
+    last_old: int
+    first_new: int
+    untested: tuple[int, ...]
+    """Versions between both without a value; the first new version may be among them."""
+
+
+def first_new(count: int, value: Callable[[int], float | None], kind: Kind) -> FirstNew:
+    """Return where a figure takes its new value, if it changes once between the first and the last version.
+
+    A version is new if its value is nearer to that of the last version than to that of the first, on the scale of the
+    kind. A version without a value is left out, and a neighbour is tested instead.
+
+    Args:
+        count: number of versions.
+        value: returns the value of a version, by its index; the first call for an index may run the study.
+        kind: kind of the figure.
+
+    Raises:
+        BisectionError: if an end has no value, or the ends do not differ by a step.
+    """
+    scale = SCALES[kind]
+    ends = [value(index) for index in (0, count - 1)]
+    if ends[0] is None or ends[1] is None:
+        raise BisectionError("the first and the last version need a value for a bisection: choose other ends")
+    old, new = (scale.transformed(end) for end in ends if end is not None)
+    if abs(new - old) < scale.least_step:
+        raise BisectionError(
+            f"the first and the last version do not differ by a step ({ends[0]:.4g} and {ends[1]:.4g}): choose other "
+            "ends, or another figure"
+        )
+    low, high, untested = 0, count - 1, set[int]()
+    while True:
+        between = [index for index in range(low + 1, high) if index not in untested]
+        if not between:
+            return FirstNew(low, high, tuple(sorted(index for index in untested if low < index < high)))
+        middle = min(between, key=lambda index: abs(2 * index - low - high))
+        found = value(middle)
+        if found is None:
+            untested.add(middle)
+        elif abs(scale.transformed(found) - new) < abs(scale.transformed(found) - old):
+            high = middle
+        else:
+            low = middle

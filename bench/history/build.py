@@ -1,0 +1,114 @@
+"""Build a history from measured versions: series, steps, links to changelogs and explanations."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from bench.history.figures import as_series
+from bench.history.measure import Measured
+from reports.records.history import Explanation, History, HistoryError, Point, Series, Step
+from reports.statistics.steps import find_steps
+
+CHANGELOGS = {
+    "bullet": "https://github.com/bulletphysics/bullet3/releases",
+    "dart": "https://github.com/dartsim/dart/blob/release-6.20/CHANGELOG.md",
+    "mujoco": "https://mujoco.readthedocs.io/en/stable/changelog.html",
+    "physx": "https://github.com/haosulab/SAPIEN/releases/tag/{version}",
+    "pymunk": "https://github.com/viblo/pymunk/blob/{version}/CHANGELOG.rst",
+    "rapier": "https://github.com/dimforge/rapier/blob/master/CHANGELOG.md",
+}
+"""Address of the changelog of a release, by engine."""
+
+
+def build_history(
+    measured: Sequence[Measured],
+    *,
+    subject: str,
+    package: str,
+    study: str,
+    commit: str,
+    explanations: Sequence[Explanation] = (),
+) -> History:
+    """Return the history of measured versions, in their order."""
+    series = as_series([one.figures for one in measured])
+    link = CHANGELOGS.get(subject, "")
+    points = [
+        Point(
+            version=one.version,
+            link=link.format(version=one.version),
+            message=one.message,
+            notes=list(one.notes),
+        )
+        for one in measured
+    ]
+    processors = sorted({one.processor for one in measured if one.processor})
+    history = History(
+        subject=subject,
+        package=package,
+        study=study,
+        commit=commit,
+        processor=" and ".join(processors),
+        points=points,
+        series=series,
+    )
+    return history.model_copy(update={"steps": steps_of(history, explanations)})
+
+
+def steps_of(history: History, explanations: Sequence[Explanation] = ()) -> list[Step]:
+    """Return the steps of all figures, by version, each with its explanation if there is one."""
+    versions = [point.version for point in history.points]
+    steps = [step for series in history.series for step in _of_series(series, versions, explanations)]
+    return sorted(steps, key=lambda step: versions.index(step.version))
+
+
+def read_explanations(path: Path) -> list[Explanation]:
+    """Read quoted lines of changelogs: a TOML file with tables ``[[explanation]]``, fields as in ``Explanation``.
+
+    Raises:
+        HistoryError: if the file cannot be read, or a table is invalid.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        return [Explanation.model_validate(table) for table in content.get("explanation", [])]
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise HistoryError(f"{path}: cannot be read as TOML: {error}; correct the file") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise HistoryError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}; correct the table") from error
+
+
+def _of_series(series: Series, versions: Sequence[str], explanations: Sequence[Explanation]) -> list[Step]:
+    """Return the steps of one figure with the medians of the segments on both sides."""
+    known = [index for index, value in enumerate(series.values) if value is not None]
+    starts = find_steps(series.values, series.kind)
+    bounds = [0, *starts, len(series.values)]
+    steps = []
+    for number, start in enumerate(starts, start=1):
+        before = _middle(series.values[bounds[number - 1] : start])
+        after = _middle(series.values[start : bounds[number + 1]])
+        steps.append(
+            Step(
+                series=series.name,
+                version=versions[start],
+                previous=versions[known[known.index(start) - 1]],
+                before=before,
+                after=after,
+                explanation=_explained(series.name, versions[start], explanations),
+            )
+        )
+    return steps
+
+
+def _middle(values: Sequence[float | None]) -> float:
+    """Return the lower median, which is one of the values."""
+    known = sorted(value for value in values if value is not None)
+    return known[(len(known) - 1) // 2]
+
+
+def _explained(series: str, version: str, explanations: Sequence[Explanation]) -> Explanation | None:
+    fitting = [one for one in explanations if one.version == version and (not one.series or series in one.series)]
+    return next(iter(sorted(fitting, key=lambda one: not one.series)), None)

@@ -1,0 +1,154 @@
+"""Run a study with each version of a history. A finished version is kept, so that an interrupted history continues."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from bench.compare.checkouts import Checkout, prepare
+from bench.compare.commands import CheckoutError
+from bench.compare.environments import environment, is_complete, remove_environment
+from bench.compare.requirements import pinned
+from bench.history.figures import Figure, figures_of, first_failure
+from bench.studies.schema import Study
+from bench.studies.toml_text import to_toml
+from reports.records.atomic import write_atomic
+from reports.records.folder import ENVIRONMENT, TRIALS
+from reports.records.trial import RecordError, read_records
+
+VERSIONS = "versions"
+"""Folder of the versions in the folder of a history, each with the results of its run."""
+_DONE = "version.json"
+"""File of a finished version, written last."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """The figures of one version, or the reason for which it has none."""
+
+    version: str
+    figures: tuple[Figure, ...] = ()
+    message: str = ""
+    notes: tuple[str, ...] = ()
+    processor: str = ""
+
+
+def measure_release(
+    engine: str,
+    package: str,
+    version: str,
+    suite: Path,
+    study: Path,
+    out: Path,
+    console: Console,
+    *,
+    keep: bool,
+) -> None:
+    """Run the study with one release of an engine, unless the folder has its results.
+
+    Args:
+        engine: name of the engine.
+        package: its package on the registry.
+        version: release of the package.
+        suite: folder of a checkout of the suite, which runs every release.
+        study: file of the study.
+        out: folder of the history.
+        console: console that shows the start of each slow step.
+        keep: False to remove the environment afterwards, if it was made for this run.
+    """
+
+    def run(folder: Path) -> None:
+        pins = pinned(version, suite, [engine], [f"{package}=={version}"], build=False)
+        common = pinned("the suite", suite, [])
+        existed = is_complete(pins, common)
+        python = environment(f"{package} {version}", pins, console, on=common)
+        try:
+            Checkout(version, suite, python, tuple(pins)).run(study, folder, report=False)
+        finally:
+            if not keep and not existed:
+                remove_environment(python)
+
+    _measure(version, out, run, console)
+
+
+def measure_commit(commit: str, study: Study, study_file: Path, out: Path, console: Console) -> None:
+    """Run the study with one commit of the suite and its locked packages, unless the folder has its results."""
+
+    def run(folder: Path) -> None:
+        prepare(commit, (), console, engines=study.engines).run(study_file, folder, report=False)
+
+    _measure(commit, out, run, console)
+
+
+def read_measured(version: str, out: Path) -> Measured:
+    """Return the figures of a finished version.
+
+    Raises:
+        RecordError: if its records cannot be read.
+    """
+    folder = out / VERSIONS / version
+    message = json.loads((folder / _DONE).read_text(encoding="utf-8"))["message"]
+    if not (folder / TRIALS).exists():
+        return Measured(version, message=message)
+    records = read_records(folder / TRIALS)
+    described: dict[str, Any] = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
+    notes: list[str] = []
+    for engine in described["engines"].values():
+        notes += [f"without the setting {knob}, which is unknown here" for knob in engine.get("missing_knobs", ())]
+    late = [one.trial for one in records if one.status == "timeout"]
+    if late:
+        notes.append(f"stopped by the time limit: {', '.join(late)}")
+    failure = message or first_failure(records)
+    figures = () if failure else tuple(figures_of(records))
+    return Measured(version, figures, failure, tuple(notes), described["processor"])
+
+
+def forget_failed(out: Path) -> None:
+    """Remove the versions that failed, so that they run again."""
+    for done in sorted((out / VERSIONS).glob(f"*/{_DONE}")):
+        if json.loads(done.read_text(encoding="utf-8"))["message"]:
+            shutil.rmtree(done.parent)
+
+
+def write_study(study: Study, out: Path) -> Path:
+    """Write the study of a history; return the path of its file.
+
+    Raises:
+        CheckoutError: if the folder contains a history of another study.
+    """
+    path = (out / "study.toml").resolve()
+    text = to_toml(study)
+    if path.exists() and path.read_text(encoding="utf-8") != text:
+        raise CheckoutError(f"{out} contains a history of another study: choose another folder with --out")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomic(path, text.encode())
+    return path
+
+
+def _measure(version: str, out: Path, run: Callable[[Path], None], console: Console) -> None:
+    """Run a version into its folder, and record the end or the reason of a failure."""
+    folder = (out / VERSIONS / version).resolve()
+    if (folder / _DONE).exists():
+        return
+    console.print(f"measuring {version}", highlight=False)
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        run(folder)
+        message = ""
+    except (CheckoutError, RecordError) as error:
+        message = _plain(str(error), (out.resolve(), Path.home()))
+        console.print(f"{version} has no figures: {message}", highlight=False, markup=False)
+    write_atomic(folder / _DONE, (json.dumps({"message": message}) + "\n").encode())
+
+
+def _plain(message: str, folders: Sequence[Path]) -> str:
+    """Return a message without the paths of this machine."""
+    for folder in folders:
+        message = message.replace(str(folder), "...")
+    return message

@@ -1,0 +1,105 @@
+"""The versions of a history: releases of a package on its registry, commits of the suite, or records on a branch."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+from packaging.version import InvalidVersion, Version
+
+from bench.compare.commands import PYTHON, UV, call
+from bench.machine.source_digest import ROOT
+
+_RANGE = ".."
+
+
+class VersionsError(ValueError):
+    """Versions that cannot be listed; the message names the fix."""
+
+
+def released(package: str, wanted: str) -> list[str]:
+    """Return the releases of a package with a wheel for this machine, rising.
+
+    Args:
+        package: name of the package.
+        wanted: ``all``; a range ``3.0..4.0``, whose upper end includes releases such as 4.0.1 and may be missing; or
+            releases separated by commas, which need not have a wheel.
+
+    Raises:
+        CheckoutError: if the registry cannot be asked.
+        VersionsError: if ``wanted`` is not understood or names no release.
+    """
+    if wanted != "all" and _RANGE not in wanted:
+        return [str(version) for version in sorted(map(_parsed, wanted.split(",")))]
+    command = [UV, "tool", "run", "--quiet", "pip", "index", "versions", package, "--json"]
+    answer = call(package, [*command, "--only-binary", ":all:", "--python-version", PYTHON], ROOT)
+    versions = sorted(Version(text) for text in json.loads(answer)["versions"])
+    return [str(version) for version in within(versions, wanted)]
+
+
+def within(versions: Sequence[Version], wanted: str) -> list[Version]:
+    """Return the versions of a range, or all versions; an end of a range includes what begins with it.
+
+    Raises:
+        VersionsError: if ``wanted`` is not understood, or no version is in the range.
+    """
+    if wanted == "all":
+        return list(versions)
+    low, _, high = wanted.partition(_RANGE)
+    least = _parsed(low) if low else None
+    greatest = _parsed(high) if high else None
+    found = [
+        version
+        for version in versions
+        if (least is None or version >= least)
+        and (greatest is None or version <= greatest or version.release[: len(greatest.release)] == greatest.release)
+    ]
+    if not found:
+        known = f"{versions[0]} to {versions[-1]}" if versions else "none"
+        raise VersionsError(f"no release is in {wanted}: the releases with a wheel for this machine are {known}")
+    return found
+
+
+def commits(wanted: str) -> list[str]:
+    """Return the short names of the commits ``A..B`` of the suite, first parents only, with A, rising.
+
+    Raises:
+        CheckoutError: if git does not know an end.
+        VersionsError: if ``wanted`` is not a range of commits with a history.
+    """
+    low, separator, high = wanted.partition(_RANGE)
+    if not (low and separator and high):
+        raise VersionsError(f"--commits must be a range such as v0.1.0..HEAD, got {wanted!r}")
+    first = call(low, ["git", "rev-parse", "--verify", "--end-of-options", f"{low}^{{commit}}"], ROOT).strip()
+    listed = call(wanted, ["git", "rev-list", "--first-parent", "--reverse", "--end-of-options", wanted], ROOT)
+    if not listed:
+        raise VersionsError(f"there are no commits in {wanted}: name the older commit first")
+    return [commit[:12] for commit in (first, *listed.split())]
+
+
+def kept_records(wanted: str) -> list[tuple[str, bytes]]:
+    """Return the baseline files that commits of a branch kept at a path, by rising commit: name and content.
+
+    Args:
+        wanted: ``BRANCH:PATH``.
+
+    Raises:
+        CheckoutError: if git does not know the branch.
+        VersionsError: if ``wanted`` is not understood, or no commit changed the path.
+    """
+    branch, separator, path = wanted.partition(":")
+    if not (branch and separator and path):
+        raise VersionsError(f"--records must be BRANCH:PATH, such as records:stacking.json, got {wanted!r}")
+    log = ["git", "log", "--first-parent", "--reverse", "--format=%H %cs", "--diff-filter=AM", branch, "--", path]
+    lines = [line.split() for line in call(branch, log, ROOT).splitlines()]
+    if not lines:
+        raise VersionsError(f"no commit of {branch} has a file {path}: write one there with 'bench baseline'")
+    shown = [(commit, date, call(branch, ["git", "show", f"{commit}:{path}"], ROOT)) for commit, date in lines]
+    return [(f"{date} {commit[:10]}", content.encode()) for commit, date, content in shown]
+
+
+def _parsed(text: str) -> Version:
+    try:
+        return Version(text.strip())
+    except InvalidVersion:
+        raise VersionsError(f"{text!r} is not a version; use all, a range such as 3.0..4.0, or 3.3.0,4.0.0") from None

@@ -1,0 +1,87 @@
+"""The page of a history: its figure, its steps with quoted changelogs, and its versions. One file, without scripts."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import jinja2
+import matplotlib as mpl
+
+from reports.figures.history import display, history_figure
+from reports.figures.style import STYLE, for_page
+from reports.records.atomic import write_atomic
+from reports.records.history import History, Step
+from reports.tables.table import NOTHING, Table
+
+_TEMPLATES = Path(__file__).with_name("templates")
+UNEXPLAINED = "unexplained"
+"""Text in place of a quote for a step that no line of a changelog explains."""
+
+
+def write_history_page(path: Path, history: History) -> None:
+    """Write the page of a history as one HTML file."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    page = environment.get_template("history.html.j2").render(
+        history=history,
+        svg=_svg(history),
+        style=(_TEMPLATES / "page.css").read_text(encoding="utf-8"),
+        tables=history_tables(history),
+        links={point.version: point.link for point in history.points if point.link.startswith("https://")},
+    )
+    write_atomic(path, page.encode())
+
+
+def history_tables(history: History) -> list[Table]:
+    """Return the table of steps and the table of versions."""
+    return [_steps(history), _versions(history)]
+
+
+def _steps(history: History) -> Table:
+    series = {one.name: one for one in history.series}
+    rows = tuple(
+        (
+            step.version,
+            step.series,
+            display(series[step.series], step.before),
+            display(series[step.series], step.after),
+            _quote(step),
+        )
+        for step in history.steps
+    )
+    notes = (
+        "A step is the first version of a new level; before and after are medians between neighbouring steps.",
+        "A quote is a line of the engine's changelog; its version is named where it is another one.",
+    )
+    return Table("Steps", ("version", "figure", "before", "after", "changelog"), rows, notes, folds=True)
+
+
+def _quote(step: Step) -> str:
+    if step.explanation is None:
+        return UNEXPLAINED
+    of = step.explanation.of
+    return f'"{step.explanation.quote}"' + (f" ({of})" if of else "")
+
+
+def _versions(history: History) -> Table:
+    header = ("version", *(one.name for one in history.series), "notes")
+    rows = tuple(
+        (
+            point.version,
+            *(display(one, one.values[index]) for one in history.series),
+            "; ".join([*([point.message] if point.message else []), *point.notes]) or NOTHING,
+        )
+        for index, point in enumerate(history.points)
+    )
+    suite = f" Suite: commit {history.commit}." if history.commit else ""
+    notes = (f"Study {history.study}; {history.processor or 'unknown processor'}.{suite}",)
+    return Table("Versions", header, rows, notes, folds=True)
+
+
+def _svg(history: History) -> str:
+    buffer = io.StringIO()
+    with mpl.rc_context(STYLE):
+        history_figure(history).savefig(buffer, format="svg", transparent=True, metadata={"Date": None})
+    return for_page(buffer.getvalue(), f"Figures of {history.subject} over its versions", ())

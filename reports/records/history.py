@@ -1,0 +1,119 @@
+"""The history of an engine or of the suite: figures of a study for each version, with the steps between versions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from reports.records.atomic import write_atomic
+
+FORMAT: Literal["stillstack-history-1"] = "stillstack-history-1"
+"""Name of the file format."""
+HISTORY = "history.json"
+"""File name of a history in its folder."""
+Kind = Literal["levels", "collapse", "creep", "sink", "tilt", "time"]
+"""Kind of a figure, which decides what counts as a step (``reports.statistics.steps``)."""
+
+
+class HistoryError(ValueError):
+    """An unreadable history; the message names the file and the fix."""
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Point(_Model):
+    """One version of a history."""
+
+    version: str
+    """Version of the engine, or commit of the suite."""
+    link: str = ""
+    """Address of the version's changelog; empty if unknown."""
+    message: str = ""
+    """Reason for which the version has no figures; empty if it has some."""
+    notes: list[str] = []
+    """Circumstances that differ from other versions, such as missing knobs."""
+
+
+class Series(_Model):
+    """One figure of a study, for each version."""
+
+    name: str
+    """Name that identifies the figure, such as ``creep of four_stack-6``."""
+    kind: Kind
+    unit: str
+    values: list[float | None]
+    """Values, one for each point; None where the version has no value."""
+
+
+class Explanation(_Model):
+    """A line of a changelog that explains a step."""
+
+    version: str
+    """Version in which the step is."""
+    series: list[str] = []
+    """Names of the explained figures; empty for all figures with a step at this version."""
+    quote: str
+    """Quoted line of the changelog."""
+    of: str = ""
+    """Version whose section of the changelog contains the quote, if it is not ``version``."""
+    link: str
+    """Address of the changelog."""
+
+
+class Step(_Model):
+    """A lasting change of a figure."""
+
+    series: str
+    version: str
+    """First version with the new values."""
+    previous: str
+    """Last version with the old values."""
+    before: float
+    """Median of the values before the step, back to the step before it."""
+    after: float
+    """Median of the values from the step on, up to the next step."""
+    explanation: Explanation | None = None
+
+
+class History(_Model):
+    """A history with its steps."""
+
+    format: Literal["stillstack-history-1"] = FORMAT
+    subject: str
+    """The engine's name, or ``stillstack`` for commits of the suite."""
+    package: str = ""
+    """Name of the engine's package."""
+    study: str
+    commit: str = ""
+    """Commit of the suite that measured all versions; empty if the versions are commits."""
+    processor: str = ""
+    points: list[Point]
+    series: list[Series]
+    steps: list[Step] = []
+
+    def steps_at(self, version: str) -> list[Step]:
+        """Return the steps of all figures at a version."""
+        return [step for step in self.steps if step.version == version]
+
+
+def read_history(path: Path) -> History:
+    """Read a history.
+
+    Raises:
+        HistoryError: if the file cannot be read or is not a history.
+    """
+    try:
+        return History.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise HistoryError(f"{path}: cannot be read ({error.strerror}); run 'bench history' first") from error
+    except ValidationError as error:
+        raise HistoryError(f"{path}: not a history: {error.errors()[0]['msg']}; run 'bench history' again") from error
+
+
+def write_history(path: Path, history: History) -> None:
+    """Write a history atomically."""
+    write_atomic(path, (history.model_dump_json(indent=1) + "\n").encode())
