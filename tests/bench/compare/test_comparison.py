@@ -7,7 +7,9 @@ import pytest
 
 from bench.compare.baseline import read_baseline
 from bench.compare.comparison import NothingInCommonError, compare_runs
-from bench.compare.findings import Finding
+from bench.compare.failures import SideFailedError
+from bench.compare.findings import GATES, Finding
+from bench.compare.render import headline, tables
 from bench.studies.tolerance import Tolerance
 
 NAMES = ("base", "head")
@@ -62,6 +64,49 @@ def test_another_version_of_the_engine_is_reported_and_judged_only_if_asked_for(
 )
 def test_another_scene_under_the_same_name_is_reported(make, change) -> None:
     assert only(make.side(), make.side(make.record(**FELL | change))).message == "another scene under the same name"
+
+
+def test_poses_of_other_versions_are_compared_only_on_request(make) -> None:
+    base, head = make.side(), make.side(make.record(engine_version="2.0", pose_hash="bb"))
+    assert only(base, head, "hash", across_versions=True).judgement == "open"
+    assert only(base, head, "hash", poses=True).judgement == "changed"
+    same = make.side(make.record(engine_version="2.0"))
+    assert only(base, same, "hash", poses=True).judgement == "same"
+
+
+def test_missing_trials_are_alarms_on_request_and_always_counted(make) -> None:
+    base = make.side(make.record(), make.record(trial=ELSEWHERE, scene="four_stack-4"))
+    assert not compare_runs(base, make.side(), NAMES).alarms()
+    assert "1 of 2 trials are missing" in headline(compare_runs(base, make.side(), NAMES), GATES)
+    (alarm,) = compare_runs(base, make.side(), NAMES, require_all=True).alarms()
+    assert (alarm.trial, alarm.judgement) == (ELSEWHERE, "worse")
+
+
+def test_a_side_that_failed_is_never_a_base_to_be_better_than(make) -> None:
+    broken = {"status": "error", "message": "no such knob", "verdict": "failed"}
+    for sides in ((make.side(make.record(**broken)), make.side()), (make.side(), make.side(make.record(**broken)))):
+        with pytest.raises(SideFailedError, match=r"all 1 trials failed.*no such knob"):
+            compare_runs(*sides, NAMES)
+    other = make.record(engine="dart", trial="dart.game.four_stack-3.paper.s0.r0")
+    base = make.side(make.record(), other.model_copy(update=broken))
+    found = compare_runs(base, make.side(make.record(), other), NAMES)
+    assert not [one for one in found.findings if one.judgement == "better"]
+    assert [one.message for one in found.findings if one.trial == "dart"] == [
+        "in base all 1 trials failed; the first: error: no such knob"
+    ]
+
+
+def test_equal_findings_of_repeats_share_a_row_with_the_values_of_both_sides(make) -> None:
+    def side(**change):
+        name = make.name.removesuffix("0")
+        return make.side(*(make.record(**{"trial": f"{name}{k}", "repeat": k, **change}) for k in range(3)))
+
+    (worse,) = [one for one in tables(compare_runs(side(), side(**FELL), NAMES), GATES) if one.title[:5] == "Worse"]
+    outcome = [row for row in worse.rows if row[0] == "outcome"]
+    assert worse.header == ("gate", "trial", "what", "base", "head")
+    assert [row[1] for row in outcome] == [f"{make.name.removesuffix('.r0')} (x3)"]
+    assert outcome[0][3].startswith("right, 3 of 3 levels")
+    assert outcome[0][4].startswith("false_collapse, 2 of 3 levels, falls at 3")
 
 
 def test_a_parameter_that_did_not_exist_had_its_default(make) -> None:

@@ -9,9 +9,11 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from bench.cli.app import app
-from bench.compare import checkouts
-from bench.compare.checkouts import Checkout, CheckoutError, prepare
+from bench.compare import checkouts, environments, requirements
+from bench.compare.checkouts import Checkout, named_by_difference, prepare
+from bench.compare.commands import CheckoutError
 from bench.compare.comparison import compare_runs
+from bench.compare.failures import SideFailedError
 from bench.compare.interleave import as_repeats, run_interleaved
 from bench.studies.schema import check_study, load_study
 from bench.studies.tolerance import Tolerance
@@ -63,24 +65,26 @@ def test_runs_become_repeats_of_one_run(make) -> None:
 def test_a_version_that_does_not_exist_is_reported() -> None:
     for version in ("no-such-branch", "--upload-pack=x"):
         with pytest.raises(CheckoutError, match="git rev-parse"):
-            prepare(version, [], SILENT)
+            prepare(version, [], SILENT, engines=[])
 
 
 def test_a_folder_is_used_as_it_is(tmp_path) -> None:
     (tmp_path / "bench").mkdir()
     (tmp_path / "bench" / "__main__.py").touch()
     with pytest.raises(CheckoutError, match="run 'uv sync' there"):
-        prepare(str(tmp_path), [], SILENT)
+        prepare(str(tmp_path), [], SILENT, engines=[])
     with pytest.raises(CheckoutError, match=r"install x\.whl in its environment"):
-        prepare(str(tmp_path), ["x.whl"], SILENT)
+        prepare(str(tmp_path), ["x.whl"], SILENT, engines=[])
 
 
 def test_a_version_that_cannot_run_the_study_is_reported_with_its_last_words(tmp_path) -> None:
     python = tmp_path / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.symlink_to(sys.executable)
-    with pytest.raises(CheckoutError, match="No module named"):
-        Checkout("old", tmp_path).run(tmp_path / "study.toml", tmp_path / "out")
+    (tmp_path / "bench" / "cli").mkdir(parents=True)
+    (tmp_path / "bench" / "cli" / "run.py").touch()
+    with pytest.raises(CheckoutError, match="failed; correct this error"):
+        Checkout("old", tmp_path, python).run(tmp_path / "study.toml", tmp_path / "out")
 
 
 def test_a_bad_study_or_version_writes_nothing(tmp_path, monkeypatch) -> None:
@@ -91,24 +95,90 @@ def test_a_bad_study_or_version_writes_nothing(tmp_path, monkeypatch) -> None:
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.skipif(not (checkouts.ROOT / ".git").exists(), reason="needs a git checkout")
-def test_a_commit_gets_a_checkout_and_an_environment_of_its_own(tmp_path, monkeypatch) -> None:
-    """Without a network: what would install it is only recorded."""
-    real, asked = checkouts._call, []
+class Asked:
+    """Records the calls of git and uv; git and the resolver answer as they would, and nothing is installed."""
 
-    def call(version, command, folder):
+    def __init__(self, monkeypatch, tmp_path) -> None:
+        self.commands: list[list[str]] = []
+        self.demands: list[str] = []
+        self.overrides: list[str] = []
+        self._git = checkouts.call
+        monkeypatch.setattr(checkouts, "call", self)
+        monkeypatch.setattr(requirements, "call", self)
+        monkeypatch.setattr(environments, "call", self)
+        monkeypatch.setattr(checkouts, "CACHE", tmp_path)
+        monkeypatch.setattr(environments, "CACHE", tmp_path)
+
+    def __call__(self, name, command, folder, fix="") -> str:
+        self.commands.append(command)
         if command[0] == "git":
-            return real(version, command, folder)
-        asked.append([str(Path(command[0]).name), *command[1:3]])
+            return self._git(name, command, folder, fix)
+        if command[1] == "export":
+            return "mujoco==4.0.0\nmujoco-core==4.0.0\nnumpy==2.4.0\nanyio==4.0 ; sys_platform == 'never'\n"
+        if command[1:3] == ["pip", "compile"]:
+            self.demands = Path(command[3]).read_text().splitlines()
+            self.overrides = Path(command[5]).read_text().splitlines()
+            out = Path(command[7])
+            assert "anyio==4.0" not in out.read_text()  # what this machine does not install is no preference
+            chosen = [line for line in self.overrides if "==" in line and ";" not in line]
+            out.write_text("".join(f"{pin}\n" for pin in (*chosen, "numpy==2.4.0")))
         return ""
 
-    monkeypatch.setattr(checkouts, "_call", call)
-    monkeypatch.setattr(checkouts, "_HOME", tmp_path)
+
+@pytest.mark.skipif(not (checkouts.ROOT / ".git").exists(), reason="needs a git checkout")
+def test_a_commit_gets_a_checkout_and_each_set_of_packages_an_environment(tmp_path, monkeypatch) -> None:
+    """Without a network: what would install it is only recorded."""
+    asked = Asked(monkeypatch, tmp_path)
     try:
-        plain, other = prepare("HEAD", [], SILENT), prepare("HEAD", ["mujoco==3.3.0"], SILENT)
-        assert plain.folder != other.folder
-        assert (plain.folder / "bench" / "__main__.py").is_file()
-        assert [words[1] for words in asked] == ["sync", "sync", "pip"]
+        old, new = (
+            prepare("HEAD", [f"mujoco=={version}"], SILENT, engines=["mujoco"], allow_dirty=True)
+            for version in ("3.3.0", "4.0.0")
+        )
+        assert old.folder == new.folder
+        assert old.python != new.python
+        assert (old.folder / "bench" / "__main__.py").is_file()
+        assert not any(demand.startswith("pybullet") for demand in asked.demands), "of another engine"
+        again = prepare("HEAD", ["mujoco==3.3.0"], SILENT, engines=["mujoco"], allow_dirty=True)
+        installed = [command for command in asked.commands if command[1:3] == ["pip", "sync"]]
+        assert again == old
+        assert len(installed) == 2, "an environment is shared by all comparisons with its packages"
+        chosen = (("mujoco==3.3.0",), ("mujoco==4.0.0",))
+        assert named_by_difference((old, new), chosen) == ["mujoco 3.3.0", "mujoco 4.0.0"]
     finally:
-        for folder in tmp_path.iterdir():
+        for folder in (tmp_path / "checkouts").iterdir():
             subprocess.run(["git", "worktree", "remove", "--force", str(folder)], cwd=checkouts.ROOT, check=True)
+
+
+def test_releases_get_the_packages_that_their_metadata_forgets(tmp_path, monkeypatch) -> None:
+    asked = Asked(monkeypatch, tmp_path)
+    requirements.pinned("old", checkouts.ROOT, ["bullet", "physx"], ["pybullet==3.2.6", "sapien==3.0.2"])
+    assert {"numpy<2", "setuptools<81"} <= set(asked.overrides)
+    requirements.pinned("new", checkouts.ROOT, ["bullet"], ["pybullet==3.2.7"])
+    assert "numpy<2" not in asked.overrides
+
+
+def test_uncommitted_changes_are_refused(tmp_path) -> None:
+    for command in (
+        ["init", "-q"],
+        ["-c", "user.name=a", "-c", "user.email=a", "commit", "-q", "--allow-empty", "-m", "a"],
+    ):
+        subprocess.run(["git", *command], cwd=tmp_path, check=True)
+    (tmp_path / "bench").mkdir()
+    (tmp_path / "bench" / "__main__.py").touch()
+    python = tmp_path / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.symlink_to(sys.executable)
+    prepare(str(tmp_path), [], SILENT, engines=[])
+    subprocess.run(["git", "add", "bench"], cwd=tmp_path, check=True)
+    with pytest.raises(CheckoutError, match=r"1 uncommitted changes.*--allow-dirty"):
+        prepare(str(tmp_path), [], SILENT, engines=[])
+    assert prepare(str(tmp_path), [], SILENT, engines=[], allow_dirty=True).folder == tmp_path
+
+
+def test_a_side_whose_trials_all_fail_ends_the_comparison_with_its_first_message(make, tmp_path) -> None:
+    ran: list[str] = []
+    broken = make.record(status="error", message="no such knob", verdict="failed")
+    sides = Written("old", broken, ran), Written("new", make.record(), ran)
+    with pytest.raises(SideFailedError, match=r"old: all 1 trials failed.*no such knob"):
+        run_interleaved(sides, check_study(STUDY, ""), 2, tmp_path / "out", SILENT)
+    assert ran == ["base-1"], "the other side need not run"

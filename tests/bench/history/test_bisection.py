@@ -1,0 +1,32 @@
+"""Bisection over versions: it finds the first new version with few runs, and passes by versions that cannot run."""
+
+import math
+
+import pytest
+
+from bench.history.bisection import BisectionError, first_new
+
+
+@pytest.mark.parametrize("at", range(1, 40))
+def test_the_first_new_version_is_found_with_a_logarithm_of_runs(at) -> None:
+    asked = []
+
+    def value(index: int) -> float:
+        asked.append(index)
+        return 9.0 if index < at else 8.0
+
+    found = first_new(40, value, "levels")
+    assert (found.last_old, found.first_new, found.untested) == (at - 1, at, ())
+    assert len(asked) <= 2 + math.ceil(math.log2(40))
+
+
+def test_versions_without_a_value_are_named() -> None:
+    values = [9.0, 9.0, None, None, 8.0, 8.0]
+    found = first_new(6, values.__getitem__, "levels")
+    assert (found.last_old, found.first_new, found.untested) == (1, 4, (2, 3))
+
+
+@pytest.mark.parametrize(("values", "reason"), [([9.0, 9.0], "do not differ"), ([None, 9.0], "need a value")])
+def test_ends_must_differ(values, reason) -> None:
+    with pytest.raises(BisectionError, match=reason):
+        first_new(2, values.__getitem__, "levels")
