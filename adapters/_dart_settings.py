@@ -35,7 +35,7 @@ _DEACTIVATION_OPTIONS = {
 KNOBS = frozenset({"collision_detector", "max_contacts", *_MATRIX_FREE_OPTIONS, *_DEACTIVATION_OPTIONS})
 """Knobs that a profile may have."""
 
-HAS_MATRIX_FREE = hasattr(dartpy.constraint.ConstraintSolver, "getMatrixFreeContactSolverOptions")
+HAS_MATRIX_FREE = hasattr(dartpy.simulation.World().getConstraintSolver(), "getMatrixFreeContactSolverOptions")
 """True if DART has the matrix-free solver, which came with 6.20.0."""
 HAS_DEACTIVATION = hasattr(dartpy.simulation.World, "getDeactivationOptions")
 """True if DART can deactivate bodies at rest."""

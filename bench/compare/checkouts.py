@@ -105,9 +105,9 @@ def named_by_difference(sides: tuple[Checkout, Checkout], packages: tuple[Sequen
     names = []
     for side, pin, asked in zip(sides, pins, packages, strict=True):
         replaced = [Path(one).name if Path(one).exists() else one.replace("==", " ") for one in asked]
-        told = {one.split(" ")[0] for one in replaced}
+        chosen_names = {one.split(" ")[0] for one in replaced}
         wanted = {one.partition("==")[0] for other in packages for one in other}
-        kept = [f"{name} {pin[name]}" for name in chosen if name in wanted - told and name in pin]
+        kept = [f"{name} {pin[name]}" for name in chosen if name in wanted - chosen_names and name in pin]
         same_suite = sides[0].name == sides[1].name
         parts = [*([] if same_suite else [side.name]), *replaced, *kept]
         names.append(", ".join(parts) or side.name)

@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 from bench.compare.baseline import Baseline
+from bench.compare.findings import plain
 from reports.records.trial import Status, TrialRecord
 
 FAILED: frozenset[Status] = frozenset({"error", "crashed", "out_of_memory"})
@@ -35,8 +36,9 @@ def require_results(side: Baseline, name: str) -> None:
         return
     first = _first(side.trials)
     raise SideFailedError(
-        f"{name}: all {len(side.trials)} trials failed, so that nothing can be compared; the first, {first.trial}: "
-        f"{first.status}: {first.message or 'no message'}; correct this failure, or choose another version"
+        f"{name}: all {len(side.trials)} trials failed, so that nothing can be compared; the first, "
+        f"{plain(first.trial)}: {first.status}: {plain(first.message) or 'no message'}; correct this failure, or "
+        "choose another version"
     )
 
 

@@ -112,7 +112,8 @@ def markdown(comparison: Comparison, fail_on: Collection[Gate]) -> str:
 
 def _mapped(table: Table, form: Callable[[str], str]) -> Table:
     rows = tuple(tuple(map(form, row)) for row in table.rows)
-    return replace(table, title=form(table.title), rows=rows, notes=tuple(map(form, table.notes)))
+    header = tuple(map(form, table.header))
+    return replace(table, title=form(table.title), header=header, rows=rows, notes=tuple(map(form, table.notes)))
 
 
 def _literal(text: str) -> str:

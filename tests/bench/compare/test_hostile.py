@@ -117,9 +117,13 @@ def test_text_of_a_file_does_nothing_in_a_terminal_a_page_or_xml(make, good, tmp
     """Names and messages may hold anything that JSON can hold."""
     nasty = "<img src=x> [link](http://x) [/red] | `x` @team \x1b[31m\u202e\nline" + "y" * 10_000
     names = {"trial": nasty, "message": nasty, "scene": nasty, "status": "crashed"}
-    base = make.side(make.record(trial=nasty, scene=nasty))
+    base = make.side(make.record(trial=nasty, scene=nasty), make.record())
     write_baseline(base, tmp_path / "base.json")
-    write_baseline(make.side(make.record(**names)), tmp_path / "head.json")
+    write_baseline(make.side(make.record(**names), make.record()), tmp_path / "head.json")
+    write_baseline(make.side(make.record(**names)), tmp_path / "failed.json")
+    failed = call("compare", tmp_path / "base.json", tmp_path / "failed.json", status=2)
+    assert "all 1 trials failed" in failed
+    assert not {"\x1b", "\u202e"} & set(failed)
     page, xml = tmp_path / "m.md", tmp_path / "j.xml"
     sides = (tmp_path / "base.json", tmp_path / "head.json")
     output = call("compare", *sides, "--markdown", page, "--junit", xml, status=1)
