@@ -186,7 +186,7 @@ def observe(
         separation: signed distances [m], shape (n,).
         relative_velocity: velocity of b against a [m/s], shape (n, 3).
         friction: Coulomb coefficients, shape (n,).
-        force: forces on b [N], shape (n, 3), or (0, 3) if the engine reports none.
+        force: forces on b [N], shape (n, 3), or (0, 0) if the engine reports none.
 
     Returns:
         Four numbers:

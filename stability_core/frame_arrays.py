@@ -12,8 +12,8 @@ import numpy as np
 from stability_core.port import Contacts, FloatArray, IntArray, Masses
 
 IDS, NUMBERS = np.dtype(np.int64), np.dtype(np.float64)
-NO_FORCES = np.zeros((0, 3))
-"""Contact forces of an engine that reports none, shape (0, 3)."""
+NO_FORCES = np.zeros((0, 0))
+"""Contact forces of an engine that reports none. The shape differs from that of the forces of no contacts, (0, 3)."""
 
 
 class ContactArrays(NamedTuple):
@@ -34,7 +34,7 @@ class ContactArrays(NamedTuple):
     friction: FloatArray
     """Coulomb coefficients, shape (n,)."""
     force: FloatArray
-    """Force on b [N], shape (n, 3), or (0, 3) if the engine reports none."""
+    """Force on b [N], shape (n, 3), or (0, 0) if the engine reports none."""
 
 
 class MassArrays(NamedTuple):

@@ -9,7 +9,7 @@ from dataclasses import fields
 import numpy as np
 
 from stability_core.compiled import compiled
-from stability_core.frame_arrays import ContactArrays, MassArrays
+from stability_core.frame_arrays import NO_FORCES, ContactArrays, MassArrays
 from stability_core.port import GROUND, Contacts, FloatArray, Masses
 
 _IDS = np.dtype(np.int64)
@@ -18,7 +18,7 @@ FINE, BAD_CONTACT, BAD_MASS, UNKNOWN_BODY, NO_ROOM, BAD_SHAPE, LISTED_TWICE, FLI
 
 @compiled
 def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
-    """Return True if the shapes of all arrays except ``contacts.force`` fit together.
+    """Return True if the shapes of all arrays fit together.
 
     The check costs less per frame than ``check_shapes``, which names the faulty array.
     """
@@ -26,6 +26,7 @@ def fit_together(contacts: ContactArrays, masses: MassArrays) -> bool:
     return bool(
         len(contacts.body_b) == len(contacts.separation) == len(contacts.friction) == n
         and contacts.point.shape == contacts.normal.shape == contacts.relative_velocity.shape == (n, 3)
+        and (contacts.force.shape == NO_FORCES.shape or contacts.force.shape == (n, 3))
         and len(masses.mass) == m
         and masses.center.shape == (m, 3)
     )

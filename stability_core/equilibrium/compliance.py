@@ -67,7 +67,7 @@ class Case(NamedTuple):
 
 
 @compiled
-def _contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArray) -> None:
+def contact_law(case: Case, v: FloatArray, force: FloatArray, tangent: FloatArray) -> None:
     """Evaluate the contact law: the force on the second body at each contact, and its decrease as ``v`` grows.
 
     Args:
@@ -260,7 +260,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
     v, force, tangent = np.empty((m, 3)), np.empty((m, 3)), np.empty((m, 3, 3))
     rest, du, trial, step = np.empty((n, 6)), np.empty((n, 6)), np.empty((n, 6)), np.empty(6 * n)
     along_contacts(problem, u, v)
-    _contact_law(case, v, force, tangent)
+    contact_law(case, v, force, tangent)
     error = _unbalanced(problem, inertia, u, force, rest)
     enough = CONVERGED * kappa  # the error is measured in M / kappa
     stalls = 0
@@ -279,7 +279,7 @@ def displace(case: Case, kappa: float, most: int, u: FloatArray) -> tuple[bool, 
             length *= 0.5
             trial[:] = u + length * du
             along_contacts(problem, trial, v)
-            _contact_law(case, v, force, tangent)
+            contact_law(case, v, force, tangent)
             now = _unbalanced(problem, inertia, trial, force, rest)
         stalls = stalls + 1 if length <= SHORTEST_STEP else 0
         if not np.isfinite(now) or stalls > STALLS:
@@ -305,7 +305,7 @@ def displace_in_rounds(case: Case, kappa: float, u: FloatArray) -> tuple[bool, F
     trial, sensitivity = np.empty_like(u), np.ones(len(u))
     for _ in range(ROUNDS):
         along_contacts(case.problem, u, v)
-        _contact_law(case, v, force, tangent)
+        contact_law(case, v, force, tangent)
         for c in range(len(v)):
             n = case.problem.normal[c]
             pressed = force[c, 0] * n[0] + force[c, 1] * n[1] + force[c, 2] * n[2]

@@ -13,6 +13,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from stability_core.equilibrium.correction import correct
+from stability_core.equilibrium.layers import loose_in_layers
 from stability_core.equilibrium.loading import STIFFNESSES, needs_prestress
 from stability_core.equilibrium.newton import FALLING, HELD, STRONGEST, UNDECIDED, solve
 from stability_core.equilibrium.passing_down import pass_down
@@ -259,26 +260,37 @@ def _arising(problem: Problem, force: FloatArray, residual: float, displacement:
     """
     loose = np.zeros(len(problem.load), np.bool_)
     island_of = islands(problem)
-    for island in np.unique(island_of):
-        members = island_of == island
+    for label in np.unique(island_of):
+        members = island_of == label
         found = np.ascontiguousarray(displacement[:, members])
-        loose[members] = _loose(held_by_the_rest(problem, members)[0], found)
+        island, theirs = held_by_the_rest(problem, members)
+        loose[members] = _loose(island, force[theirs], found)
         displacement[:, members] = found
     verdict: Verdict = "doubt" if loose.any() else "stable"
     return verdict, force, np.zeros_like(problem.load) + loose[:, None], residual
 
 
-def _loose(island: Problem, displacement: FloatArray) -> BoolArray:
+def _loose(island: Problem, force: FloatArray, displacement: FloatArray) -> BoolArray:
     """Return the mask of the bodies that loading does not hold, shape (n,).
 
     Loading must hold all bodies with ``LESS_FRICTION`` of the friction. If no equilibrium exists with this friction, as
-    for an inverted V near its limit, the full friction decides.
+    for an inverted V near its limit, the full friction decides. Loading layer by layer comes first, because its cost is
+    small. If it does not hold all bodies, loading all bodies at once may; if neither does, the mask with fewer bodies
+    counts.
     """
     less = island._replace(friction=LESS_FRICTION * island.friction)
-    loose = needs_prestress(less, displacement)
-    if loose.any() and solve(less, ALL_ROWS, STRONGEST)[0] != FALLING:
+    loose: BoolArray = loose_in_layers(less, force)
+    if not loose.any():
         return loose
-    return needs_prestress(island, displacement)  # starts from the result for less friction
+    falls = solve(less, ALL_ROWS, STRONGEST)[0] == FALLING
+    if falls:
+        loose = loose_in_layers(island, force)
+        if not loose.any():
+            return loose
+    at_once = needs_prestress(less, displacement)
+    if falls or not at_once.any():
+        at_once = needs_prestress(island, displacement)  # starts from the result above
+    return loose if loose.sum() < at_once.sum() else at_once
 
 
 def _along(problem: Problem, kept: BoolArray, direction: FloatArray) -> Problem:

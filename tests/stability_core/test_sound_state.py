@@ -68,6 +68,11 @@ SPOILED_CONTACTS = {
     "float": (replaced(body_a=lambda c: c.body_a + 0.5), "contacts.body_a must hold integers"),
     "list": (replaced(body_a=lambda c: c.body_a.tolist()), "contacts.body_a must be a NumPy array"),
     "flipped": (replaced(normal=lambda c: -c.normal), "change the sign of all normals"),
+    "few forces": (replaced(force=lambda c: np.zeros((len(c) - 1, 3))), "contacts.force must be None or have shape"),
+    "an empty list of forces": (
+        replaced(force=lambda c: np.zeros((0 * len(c), 3))),
+        "contacts.force must be None or have",
+    ),
 }
 SPOILED_MASSES = {
     "float": (replaced(body=lambda m: m.body.astype(float)), "masses.body must hold integers"),
