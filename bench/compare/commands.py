@@ -43,5 +43,6 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
         ) from error
     if done.returncode != 0:
         words = " ".join(done.stderr.split())[-_LONGEST:] or "no error output"
-        raise CheckoutError(f"{name}: '{' '.join(command[:4])} ...' failed; {fix}: {words}")
+        shown = " ".join([Path(command[0]).name, *command[1:4]])
+        raise CheckoutError(f"{name}: '{shown} ...' failed; {fix}: {words}")
     return done.stdout

@@ -12,6 +12,6 @@ POLICY_SENTENCES: Mapping[str, str] = {
     "paper": "Thomsen and Kraus 2015: a brick freezes if its centre of mass, with all loads, lies above its contacts.",
     "equilibrium": "Exact statics: a brick freezes if contact forces with friction exist that hold the whole stack.",
     "pile": "After Hsu and Keyser 2010: bricks inside a pile freeze, those on its slope stay live.",
-    "stacking_tree": "Zhao et al. 2022: as the paper for flat bricks, but shares of a load by lever equations.",
+    "stacking_tree": "After Zhao and others 2022: as the paper for flat bricks, but levers share out a load.",
 }
 """Description of each sleeping method, by its name."""

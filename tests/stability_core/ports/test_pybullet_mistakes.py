@@ -222,7 +222,7 @@ def trajectory(client: int, *, attached: bool) -> np.ndarray:
 
 def test_arm_and_sensors_keep_their_trajectories_to_the_bit_while_nothing_is_frozen(client: int) -> None:
     alone = trajectory(client, attached=False)
-    pybullet.resetSimulation(client)
+    pybullet.resetSimulation(physicsClientId=client)
     pybullet.setGravity(0, 0, -9.81, client)
     pybullet.createMultiBody(
         0, pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client), physicsClientId=client
