@@ -78,7 +78,8 @@ SOLIDS: tuple[tuple[str, dict[str, Any]], ...] = (
     *(("ball_pyramid", {"margin": margin}) for margin in (0.4, -0.4)),
     *(("groove", {"body": body, "margin": margin}) for body in ("wedge", "cylinder") for margin in (0.35, -0.35)),
 )
-"""Scenes of the study `truth` whose bodies are no boxes: one pair or more of each family."""
+"""Scenes whose bodies are no boxes, two or more of each family: scenes of the study `truth`, and scenes without a known
+answer, of which only the existence of forces is compared."""
 RANDOM = {"level": partial(level_pile, widest=0.12), "leaning": leaned_on_tower, "roofed": laden_pair}
 SEEDS = range(16)
 

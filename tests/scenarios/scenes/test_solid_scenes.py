@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from scenarios.registry import build
 from scenarios.scenes.voussoir_arch import least_thickness
@@ -54,6 +55,66 @@ def test_three_logs_open_below_the_tangent_of_fifteen_degrees():
     for mu, balanced in ((0.27, True), (0.266, False)):
         scene = build("log_pile", rows=2, stops="none", friction=mu)
         assert equilibrium(scene.bricks, scene.world).balanced is balanced
+
+
+@pytest.mark.parametrize(("name", "options"), [("ball_pyramid", {}), ("log_pile", {"rows": 2, "friction": 0.4})])
+def test_round_bodies_without_stops_roll_away_on_the_least_slope(name, options):
+    """With friction enough that nothing slides, forces hold them on level ground; on 1 mrad the judge is in doubt."""
+    scene = build(name, stops="none", **options)
+    assert scene.expectation.outcome == "study"
+    assert equilibrium(scene.bricks, scene.world).balanced
+    tilted = replace(scene.world, gravity=(9.81e-3, 0.0, -9.81))
+    assert not equilibrium(scene.bricks, tilted).stable
+
+
+def greatest_shift(bricks, stops, axes):
+    """The farthest any centre can go, within a cube of motions of 1, if no contact closes and the weights do not rise
+    in sum; 0 means that contacts alone lock the bodies, without friction, also against small motions.
+
+    Only the centres' motions along ``axes`` count: turning does not close a contact of a sphere, or of a parallel
+    cylinder.
+    """
+    patches = contact_patches(bricks, stops)
+    closing = np.zeros((len(patches), len(bricks), 3))
+    for row, patch in zip(closing, patches, strict=True):
+        for body, sign in ((patch.first, -1), (patch.second, 1)):
+            if body != GROUND:
+                row[body] += sign * np.array(patch.normal)
+    rises = np.zeros((1, len(bricks), 3))
+    rises[0, :, 2] = [brick.mass / bricks[0].mass for brick in bricks]
+    bound = np.concatenate([-closing, rises])[:, :, axes].reshape(len(patches) + 1, -1)
+    count = bound.shape[1]
+    shifts = [
+        -linprog(-side * np.eye(count)[index], A_ub=bound, b_ub=np.zeros(len(bound)), bounds=(-1, 1)).fun
+        for index in range(count)
+        for side in (-1, 1)
+    ]
+    return max(shifts)
+
+
+def test_stops_lock_round_bodies_in_place():
+    """Statics alone does not see an unstable balance: spheres between one stop each could turn about the axis."""
+    balls = build("ball_pyramid", margin=-0.4, stops="three").bricks
+    assert greatest_shift(balls[3:], balls[:3], [0, 1, 2]) == pytest.approx(0, abs=1e-9)
+    assert greatest_shift(balls[3:], (), [0, 1, 2]) == 1
+    for rows in (2, 3, 4):
+        logs = build("log_pile", rows=rows).bricks
+        assert greatest_shift(logs[2:], logs[:2], [0, 2]) == pytest.approx(0, abs=1e-9)
+        assert greatest_shift(logs[2:], (), [0, 2]) == 1
+
+
+def test_each_stop_of_a_ball_pyramid_takes_two_thirds_of_the_tangent():
+    """Without friction each stop takes 2 W tan(35.26 deg) / 3 of the upper sphere's weight W, from two spheres."""
+    scene = build("ball_pyramid", margin=-0.4, stops="three")
+    stops, balls = scene.bricks[:3], scene.bricks[3:]
+    statics = equilibrium(balls, replace(scene.world, friction=0.0), walls=stops)
+    assert statics.stable
+    pushed = [
+        np.hypot(*force[:2])
+        for (first, _), normal, force in zip(statics.bodies, statics.normals, statics.forces, strict=True)
+        if first == GROUND and abs(normal[2]) < 0.5
+    ]
+    assert pushed == pytest.approx([balls[-1].mass * 9.81 / math.sqrt(2) / 3] * 6)
 
 
 def test_stops_carry_half_the_tangent_of_thirty_degrees():

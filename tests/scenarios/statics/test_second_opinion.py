@@ -20,8 +20,9 @@ QUICK = [
     if len(scene.bricks) < 8 and are_boxes([brick.shape for brick in scene.bricks])
 ]
 """Solids have up to 32 corners a patch, so they are in the slow part; ``tests/oracle`` confirms them by compas_cra."""
-STRUCK = {"pushed_plank", "dropped_plank"}
-"""Families whose outcome a blow decides, of which statics says nothing: the stack itself stands."""
+STRUCK = {"pushed_plank", "dropped_plank", "dominoes"}
+"""Families whose outcome a blow or a push decides, of which statics says nothing: the bricks in their planned poses
+stand. How far a striker must push a domino is the scene's closed form."""
 
 
 def states_of(scene: Scene) -> Iterator[list[Brick]]:
