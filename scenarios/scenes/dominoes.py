@@ -1,11 +1,12 @@
 """A row of dominoes, the first of which a striker pushes over, or not quite.
 
-Theory: the striker is taller than a domino (height h, thickness b), so it pushes the domino's upper rear edge. A domino
-that leans forward by p about its lower front edge has moved this edge by d(p) = h sin(p) + b (1 - cos(p)). The domino's
-centre passes over the front edge at p = atan(b / h), so the domino falls if the striker moves it by more than
-d(atan(b / h)), and stands up again if the striker stops before. It tips before it slides, because the push needs only
-b / (2 h) of the weight, less than friction bears. The striker is slow, so the domino's speed does not matter. The gap
-between neighbours is less than h, so one falling domino topples the whole row.
+Theory: the striker slides on a shelf and is higher than a domino (height h, thickness b), so it touches the domino only
+near the upper rear edge, and pushes this edge once the domino leans. A domino that leans forward by p about its lower
+front edge has moved this edge by d(p) = h sin(p) + b (1 - cos(p)). The domino's centre passes over the front edge at
+p = atan(b / h), so the domino falls if the striker moves it by more than d(atan(b / h)), and stands up again if the
+striker stops before. It tips before it slides, because a push at the height s of the shelf needs b / (2 s) = 0.14 of
+the weight, less than the friction of 0.45. The striker is slow, so the domino's speed does not matter. The gap between
+neighbours is less than h, so one falling domino topples the whole row.
 
 Look for: the chain. Each domino of a row that falls must topple the next one: a rule that freezes a domino while its
 neighbour falls stops the chain.
@@ -26,8 +27,13 @@ SIZE = (0.03, 0.06, 0.12)
 """Edges of a domino [m]: thickness, width and height."""
 PITCH = 0.09
 """Distance [m] between the middles of neighbours, which leaves half a height between them."""
-STRIKER = (0.16, 0.06, 0.16)
-"""Edges of the striker [m]: so long that friction below it does not tip it while it is pulled by its centre."""
+STRIKER = (0.16, 0.06, 0.04)
+"""Edges of the striker [m]: so long that friction below it does not tip it while it is pulled by its centre, and that
+its centre stays over the shelf."""
+SHELF = (0.2, 0.06, 0.11)
+"""Edges of the shelf [m]: it ends 1 cm below the top of a domino, so that the striker pushes high."""
+CLEAR = 0.01
+"""Gap [m] between the shelf and the first domino."""
 APART = 0.002
 """Gap [m] between the striker and the first domino."""
 SPEED = 0.02
@@ -37,7 +43,7 @@ BEGINS_S = 2.0
 
 
 @dynamic_scenario
-def dominoes(*, count: Annotated[int, Whole(1, 100)] = 5, margin: Margin = 0.3) -> Plan:
+def dominoes(*, count: Annotated[int, Whole(1, 100)] = 5, margin: Margin = 0.5) -> Plan:
     """Build a row of standing dominoes, and push the first one.
 
     Args:
@@ -48,11 +54,12 @@ def dominoes(*, count: Annotated[int, Whole(1, 100)] = 5, margin: Margin = 0.3) 
     lean = math.atan(thickness / height)
     limit = height * math.sin(lean) + thickness * (1 - math.cos(lean))
     row = [box(SIZE, index * PITCH, level=1) for index in range(count)]
-    striker = box(STRIKER, -(thickness + STRIKER[0]) / 2 - APART, level=1)
+    striker = box(STRIKER, -(thickness + STRIKER[0]) / 2 - APART, level=1, bottom=SHELF[2])
+    shelf = box(SHELF, -(thickness + SHELF[0]) / 2 - CLEAR, level=1)
     push = Pull(BEGINS_S, count, (SPEED, 0.0), (APART + (1 - margin) * limit) / SPEED)
     actions: tuple[Action, ...] = (Place(0.0, (*row, striker)), push)
     return Plan(
-        world=World(friction=MU),
+        world=World(friction=MU, fixed=(shelf,)),
         actions=actions,
         expectation=by_margin(
             margin, f"{limit * 1e3:.1f} mm, where a domino's centre is over its edge", falls_at=1, not_before_s=BEGINS_S

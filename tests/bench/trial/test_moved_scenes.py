@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from adapters import open_engine
+from bench.trial.builder import Builder
 from bench.trial.judging import verdict
 from bench.trial.playback import Playback
 from scenarios.geometry import rotation
@@ -18,7 +19,7 @@ PAIRS = (
     ("trapdoor", "beyond", (-10.0, 10.0)),
     ("pressed_plank", "force", (0.7, 1.5)),
     ("tilted_ground", "angle", (20.0, 28.0)),
-    ("dominoes", "margin", (0.3, -0.3)),
+    ("dominoes", "margin", (0.5, -0.5)),
 )
 
 
@@ -67,3 +68,25 @@ def test_one_falling_domino_topples_the_whole_row(engine: str) -> None:
     finally:
         simulation.close()
     assert (tilts > 45).all()
+
+
+@pytest.mark.parametrize("engine", ["bullet", "mujoco"])
+def test_a_pushed_domino_leans_and_stands_up_again_without_sliding(engine: str) -> None:
+    """At half the limit, 15 of 30 mm, the upper edge has moved as at a lean of 7.1 deg. Engines keep a gap or an
+    overlap of some tenths of a millimetre, each of which turns the domino by 0.5 deg."""
+    scene = build("dominoes", count=1, margin=0.5)
+    simulation = open_engine(engine, "tuned", world=scene.world, expected=scene.bricks)
+    leans = []
+    try:
+        builder = Builder(scene, simulation)
+        frame_s = simulation.info.frame_s
+        for frame in range(round((scene.actions[-1].until + 2.0) / frame_s)):
+            builder.act(frame * frame_s)
+            simulation.step(frame_s)
+            leans.append(math.degrees(math.acos(min(1.0, rotation(simulation.poses()[2])[0, 2, 2]))))
+        drift = float(np.abs(simulation.poses()[1][0] - scene.bricks[0].position)[0])
+    finally:
+        simulation.close()
+    assert max(leans) == pytest.approx(7.1, abs=1.5)
+    assert leans[-1] < 0.5
+    assert drift < 2e-3
