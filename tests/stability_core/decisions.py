@@ -20,7 +20,7 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from scenarios.statics.contact_patch import Patch
 from scenarios.statics.truth import judge
 from stability_core import Contacts, Masses, Settings, StabilityExtension, solve_equilibrium
 from tests.stability_core.piles import LENGTH, Pile, laden_pair, leaned_on_tower, level_pile
+
+T = TypeVar("T")
 
 KINDS: dict[str, Callable[[np.random.Generator], Pile]] = {
     "level": partial(level_pile, widest=0.25),
@@ -154,15 +156,20 @@ def decide_some(job: tuple[str, range]) -> Counter[Decision]:
     return Counter(decision for seed in seeds for decision in decisions_of(kind, seed))
 
 
-def decide_all(piles: dict[str, int], processes: int = 2) -> Counter[Decision]:
-    """How often each outcome comes up; seeds are 0 to n - 1 for each kind."""
+def sum_counts(count: Callable[[tuple[str, range]], Counter[T]], piles: dict[str, int], processes: int) -> Counter[T]:
+    """The sum of ``count`` over ranges of seeds, in several processes; seeds are 0 to n - 1 for each kind of pile."""
     chunk = 25
     jobs = [(kind, range(start, min(start + chunk, n))) for kind, n in piles.items() for start in range(0, n, chunk)]
-    total: Counter[Decision] = Counter()
+    total: Counter[T] = Counter()
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for counts in pool.map(decide_some, jobs):
+        for counts in pool.map(count, jobs):
             total.update(counts)
     return total
+
+
+def decide_all(piles: dict[str, int], processes: int = 2) -> Counter[Decision]:
+    """How often each outcome comes up."""
+    return sum_counts(decide_some, piles, processes)
 
 
 class Score(NamedTuple):

@@ -19,9 +19,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,7 +29,7 @@ import scipy
 from bench.machine.core_digest import present_core
 from bench.publishing.page_marks import write_page
 from stability_core import GROUND
-from tests.stability_core.decisions import Asked, ask_judge, part_of
+from tests.stability_core.decisions import Asked, ask_judge, part_of, sum_counts
 from tests.stability_core.piles import MASS, Pile, level_pile
 
 SEED = 20260
@@ -160,14 +158,7 @@ def _outcome(truth: str, verdict: str) -> str:
 
 def count_all(piles: int, processes: int = 2) -> Counts:
     """Count the outcomes of ``piles`` piles, half of each kind."""
-    chunk = 25
-    each = piles // len(KINDS)
-    jobs = [(kind, range(start, min(start + chunk, each))) for kind in KINDS for start in range(0, each, chunk)]
-    total: Counts = Counter()
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for counts in pool.map(count, jobs):
-            total.update(counts)
-    return total
+    return sum_counts(count, dict.fromkeys(KINDS, piles // len(KINDS)), processes)
 
 
 class Agreement(NamedTuple):
