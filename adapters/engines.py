@@ -39,6 +39,10 @@ class EngineEntry(Protocol):
         ...
 
 
+def _install_engines(package: str) -> str:
+    return f"install '{package}' with: uv sync --group engines"
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """An engine whose adapter is a class in a module."""
@@ -52,7 +56,7 @@ class Entry:
     @property
     def remedy(self) -> str:
         """Text for an error message: how to fix an engine that cannot be loaded."""
-        return f"install '{self.package}' with: uv sync --group engines"
+        return _install_engines(self.package)
 
     def version(self) -> str:
         """Return the version of the package.
@@ -146,7 +150,7 @@ class ReferenceEntry:
     @property
     def remedy(self) -> str:
         """Text for an error message: how to fix an engine that cannot be loaded."""
-        return f"install '{self.package}' with: uv sync --group engines"
+        return _install_engines(self.package)
 
     def version(self) -> str:
         """Return the revision, and the version of the package.

@@ -95,10 +95,6 @@ class History(_Model):
     series: list[Series]
     steps: list[Step] = []
 
-    def steps_at(self, version: str) -> list[Step]:
-        """Return the steps of all figures at a version."""
-        return [step for step in self.steps if step.version == version]
-
 
 def read_history(path: Path) -> History:
     """Read a history.
