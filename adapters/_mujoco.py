@@ -46,7 +46,7 @@ from adapters.substeps import SubstepSimulation
 from scenarios.model import Brick, Quaternion, Vector
 from stability_core.port import Contacts, FloatArray, IntArray
 from stability_core.ports.mujoco_calls import speculative_rows
-from stability_core.ports.mujoco_release import HAS_SLEEP, HAS_SPECULATIVE
+from stability_core.ports.mujoco_release import HAS_AUTORESET, HAS_SLEEP, HAS_SPECULATIVE, has_reset
 
 mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)
 
@@ -57,6 +57,7 @@ def _knows(knob: str) -> bool:
 
 
 _MISSING_KNOBS = (
+    *(() if HAS_AUTORESET else ("flag.autoreset",)),
     *(() if HAS_SLEEP else ("sleep", "option.sleep_tolerance")),
     *(() if HAS_SPECULATIVE else ("flag.speculative",)),
 )
@@ -154,7 +155,10 @@ class MujocoSimulation(SubstepSimulation):
         """Record nothing, because MuJoCo's own arrays hold the velocities at the start of the latest substep."""
 
     def _substep(self) -> None:
-        mujoco.mj_step(self._engine.slots.model, self._engine.slots.data)
+        data = self._engine.slots.data
+        mujoco.mj_step(self._engine.slots.model, data)
+        if not HAS_AUTORESET and has_reset(data):  # show the divergence, as releases do that can switch off the reset
+            data.qpos[:] = np.nan
 
     def _solver_iterations(self) -> int:
         data = self._engine.slots.data

@@ -131,7 +131,7 @@ def _value(text: str) -> KnobValue:
             return read(text)
         except ValueError:
             continue
-    return {"true": True, "false": False}.get(text, text)
+    return {"true": True, "false": False}.get(text.lower(), text)
 
 
 def _whole(value: float) -> int:

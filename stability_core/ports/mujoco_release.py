@@ -1,5 +1,6 @@
 """Differences between releases of MuJoCo, so that the ports also run earlier ones.
 
+- 3.2.1 made the automatic reset of a diverged world optional. Before, such a world silently returns to its start.
 - 3.4.0 introduced sleeping. Before, a parked body costs time in every step, because it cannot sleep.
 - 3.5.0 adds the gaps of two geoms. Before, the larger gap counts.
 - 3.9.0 lists contacts up to ``margin + gap``, with force from ``margin`` on. Before, MuJoCo listed contacts up to
@@ -11,6 +12,8 @@ from __future__ import annotations
 
 import mujoco
 
+HAS_AUTORESET = hasattr(mujoco.mjtDisableBit, "mjDSBL_AUTORESET")
+"""True if the automatic reset can be switched off."""
 HAS_SLEEP = hasattr(mujoco, "mjtSleepPolicy")
 """True if bodies can sleep."""
 HAS_SPECULATIVE = hasattr(mujoco.mjtEnableBit, "mjENBL_SPECULATIVE")
@@ -27,6 +30,8 @@ SLEEPING_OR_SPECULATIVE = (mujoco.mjtEnableBit.mjENBL_SLEEP.value if HAS_SLEEP e
 )
 """Flags that make MuJoCo omit sleeping pairs, or list distances that it did not measure."""
 
+_BAD_STATES = [int(getattr(mujoco.mjtWarning, f"mjWARN_BAD{state}")) for state in ("QPOS", "QVEL", "QACC")]
+
 
 def detection_attributes(gap: float) -> dict[str, float]:
     """Return the geom attributes with which two bodies list contacts up to a distance of ``2 * gap``, without force.
@@ -36,3 +41,8 @@ def detection_attributes(gap: float) -> dict[str, float]:
     """
     own = gap if _SUMS_GAPS else 2 * gap
     return {"gap": own} if _LISTS_BEYOND_MARGIN else {"gap": own, "margin": own}
+
+
+def has_reset(data: mujoco.MjData) -> bool:
+    """Return True if MuJoCo has returned a diverged world to its start."""
+    return bool(data.warning.number[_BAD_STATES].any())

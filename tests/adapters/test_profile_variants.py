@@ -53,6 +53,12 @@ def test_a_brick_far_from_the_origin_rests_on_the_same_ground(engine: str) -> No
     assert rested["game@offset=100"] == pytest.approx(rested["game"], abs=2e-5)
 
 
+@pytest.mark.parametrize("text", ["false", "False"])
+def test_a_knob_that_is_true_or_false_goes_by_name_as_profiles_show_it(text: str) -> None:
+    assert profile_named("dart", "game").knobs["matrix_free"].value is True
+    assert profile_named("dart", f"game@matrix_free={text}").knobs["matrix_free"].value is False
+
+
 def test_the_frame_rate_goes_by_name() -> None:
     profile = profile_named("bullet", "game@hz=240")
     assert profile.frame_s == pytest.approx(1 / 240)

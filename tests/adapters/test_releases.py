@@ -1,10 +1,14 @@
 """Adapters of other releases: settings that a release lacks are left out and named, and the locked ones lack none."""
 
 import importlib.util
+import math
 
+import mujoco
+import numpy as np
 import pytest
 
-from adapters import missing_knobs
+from adapters import missing_knobs, open_engine
+from adapters.conformance.rig import plank
 from adapters.profile_files import load_settings
 from stability_core.ports import mujoco_release
 
@@ -37,3 +41,28 @@ def test_two_bodies_list_contacts_at_the_same_distance_in_every_release(monkeypa
     monkeypatch.setattr(mujoco_release, "_SUMS_GAPS", sums)
     monkeypatch.setattr(mujoco_release, "_LISTS_BEYOND_MARGIN", beyond)
     assert mujoco_release.detection_attributes(1e-4) == expected
+
+
+def test_a_silent_reset_of_an_early_release_is_seen_as_a_divergence() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data)
+    assert not mujoco_release.has_reset(data)
+    data.qvel[2] = math.nan
+    mujoco.mj_step(model, data)
+    assert math.isfinite(data.qvel[2])  # as shipped, MuJoCo has put the world back
+    assert mujoco_release.has_reset(data)
+
+
+def test_poses_after_a_silent_reset_are_not_finite(monkeypatch) -> None:
+    monkeypatch.setattr("adapters._mujoco.HAS_AUTORESET", False)
+    monkeypatch.setattr("adapters._mujoco.has_reset", lambda _: True)
+    simulation = open_engine("mujoco", "game", expected=[plank()])
+    try:
+        simulation.spawn(plank())
+        simulation.step(simulation.info.frame_s)
+        assert not np.isfinite(simulation.poses()[1]).any()
+    finally:
+        simulation.close()
