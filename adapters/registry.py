@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 from collections.abc import Mapping, Sequence
 
 from adapters.base import Simulation
@@ -28,7 +29,17 @@ def _load(name: str) -> type[Simulation]:
 
 
 def _not_installed(name: str, error: Exception) -> EngineNotInstalledError:
-    return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {ENGINES[name].remedy}")
+    """Return the error for an engine that cannot be loaded. An installed package is named with its release."""
+    package = getattr(ENGINES[name], "package", "")
+    try:
+        release = f"{package} {importlib.metadata.version(package)}" if package else ""
+    except importlib.metadata.PackageNotFoundError:
+        release = ""
+    if not release:
+        return EngineNotInstalledError(f"engine '{name}' cannot be loaded ({error}): {ENGINES[name].remedy}")
+    return EngineNotInstalledError(
+        f"engine '{name}' cannot be loaded with {release} ({error}): install what is missing, or another release"
+    )
 
 
 def _installed(name: str) -> type[Simulation]:

@@ -33,7 +33,7 @@ from bench.history.versions import VersionsError, commits, kept_records, release
 from bench.machine.source_digest import PUBLISHED
 from bench.studies.schema import Study, load_study
 from bench.studies.selection import Selection, selected
-from reports.page.history_page import history_tables, write_history_page
+from reports.page.history_page import failures_table, steps_table, write_history_page
 from reports.records.atomic import write_atomic
 from reports.records.history import HISTORY, History, Kind, write_history
 from reports.tables.table import render
@@ -180,5 +180,6 @@ def _show(built: History, as_json: bool) -> None:
     if as_json:
         typer.echo(built.model_dump_json(indent=1))
         return
-    for table in history_tables(built):
-        render(table, OUT)
+    render(steps_table(built), OUT)
+    if any(point.message for point in built.points):
+        render(failures_table(built), OUT)

@@ -42,7 +42,13 @@ def call(name: str, command: Sequence[str], folder: Path, fix: str = "correct th
             f"{name}: {command[0]} cannot be run ({error.strerror}): install {command[0]}, or repair the checkout"
         ) from error
     if done.returncode != 0:
-        words = " ".join(done.stderr.split())[-_LONGEST:] or "no error output"
+        words = _reason(done.stderr)[-_LONGEST:] or "no error output"
         shown = " ".join([Path(command[0]).name, *command[1:4]])
         raise CheckoutError(f"{name}: '{shown} ...' failed; {fix}: {words}")
     return done.stdout
+
+
+def _reason(output: str) -> str:
+    """Return an error output in one line: from the last line "error: ..." on, so without warnings before it."""
+    _, found, last = ("\n" + output).rpartition("\nerror: ")
+    return " ".join((last if found else output).split())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -30,9 +29,7 @@ def figures_of(records: Sequence[TrialRecord]) -> list[Figure]:
         if record.status not in _FAILED:
             for figure in _of_trial(record):
                 found.setdefault(figure.name, []).append(figure)
-    figures = [_median(group) for group in found.values()]
-    time = _frame_time(records)
-    return figures if time is None else [*figures, time]
+    return [_median(group) for group in found.values()]
 
 
 def as_series(versions: Sequence[Sequence[Figure]]) -> list[Series]:
@@ -72,6 +69,10 @@ def _of_trial(record: TrialRecord) -> Iterator[Figure]:
     stands = record.status == "completed"
     yield Figure(f"creep of {trial}", "creep", "m/s", record.creep_m_s if stands else None)
     yield Figure(f"sink of {trial}", "sink", "m", record.sink_m if stands else None)
+    if record.policy == "none":
+        yield Figure(
+            f"frame time of {trial}", "time", "of a fixed calculation", _frame_time(record) if stands else None
+        )
 
 
 def _if_decided(record: TrialRecord, value: int) -> float | None:
@@ -84,18 +85,12 @@ def _median(group: Sequence[Figure]) -> Figure:
     return group[0]._replace(value=statistics.median(values) if values else None)
 
 
-def _frame_time(records: Sequence[TrialRecord]) -> Figure | None:
-    """Return the frame time of the engine alone relative to a fixed calculation: the geometric mean over the trials.
+def _frame_time(record: TrialRecord) -> float | None:
+    """Return the typical frame time of the engine alone relative to a fixed calculation.
 
-    The calculation runs just before and just after the frames of each trial, so that the ratio depends less on the
-    machine's present speed than a time does.
+    The calculation runs just before and just after the frames, so that the ratio depends less on the machine's present
+    speed than a time does. Times of stacks that fell are left out, because fewer bricks were in their frames.
     """
-    ratios = [
-        record.frame_ms_p50 / record.calibration_ms
-        for record in records
-        if record.policy == "none" and record.frame_ms_p50 and record.calibration_ms and record.status != "timeout"
-    ]
-    if not ratios:
+    if not (record.frame_ms_p50 and record.calibration_ms):
         return None
-    mean = math.exp(statistics.fmean(map(math.log, ratios)))
-    return Figure("frame time", "time", "of a fixed calculation", mean)
+    return record.frame_ms_p50 / record.calibration_ms

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,6 +27,8 @@ VERSIONS = "versions"
 """Folder of the versions in the folder of a history, each with the results of its run."""
 _DONE = "version.json"
 """File of a finished version, written last."""
+_FILE_IN_BRACKETS = re.compile(r" \(\.\.\./[^)]*\)")
+"""The file that Python names in an import error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +101,11 @@ def read_measured(version: str, out: Path) -> Measured:
         return Measured(version, message=message)
     records = read_records(folder / TRIALS)
     described: dict[str, Any] = json.loads((folder / ENVIRONMENT).read_text(encoding="utf-8"))
-    notes: list[str] = []
-    for engine in described["engines"].values():
-        notes += [f"without the setting {knob}, which is unknown here" for knob in engine.get("missing_knobs", ())]
+    notes = [
+        f"without settings that are unknown here: {', '.join(missing)}"
+        for engine in described["engines"].values()
+        if (missing := engine.get("missing_knobs"))
+    ]
     late = [one.trial for one in records if one.status == "timeout"]
     if late:
         notes.append(f"stopped by the time limit: {', '.join(late)}")
@@ -151,4 +156,4 @@ def _plain(message: str, folders: Sequence[Path]) -> str:
     """Return a message without the paths of this machine."""
     for folder in folders:
         message = message.replace(str(folder), "...")
-    return message
+    return _FILE_IN_BRACKETS.sub("", message)

@@ -36,10 +36,20 @@ def write_history_page(path: Path, history: History) -> None:
 
 def history_tables(history: History) -> list[Table]:
     """Return the table of steps and the table of versions."""
-    return [_steps(history), _versions(history)]
+    return [steps_table(history), _versions(history)]
 
 
-def _steps(history: History) -> Table:
+def failures_table(history: History) -> Table:
+    """Return the table of versions without figures, each with its reason."""
+    rows = tuple((point.version, point.message) for point in history.points if point.message)
+    measured = len(history.points) - len(rows)
+    return Table(
+        "Versions without figures", ("version", "reason"), rows, (f"{measured} versions have figures.",), folds=True
+    )
+
+
+def steps_table(history: History) -> Table:
+    """Return the table of steps with the quoted lines that explain them."""
     series = {one.name: one for one in history.series}
     rows = tuple(
         (

@@ -7,8 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from adapters import missing_knobs, open_engine
+from adapters import EngineNotInstalledError, missing_knobs, open_engine
 from adapters.conformance.rig import plank
+from adapters.engines import Entry
 from adapters.profile_files import load_settings
 from stability_core.ports import mujoco_release
 
@@ -66,3 +67,15 @@ def test_poses_after_a_silent_reset_are_not_finite(monkeypatch) -> None:
         assert not np.isfinite(simulation.poses()[1]).any()
     finally:
         simulation.close()
+
+
+def test_a_release_that_the_adapter_cannot_use_is_named(monkeypatch) -> None:
+    def load(self):
+        raise ImportError("cannot import name 'batch' from 'pymunk'")
+
+    monkeypatch.setattr(Entry, "load", load)
+    with pytest.raises(
+        EngineNotInstalledError,
+        match=r"'pymunk' cannot be loaded with pymunk [\d.]+ \(cannot .*\): install .* another release",
+    ):
+        open_engine("pymunk")

@@ -2,17 +2,19 @@
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from packaging.version import Version
 from rich.console import Console
 
-from bench.compare.commands import CheckoutError
+from bench.cli.history import _show
+from bench.compare.commands import CheckoutError, call
 from bench.history import measure, versions
 from bench.history.build import build_history, read_explanations
 from bench.history.figures import Figure, as_series, figures_of, first_failure
-from bench.history.measure import Measured, read_measured, write_study
+from bench.history.measure import Measured, _plain, read_measured, write_study
 from bench.history.publish import publish_history
 from bench.history.tracking import tracked_versions
 from bench.history.versions import VersionsError, kept_records, released, within
@@ -71,11 +73,11 @@ def test_figures_of_a_version() -> None:
         "levels of four_stack-3": 3.0,
         "creep of four_stack-3": 4e-6,
         "sink of four_stack-3": 1e-4,
-        "frame time": pytest.approx(2.0),
+        "frame time of four_stack-3": pytest.approx(2.0),
     }
     late = {figure.name: figure.value for figure in figures_of([record(status="timeout", height_levels=1)])}
     assert late["levels of four_stack-3"] is None, "a time-out is censored, never a height"
-    assert "frame time" not in late
+    assert late["frame time of four_stack-3"] is None, "fewer bricks were in its frames"
     assert first_failure([record(status="error", message="no knob")]) == (
         "all 1 trials failed; the first: error: no knob"
     )
@@ -169,3 +171,22 @@ def test_records_that_a_branch_kept_are_read_in_their_order(tmp_path, monkeypatc
     for wanted, reason in (("records", "BRANCH:PATH"), ("records:none.json", "no commit")):
         with pytest.raises(VersionsError, match=reason):
             kept_records(wanted)
+
+
+def test_a_message_is_the_error_of_the_command_without_warnings_and_files() -> None:
+    output = "UserWarning: odd\nerror: engine 'e' cannot be loaded (cannot\nimport name 'n' from 'p' (/home/me/p.py))"
+    with pytest.raises(CheckoutError) as caught:
+        call("1.0", [sys.executable, "-c", f"import sys; sys.exit({output!r})"], Path.cwd())
+    assert str(caught.value).endswith(
+        "failed; correct this error: engine 'e' cannot be loaded (cannot import name 'n' from 'p' (/home/me/p.py))"
+    )
+    assert _plain(str(caught.value), [Path("/home/me")]).endswith("(cannot import name 'n' from 'p')")
+
+
+def test_the_terminal_shows_steps_and_the_versions_that_failed(capsys) -> None:
+    points = [measured("1.0"), measured("2.0", record(height_levels=2)), Measured("3.0", message="no such file")]
+    _show(build_history(points, subject="bullet", package="", study="s", commit="c"), as_json=False)
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.split() == ["3.0", "no", "such", "file"] for line in lines)
+    assert any(line.split()[:4] == ["2.0", "levels", "of", "four_stack-3"] for line in lines), "a step is one line"
+    assert "2 versions have figures." in lines
