@@ -11,17 +11,21 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+def launch() -> Iterator[Callable[..., Browser]]:
+    """Starts Chromium with more command-line arguments."""
     found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if found is None:
         pytest.skip("no Chromium is installed: apt-get install chromium")
     with sync_playwright() as playwright:
-        # software rendering, so that WebGL is there also without a graphics card
-        browser = playwright.chromium.launch(
-            executable_path=found, args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        )
-        yield browser
-        browser.close()
+        yield lambda *arguments: playwright.chromium.launch(executable_path=found, args=["--no-sandbox", *arguments])
+
+
+@pytest.fixture(scope="session")
+def browser(launch: Callable[..., Browser]) -> Iterator[Browser]:
+    # software rendering, so that WebGL is there also without a graphics card
+    browser = launch("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+    yield browser
+    browser.close()
 
 
 @pytest.fixture

@@ -353,8 +353,9 @@ def test_print_is_light_and_keeps_every_column(page, open_page) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seeds", [1, 20])
 def test_ten_thousand_trials_make_a_page_of_less_than_five_megabytes_painted_within_two_seconds(
-    tmp_path, open_page, seeds
+    tmp_path, launch, seeds
 ) -> None:
+    """The browser emulates no graphics card, because the emulation alone delays the paint of an empty page by 0.4 s."""
     made = [
         record(scene=f"scene-{scene}", engine=f"engine{engine}", policy=policy, seed=seed, timed_frames=None)
         for scene in range(200 // seeds)
@@ -364,6 +365,10 @@ def test_ten_thousand_trials_make_a_page_of_less_than_five_megabytes_painted_wit
     ]
     page = page_of(tmp_path, made)
     assert page.stat().st_size < 5e6
-    opened = open_page(page)
+    browser = launch()
+    opened = browser.new_page(viewport={"width": 1280, "height": 900})
+    opened.goto(page.as_uri())
     paint = opened.wait_for_function("performance.getEntriesByName('first-contentful-paint')[0]?.startTime")
-    assert paint.json_value() < 2000
+    paint_ms = paint.json_value()
+    browser.close()
+    assert paint_ms < 2000
