@@ -22,13 +22,15 @@ _CORE = ROOT / "stability_core"
 def keep_kernels_apart() -> None:
     """Set Numba's cache folder to the folder for this version of the core, unless the user has set a cache folder.
 
+    A folder that a parent process chose here is chosen again, because this process may have another release of NumPy.
     Call this function before the first import of Numba.
     """
-    if _VARIABLE in os.environ:
-        return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    kernels = home / "stillstack" / "kernels"
+    if _VARIABLE in os.environ and Path(os.environ[_VARIABLE]).parent != kernels:
+        return
     older = "-numpy1" if importlib.metadata.version("numpy").startswith("1.") else ""
-    folder = home / "stillstack" / "kernels" / (sources_digest([_CORE]) + older)
+    folder = kernels / (sources_digest([_CORE]) + older)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:  # the home is read-only: use a temporary folder, so that each session compiles

@@ -263,21 +263,26 @@ class Equilibrium(Policy):
         """Return the frozen bodies that move in the mechanism of an unbalanced part of the stack.
 
         A stack that stands with a live load is not proven to stand without it. A body frozen in doubt unfreezes at any
-        change around it.
+        change around it. Each part of the stack is judged by itself, because an uncertain live load on one part must
+        not hide the fall of another.
         """
         in_doubt = graph.bodies["doubt"][unproven] != PROVEN
-        doubtful: IntArray = unproven[in_doubt]
+        falls: IntArray = unproven[in_doubt]
         seeds = carriers(graph, unproven[~in_doubt])
-        if len(seeds) == 0:
-            return doubtful
+        while len(seeds):
+            among = np.isin(seeds, component(graph, seeds[:1], seeds[:0]))
+            falls = _together(falls, self._unbalanced_in_part(graph, buffers, seeds[among]))
+            seeds = seeds[~among]
+        return falls
+
+    def _unbalanced_in_part(self, graph: Graph, buffers: FrameBuffers, seeds: IntArray) -> IntArray:
+        """Return the unbalanced frozen bodies of the part of the stack that contains all ``seeds``, shape (k,)."""
         for ids, is_whole in self._parts(graph, seeds, seeds[:0]):
             goes = self._falls(graph, buffers, ids, seeds, AS_BEFORE)
-            if len(goes) == 0:
-                return doubtful
-            if is_whole:
-                return _together(doubtful, goes)
+            if is_whole or len(goes) == 0:
+                return goes
         certain = self._falls(graph, buffers, ids, seeds, FIXED)
-        return _together(doubtful, certain if len(certain) else seeds)
+        return certain if len(certain) else seeds
 
     def _falls(self, graph: Graph, buffers: FrameBuffers, ids: IntArray, seeds: IntArray, outside: int) -> IntArray:
         """Return the frozen bodies among ``ids`` that fall or are in doubt under their live loads, shape (k,).
@@ -302,6 +307,8 @@ class Equilibrium(Policy):
         goes = self._moves(graph, part, problem, seeds, answer)
         if len(goes) == 0 or len(live) == 0:
             return goes
+        if verdict == "unstable" and not pressed[takes_part(answer[2])].any():
+            return goes  # no live load takes part in this fall, so that it is certain
         upright = is_upright(graph, live)
         if outside == AS_BEFORE and (upright or held.any()):
             most = FEW_BODIES if upright else FEW_TOGETHER

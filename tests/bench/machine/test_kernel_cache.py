@@ -42,6 +42,14 @@ def test_the_users_choice_is_left_alone(core, monkeypatch):
     assert os.environ["NUMBA_CACHE_DIR"] == "elsewhere"
 
 
+def test_a_process_with_another_numpy_does_not_inherit_the_folder_of_its_parent(core, monkeypatch):
+    kernel_cache.keep_kernels_apart()
+    parent = os.environ["NUMBA_CACHE_DIR"]
+    monkeypatch.setattr(kernel_cache.importlib.metadata, "version", lambda _: "1.26.4")
+    kernel_cache.keep_kernels_apart()
+    assert os.environ["NUMBA_CACHE_DIR"] == f"{parent}-numpy1"
+
+
 def test_a_home_that_cannot_be_written_is_no_error(core, tmp_path, monkeypatch):
     blocked = tmp_path / "file"
     blocked.write_text("")
