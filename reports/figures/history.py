@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from reports.figures.style import FAINT, INK, STYLE
 from reports.records.atomic import atomic_file
@@ -20,6 +21,8 @@ _LINE, _STEP = "#0072b2", "#d55e00"
 """Colours of values and of steps, of Okabe and Ito, distinguishable by colour-blind readers."""
 _FACTORS: dict[Kind, tuple[float, str]] = {"creep": (1e6, "um/s"), "sink": (1e3, "mm")}
 """Factor and unit in which a kind of figure is drawn, if they are not those of its values."""
+_COUNTS: frozenset[Kind] = frozenset({"levels", "collapse"})
+"""Kinds of whole numbers."""
 
 
 def write_history_figure(path: Path, history: History) -> None:
@@ -60,3 +63,5 @@ def _draw(place: Axes, series: Series) -> None:
     place.set_title(f"{series.name} [{unit}]", loc="left", color=INK)
     place.grid(axis="y", color=FAINT)
     place.margins(y=0.2)
+    if series.kind in _COUNTS:
+        place.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=4))

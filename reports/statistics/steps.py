@@ -87,12 +87,32 @@ def find_steps(values: Sequence[float | None], kind: Kind) -> list[int]:
         noise = max(scale.noise, _noise(scaled)) if len(known) >= _LEAST_VERSIONS else scale.noise
         search = ruptures.Pelt(model="l2", min_size=scale.min_size, jump=1).fit(scaled / noise)
         ends = search.predict(pen=PENALTY * math.log(len(known)))[:-1]
+        ends = _placed(scaled, ends, scale.min_size)
     return [known[end] for end in _large(scaled, ends, scale.least_step)]
 
 
 def _noise(scaled: FloatArray) -> float:
     """Return the standard deviation of the noise from one version to the next; steps do not change the median."""
     return _MAD_TO_SIGMA * float(np.median(np.abs(np.diff(scaled))))
+
+
+def _placed(scaled: FloatArray, ends: Sequence[int], min_size: int) -> list[int]:
+    """Drop the steps that are not at the best place between their neighbours.
+
+    The search moves a step too near to an end of the history, or to another step, to where ``min_size`` values are on
+    both sides. Such a step would name a wrong version.
+    """
+    if min_size == 1:
+        return list(ends)
+    kept = []
+    for low, end, high in zip([0, *ends], ends, [*ends[1:], len(scaled)], strict=False):
+        costs = [
+            float(np.var(scaled[low:at]) * (at - low) + np.var(scaled[at:high]) * (high - at))
+            for at in range(low + 1, high)
+        ]
+        if low + 1 + int(np.argmin(costs)) == end:
+            kept.append(end)
+    return kept
 
 
 def _large(scaled: FloatArray, ends: Sequence[int], least: float) -> list[int]:

@@ -67,6 +67,11 @@ def test_times_of_a_busy_machine_have_no_step_either() -> None:
     assert not [steps for _ in range(FLAT) if (steps := find_steps(time(random, LOUD_TIME).tolist(), "time"))]
 
 
+def test_a_step_of_a_time_with_too_few_versions_before_it_is_not_moved_to_another_version() -> None:
+    assert find_steps([0.48, 0.48, 0.31, 0.31, 0.32, 0.31, 0.31, 0.31], "time") == []
+    assert find_steps([0.48, 0.48, 0.48, 0.31, 0.32, 0.31, 0.31, 0.31], "time") == [3]
+
+
 def test_versions_without_a_value_are_skipped_and_keep_their_places() -> None:
     values = [9.0, None, 9.0, 9.0, None, None, 8.0, 8.0]
     assert find_steps(values, "levels") == [6]
