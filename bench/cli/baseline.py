@@ -9,7 +9,9 @@ from typing import Annotated
 import typer
 
 from bench.cli.console import input_errors, note, relative
-from bench.compare.baseline import read_baseline, write_baseline
+from bench.compare.baseline import read_baseline, replaced_baseline, write_baseline
+from bench.compare.findings import plain
+from bench.compare.renewal import renewed
 from bench.compare.tracking import tracked
 from reports.records.atomic import write_atomic
 
@@ -21,10 +23,23 @@ def baseline(
         Path | None, typer.Option(metavar="FILE", help="Also write figures for benchmark-tracking actions.")
     ] = None,
 ) -> None:
-    """Write a results folder into one small file that later comparisons use as their base."""
+    """Write a results folder into one small file that later comparisons use as their base.
+
+    A baseline that is replaced leaves its pose hashes of other processors in the new one, unless poses changed.
+    """
     with input_errors():
         side = read_baseline(folder)
-        write_baseline(side, out)
+        former = replaced_baseline(out)
+        renewal = None if former is None else renewed(side, former)
+        write_baseline(side if renewal is None else renewal.baseline, out)
         if track is not None:
             write_atomic(track, (json.dumps(tracked(side), indent=1) + "\n").encode())
     note(f"{len(side.trials)} trials are kept in {relative(out)}")
+    if renewal is not None:
+        for processor, count in renewal.kept.items():
+            note(f"{count} pose hashes of {plain(processor)} are kept beside those of this run")
+        for processor, count in renewal.dropped.items():
+            note(
+                f"{count} pose hashes of {plain(processor)} are dropped, because poses or code changed: write the "
+                "baseline there again"
+            )

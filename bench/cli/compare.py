@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from bench.cli.alarm_pictures import draw_alarms
 from bench.cli.completion import STUDY
 from bench.cli.console import ERR, OUT, RESULTS, input_errors, note
 from bench.compare import render
@@ -48,6 +49,13 @@ def compare(
     ] = False,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the tables as Markdown.")] = None,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML.")] = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Draw the stacks with a worse outcome; HEAD must be a results folder."),
+    ] = None,
+    pictures_at: Annotated[
+        str, typer.Option(metavar="URL", help="Address of that folder in the Markdown [FOLDER].")
+    ] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     run_both: Annotated[
         bool, typer.Option("--run", help="BASE and HEAD are commits, branches, tags or checkouts: run both here.")
@@ -74,6 +82,8 @@ def compare(
         return
     if not (base and head):
         raise typer.BadParameter("name BASE and HEAD, or --prune")
+    if pictures is not None and (run_both or not Path(head).is_dir()):
+        raise typer.BadParameter("--pictures needs a results folder as HEAD, because it has the recordings")
     with input_errors():
         gates = chosen_gates(fail_on)
         judge = partial(compare_runs, across_versions=across_versions, poses=poses, require_all=require_all)
@@ -93,8 +103,10 @@ def compare(
         else:
             sides = of_engines(read_baseline(Path(base)), engine), of_engines(read_baseline(Path(head)), engine)
             comparison = judge(*sides, (base, head))
+        drawn = draw_alarms(comparison, gates, Path(head), pictures) if pictures is not None else []
         if markdown is not None:
-            write_atomic(markdown, render.markdown(comparison, gates).encode())
+            shown = [(trial, f"{pictures_at or pictures}/{file.name}") for trial, file in drawn]
+            write_atomic(markdown, render.markdown(comparison, gates, shown).encode())
         if junit is not None:
             write_atomic(junit, render.junit(comparison, gates))
     if as_json:

@@ -14,10 +14,10 @@ import typer
 from rich.console import Console
 
 from adapters import EngineNotInstalledError, EnginesFileError, PeerError, ProfileError, ProfileFileError
-from bench.compare.baseline import BaselineError
 from bench.compare.commands import CheckoutError
 from bench.compare.comparison import NothingInCommonError
 from bench.compare.failures import SideFailedError
+from bench.compare.side import BaselineError
 from bench.execution.errors import ClusterError
 from bench.execution.results import ResultsError
 from bench.history.bisection import BisectionError

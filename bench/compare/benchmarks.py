@@ -25,9 +25,9 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from bench.compare.baseline import BaselineError
 from bench.compare.comparison import NothingInCommonError
 from bench.compare.findings import Comparison, Finding
+from bench.compare.side import BaselineError
 from bench.compare.strict_json import JsonError, parse, read_file
 from bench.compare.timing import CONFIDENCE, judge_times
 from bench.studies.tolerance import Tolerance

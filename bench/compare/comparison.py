@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 
-from bench.compare.baseline import Baseline, Machine
 from bench.compare.determinism import judge_poses, other_processor
 from bench.compare.failures import failed_engines, require_results
 from bench.compare.findings import Comparison, Finding, Judgement
 from bench.compare.outcomes import judge_draws, judge_outcome, values_of
+from bench.compare.side import Baseline, Machine
 from bench.compare.timing import PARTS, Part, judge_times
 from bench.studies.tolerance import Tolerance
 from reports.records.trial import TrialRecord
@@ -122,8 +122,7 @@ def _outcomes(base: Baseline, head: Baseline, pairs: Sequence[Pair]) -> Iterator
 def _trajectories(base: Baseline, head: Baseline, pairs: Sequence[Pair], across: bool) -> Iterator[Finding]:
     for one, other in pairs:
         if base.repeats_itself(one) and head.repeats_itself(other):
-            machines = base.machine(one), head.machine(other)
-            yield Finding("hash", other.trial, *judge_poses(one, other, machines, across_versions=across))
+            yield Finding("hash", other.trial, *judge_poses(one, other, (base, head), across_versions=across))
 
 
 def _times(base: Baseline, head: Baseline, pairs: Sequence[Pair], same_way: Collection[str]) -> Iterator[Finding]:
@@ -180,7 +179,7 @@ def _differences(base: Baseline, head: Baseline) -> Iterator[str]:
 def _circumstances(side: Baseline) -> dict[str, set[str]]:
     """Return the sets of processors, platforms, versions and commits of a side's machines, by name of the property."""
     found: dict[str, set[str]] = defaultdict(set)
-    for machine in side.machines.values():
+    for machine in side.present_machines.values():
         found["processor"].add(machine.processor)
         found["platform"].add(machine.platform)
         found["Python"].add(machine.python)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 
-from bench.compare.baseline import Baseline
 from bench.compare.findings import plain
+from bench.compare.side import Baseline
 from reports.records.trial import Status, TrialRecord
 
 FAILED: frozenset[Status] = frozenset({"error", "crashed", "out_of_memory"})

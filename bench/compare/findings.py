@@ -71,6 +71,12 @@ class Comparison:
         return Counter(finding.judgement for finding in self.findings if finding.gate == gate)
 
 
+def without_repeat(trial: str) -> str:
+    """Return the id of a trial without the number of the repeat."""
+    name, separator, repeat = trial.rpartition(".r")
+    return name if separator and repeat.isdigit() else trial
+
+
 def chosen_gates(names: str) -> tuple[Gate, ...]:
     """Return the gates named in a list such as ``outcome,time``; ``none`` stands for an empty list.
 

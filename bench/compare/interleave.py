@@ -7,9 +7,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench.compare.baseline import Baseline, Machine, read_baseline
+from bench.compare.baseline import read_baseline
 from bench.compare.checkouts import Checkout
 from bench.compare.failures import require_results
+from bench.compare.side import Baseline, Machine
 from bench.compare.timing import Part
 from bench.studies.schema import Study
 from bench.studies.tolerance import Tolerance
@@ -68,7 +69,8 @@ def as_repeats(runs: Sequence[Baseline], repeats: int) -> Baseline:
             trials.append(record.model_copy(update={"trial": name, "repeat": repeat}))
             if record.trial in run.shares:
                 shares[name] = run.shares[record.trial]
-    return runs[0].model_copy(update={"shares": shares, "machines": machines, "trials": trials})
+    joined = runs[0].model_copy(update={"shares": shares, "machines": machines, "trials": trials})
+    return joined.with_trace_files({name: file for run in runs for name, file in run.trace_files.items()})
 
 
 def _without_tolerances(study: Study) -> Study:

@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 from rich.console import Console
 from rich.markup import escape
 
-from bench.compare.findings import ALARMS, GATES, Comparison, Finding, Gate, Judgement, plain
+from bench.compare.findings import ALARMS, GATES, Comparison, Finding, Gate, Judgement, plain, without_repeat
 from bench.compare.timing import CONFIDENCE
 from reports.tables.table import Table, render, to_markdown
 
@@ -73,24 +73,18 @@ def _listed(
     title: str, findings: Sequence[Finding], notes: tuple[str, ...], ratio: str, names: tuple[str, str]
 ) -> Table:
     """Return the table of findings, with the values of both sides; equal findings of repeats share a row."""
-    counts = Counter((one.gate, _without_repeat(one), one.message, one.base, one.head) for one in findings)
-    first = {(one.gate, _without_repeat(one), one.message, one.base, one.head): one for one in findings}
+    counts = Counter((one.gate, without_repeat(one.trial), one.message, one.base, one.head) for one in findings)
+    first = {(one.gate, without_repeat(one.trial), one.message, one.base, one.head): one for one in findings}
     rows = []
     for key, count in counts.items():
         one = first[key]
-        trial = one.trial if count == 1 else f"{_without_repeat(one)} (x{count})"
+        trial = one.trial if count == 1 else f"{without_repeat(one.trial)} (x{count})"
         rows.append((one.gate, plain(trial), plain(one.message), plain(one.base), plain(one.head)))
     if any(row[0] == "time" for row in rows):
         notes += (ratio,)
     if not any(row[3] or row[4] for row in rows):
         return Table(title, ("gate", "trial", "what"), tuple(row[:3] for row in rows), notes, folds=True)
     return Table(title, ("gate", "trial", "what", *names), tuple(rows), notes, folds=True)
-
-
-def _without_repeat(finding: Finding) -> str:
-    """Return the name of a finding's trial without the number of the repeat."""
-    trial, separator, repeat = finding.trial.rpartition(".r")
-    return trial if separator and repeat.isdigit() else finding.trial
 
 
 def show(comparison: Comparison, fail_on: Collection[Gate], console: Console) -> None:
@@ -104,10 +98,18 @@ _ENTITIES = {ord(letter): f"&#{ord(letter)};" for letter in "\\`*_[]!#@"}
 """HTML entities for the characters that Markdown interprets inside a line, and for ``@``, which mentions people."""
 
 
-def markdown(comparison: Comparison, fail_on: Collection[Gate]) -> str:
-    """Return Markdown for a job's summary or a comment; text of the files cannot become a link, an image or HTML."""
+def markdown(comparison: Comparison, fail_on: Collection[Gate], pictures: Sequence[tuple[str, str]] = ()) -> str:
+    """Return Markdown for a job's summary or a comment; text of the files cannot become a link, an image or HTML.
+
+    Args:
+        comparison: the comparison.
+        fail_on: gates whose alarms count.
+        pictures: the trial and the address of each picture to show after the headline.
+    """
     found = to_markdown(_mapped(table, _literal) for table in tables(comparison, fail_on))
-    return f"**Stacking: {headline(comparison, fail_on)}**\n\n{found}"
+    names = [_literal(plain(trial)) for trial, _ in pictures]
+    shown = "".join(f"{name}\n\n![{name}]({where})\n\n" for name, (_, where) in zip(names, pictures, strict=True))
+    return f"**Stacking: {headline(comparison, fail_on)}**\n\n{shown}{found}"
 
 
 def _mapped(table: Table, form: Callable[[str], str]) -> Table:

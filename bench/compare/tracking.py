@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.compare.baseline import Baseline
+from bench.compare.side import Baseline
 
 _PERCENT = 100.0
 

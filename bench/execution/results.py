@@ -22,15 +22,16 @@ from bench.studies.schema import Study, StudyError, load_study
 from bench.studies.toml_text import to_toml
 from bench.trial.run_trial import Outcome
 from reports.records.atomic import write_atomic
-from reports.records.folder import ENVIRONMENT, FRAMES, RECORDINGS, REPORT, STUDY, TRIALS
+from reports.records.folder import ENVIRONMENT, FRAMES, RECORDINGS, REPORT, STUDY, TRACES, TRIALS
 from reports.records.frames import write_frames
+from reports.records.pose_trace import write_pose_trace
 from reports.records.recording import write_recording
 from reports.records.trial import RecordWriter, Status, TrialRecord, read_records
 
 SESSIONS = "sessions"
 """Key of the list of sessions in the environment file: the state of the machine at each start of the run."""
 _LOCK = ".lock"
-_PARTS = (STUDY, ENVIRONMENT, TRIALS, FRAMES, RECORDINGS, REPORT)
+_PARTS = (STUDY, ENVIRONMENT, TRIALS, FRAMES, RECORDINGS, TRACES, REPORT)
 """Files and folders of a run."""
 _NAMES = {"lock_sha256": "uv.lock", "modified": "uncommitted changes", "core": "stability_core"}
 """Plain names for keys of the environment, for messages."""
@@ -141,6 +142,8 @@ class Results:
         self._frames.mkdir(exist_ok=True)
         self._recordings = folder / RECORDINGS
         self._recordings.mkdir(exist_ok=True)
+        self._traces = folder / TRACES
+        self._traces.mkdir(exist_ok=True)
         self._writer = RecordWriter(folder / TRIALS)
         self.torn = self._writer.torn
         """True if an interruption left the last line of the records incomplete; the run repeats the trial of this
@@ -160,11 +163,13 @@ class Results:
             write_atomic(file, (json.dumps(environment, indent=2) + "\n").encode())
 
     def keep(self, outcome: Outcome) -> None:
-        """Write frames and recording of a trial, then its record, so that a trial with a record has complete files."""
+        """Write the files of a trial, then its record, so that a trial with a record has complete files."""
         if outcome.frames:
             write_frames(self._frames / f"{outcome.record.trial}.parquet", outcome.frames)
         if outcome.recording is not None:
             write_recording(self._recordings / f"{outcome.record.trial}.parquet", outcome.recording)
+        if outcome.trace is not None:
+            write_pose_trace(self._traces / f"{outcome.record.trial}.parquet", outcome.trace)
         self._writer.append(outcome.record)
         self.statuses[outcome.record.trial] = outcome.record.status
 

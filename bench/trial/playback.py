@@ -23,6 +23,7 @@ from bench.trial.sleep_stats import SleepStats
 from bench.trial.stack_monitor import StackMonitor
 from bench.trial.stepping import FrameTimes, PlainFrames, SteeredFrames, Steering
 from reports.records.frames import FrameRow
+from reports.records.pose_trace import PoseTracer
 from reports.records.recording import Recorder
 from reports.records.trial import Status
 from scenarios.model import Brick, Scene, Tilt
@@ -80,6 +81,7 @@ class Playback:
         *,
         audits_forces: bool = False,
         on_frame: OnFrame | None = None,
+        tracer: PoseTracer | None = None,
     ) -> None:
         """Prepare to play ``scene`` in an empty ``simulation``.
 
@@ -92,6 +94,7 @@ class Playback:
             audits_forces: True to audit contact forces during the watch of the finished stack, if the engine is alone;
                 with the core there is no audit, because engines report no force on a frozen brick.
             on_frame: function that receives the poses after every frame, outside the timed part.
+            tracer: recorder of the pose trace; None to trace no poses.
         """
         self._scene = scene
         self._simulation = simulation
@@ -102,6 +105,7 @@ class Playback:
         self._wall_limit_s = wall_limit_s
         self._on_progress = on_progress
         self._on_frame = on_frame
+        self._tracer = tracer
         self._last_action_s = scene.done_s
         self._seated_s = self._last_action_s + SEATING_S * scene.pace
         self._hash = blake2b(digest_size=16)
@@ -190,6 +194,8 @@ class Playback:
         position, quaternion = position.copy(), quaternion.copy()  # an engine may return views of its memory
         world, frozen, bricks = self._simulation.world, self._simulation.frozen, self._simulation.bricks
         self.recorder.see(bodies, position, quaternion, frozen, bricks, world.gravity)
+        if self._tracer is not None:
+            self._tracer.see(bodies, position, quaternion)
         if self._on_frame is not None:
             self._on_frame(now, bodies, position, quaternion, frozen, bricks)
         builder = self.builder

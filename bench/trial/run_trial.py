@@ -26,6 +26,7 @@ from bench.trial.pile_monitor import PileMonitor
 from bench.trial.playback import OnFrame, Playback, Progress
 from reports.records.creep import creep_limit_m_s, is_creeping
 from reports.records.frames import UNTIMED_FRAMES, FrameRow
+from reports.records.pose_trace import PoseTrace, PoseTracer
 from reports.records.recording import Recording
 from reports.records.trial import Status, TrialRecord
 from scenarios.model import Scene
@@ -48,13 +49,15 @@ _BROKEN: tuple[Status, ...] = ("error", "crashed")
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Results of a trial: record, frames and recording."""
+    """Results of a trial: record, frames, recording and pose trace."""
 
     record: TrialRecord
     frames: list[FrameRow]
     """Frames in order; empty if the engine was never opened."""
     recording: Recording | None = None
     """Recorded poses; None if the engine was never opened."""
+    trace: PoseTrace | None = None
+    """Pose trace; None for an engine that does not repeat bit for bit across processes, and if it was never opened."""
 
 
 def run_trial(
@@ -83,6 +86,7 @@ def run_trial(
         return Outcome(bare_record(trial, scene, environment, "unsupported", why), [])
     begin = perf_counter()
     policy = BENCH_POLICIES[trial.policy]
+    tracer = PoseTracer() if capabilities(trial.engine).deterministic == "across processes" else None
     playback = None
     machine: dict[str, Any] = {}
     try:
@@ -101,6 +105,7 @@ def run_trial(
             on_progress,
             audits_forces=limits.forces,
             on_frame=on_frame,
+            tracer=tracer,
         )
         before = calibrate()
         with _undisturbed():
@@ -139,7 +144,10 @@ def run_trial(
     }
     message = message or _message(status, playback, limits)
     return Outcome(
-        bare_record(trial, scene, environment, status, message, **fields), playback.rows, playback.recorder.finish()
+        bare_record(trial, scene, environment, status, message, **fields),
+        playback.rows,
+        playback.recorder.finish(),
+        None if tracer is None else tracer.finish(),
     )
 
 

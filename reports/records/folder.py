@@ -32,6 +32,8 @@ FRAMES = "frames"
 """Folder of the tables of frames."""
 RECORDINGS = "recordings"
 """Folder of the recordings."""
+TRACES = "traces"
+"""Folder of the pose traces."""
 REPORT = "report"
 """Folder of the report."""
 
@@ -66,6 +68,10 @@ class ResultsFolder:
     def recording_file(self, trial: str) -> Path:
         """Return the path of the recorded poses of a trial."""
         return self.path / RECORDINGS / f"{trial}.parquet"
+
+    def trace_file(self, trial: str) -> Path:
+        """Return the path of the pose trace of a trial."""
+        return self.path / TRACES / f"{trial}.parquet"
 
     @cached_property
     def records(self) -> list[TrialRecord]:

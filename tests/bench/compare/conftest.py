@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from bench.compare.baseline import Baseline, Engine, Machine
+from bench.compare.side import Baseline, Engine, Machine
 from reports.records.trial import TrialRecord
 
 NAME = "bullet.game.four_stack-3.paper.s0.r0"

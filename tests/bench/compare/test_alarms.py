@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from bench.compare.baseline import Baseline, read_baseline
+from bench.compare.baseline import read_baseline
 from bench.compare.comparison import compare_runs
 from bench.compare.findings import Finding
+from bench.compare.side import Baseline
 
 ROOT = Path(__file__).parents[3]
 PLANTS = Path(__file__).parents[1] / "plants"
@@ -62,7 +63,9 @@ def test_a_planted_change_of_the_outcome_is_always_found(run, plant, gate) -> No
 
 
 def test_a_nanometre_is_no_worse_outcome(run) -> None:
-    assert {alarm.gate for alarm in alarms(run(), run("another_trajectory"))} == {"hash"}
+    found = alarms(run(), run("another_trajectory"))
+    assert {alarm.gate for alarm in found} == {"hash"}
+    assert all("first in frame 0: body 0, x = " in alarm.message for alarm in found), "where it was planted"
 
 
 def test_doubled_creep_is_always_found(run) -> None:

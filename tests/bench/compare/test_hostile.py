@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 
 from bench.cli.app import app
 from bench.compare import strict_json
-from bench.compare.baseline import BaselineError, read_baseline, write_baseline
+from bench.compare.baseline import read_baseline, write_baseline
+from bench.compare.side import BaselineError
 from bench.compare.strict_json import JsonError, parse
 
 

@@ -1,0 +1,61 @@
+"""Pictures of the stacks of a comparison's alarms, for the comment on a change."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from bench.cli.console import note, relative
+from bench.cli.replay import side_by_side
+from bench.compare.findings import Comparison, Finding, Gate, plain, without_repeat
+from reports.records.folder import ResultsFolder
+from reports.records.recording import RecordingError
+from reports.records.trial import TrialRecord
+from reports.replays.errors import ExportError
+from reports.replays.pictures import write_still
+
+MOST_PICTURES = 4
+"""Greatest number of pictures of a comparison, because a picture takes seconds, and a comment must stay short."""
+_PIXELS = (960, 540)
+"""Width and height of a picture."""
+
+
+def draw_alarms(comparison: Comparison, gates: Collection[Gate], head: Path, to: Path) -> list[tuple[str, Path]]:
+    """Draw the end of each trial with a worse outcome, beside the engine alone if the head has that trial.
+
+    Args:
+        comparison: the comparison.
+        gates: gates whose alarms count; without ``outcome`` there are no pictures.
+        head: results folder of the head.
+        to: folder of the pictures, which need not exist. The files have numbers as names, because an id of a trial may
+            contain any character.
+
+    Returns:
+        The trial and the file of each picture, at most ``MOST_PICTURES``, one for all repeats of a trial.
+    """
+    if "outcome" not in gates:
+        return []
+    records = ResultsFolder(head).records
+    drawn: list[tuple[str, Path]] = []
+    for record in _worse(comparison.alarms(["outcome"]), records):
+        if len(drawn) == MOST_PICTURES:
+            break
+        to.mkdir(parents=True, exist_ok=True)
+        file = to / f"{len(drawn) + 1}.png"
+        try:
+            write_still(file, side_by_side(head, records, record.trial, None), _PIXELS)
+        except (ExportError, RecordingError) as error:
+            note(f"no picture of {plain(record.trial)}: {plain(str(error))}")
+            continue
+        note(f"the picture of {plain(record.trial)} is {relative(file)}")
+        drawn.append((record.trial, file))
+    return drawn
+
+
+def _worse(alarms: Collection[Finding], records: Collection[TrialRecord]) -> Iterator[TrialRecord]:
+    """Yield the first recorded repeat of each trial, or group of repeats, that has an alarm."""
+    names = {without_repeat(alarm.trial) for alarm in alarms}
+    for record in records:
+        if (name := without_repeat(record.trial)) in names:
+            names.remove(name)
+            yield record
