@@ -22,7 +22,7 @@ MOST_PARTS = 64
 
 
 def is_convex(vertices: FloatArray, faces: Any) -> bool:
-    """Return whether a mesh fills its convex hull.
+    """Return whether a mesh fills at least ``FILLED`` of the volume of its convex hull.
 
     Args:
         vertices: vertices [m], shape (v, 3).

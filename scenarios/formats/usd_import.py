@@ -1,10 +1,12 @@
 """Import OpenUSD with the physics schema through OpenUSD's own Python package.
 
-- A prim with RigidBodyAPI becomes a brick. It must have one collider: Cube, Sphere, Capsule, Cylinder or a convex Mesh.
-- A collider outside rigid bodies becomes a fixed body; a Plane with the normal z becomes the ground.
-- Units are converted by metersPerUnit and kilogramsPerUnit. The up axis must be z.
-
-Joints are refused by name. A scene holds no visual prims, cameras and lights.
+- A prim with RigidBodyAPI becomes a brick. The prim must have one collider: Cube, Sphere, Capsule, Cylinder or a convex
+  Mesh.
+- A collider outside rigid bodies becomes a fixed body.
+- A Plane becomes the ground. The Plane's normal must be z.
+- The import converts lengths by metersPerUnit. Masses must be in kilograms, and the up axis must be z.
+- The import leaves out visual prims, cameras and lights.
+- The import refuses joints: the error names the joint.
 """
 
 from __future__ import annotations
@@ -72,7 +74,7 @@ def read_usd(path: Path) -> Imported:
 
 
 def _owner(prim: Any, rigid: Sequence[Any]) -> Any:
-    """Return the rigid body that a collider belongs to; None for a fixed collider."""
+    """Return the rigid body of a collider; None for a fixed collider."""
     while prim and prim not in rigid:
         prim = prim.GetParent()
     return prim if prim in rigid else None
@@ -101,7 +103,7 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
 
 
 def _shape(prim: Any, unit: float, mass: float) -> Brick:
-    """Return a brick with shape and pose of a collider."""
+    """Return a brick with the shape and the pose of a collider."""
     from pxr import UsdGeom
 
     frame, origin, scale = _transform(prim)
@@ -153,7 +155,7 @@ def _transform(prim: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _turn_to(axis: str) -> FloatArray:
-    """Return the rotation matrix that turns z to an axis of the shape."""
+    """Return the rotation matrix (3, 3) that turns the z axis to an ``axis`` "X", "Y" or "Z"."""
     matrices = {
         "X": [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]],
         "Y": [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
@@ -172,7 +174,7 @@ def _triangles(counts: Sequence[int], indices: Sequence[int]) -> list[tuple[int,
 
 
 def _friction(prim: Any) -> float:
-    """Return the static friction of the material of a collider; that of the planks' wood without a material."""
+    """Return the static friction of a collider's material, or the friction of the planks' wood without a material."""
     from pxr import UsdPhysics, UsdShade
 
     material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
