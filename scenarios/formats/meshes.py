@@ -41,7 +41,7 @@ def convex_parts(name: str, vertices: FloatArray, faces: Any) -> list[FloatArray
     """
     if importlib.util.find_spec("coacd") is None:
         raise ImportRefusedError(
-            f"mesh of '{name}' is not convex, and CoACD, which splits it, is not installed: run "
+            f"mesh of '{name}' is not convex, and the package CoACD, which splits meshes, is not installed: run "
             '"uv sync --group decompose", or replace the mesh by convex parts'
         )
     import coacd

@@ -66,8 +66,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     """
     if len(geoms) != 1:
         raise ImportRefusedError(
-            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: keep one of them, "
-            "for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
+            f"body '{name}' has {len(geoms)} collision geometries, but a brick has one convex shape: keep one "
+            "geometry, for example a mesh of their convex hull, and set contype and conaffinity of the others to 0"
         )
     (geom,) = geoms
     parts = [index for index in range(1, model.nbody) if model.body_weldid[index] == body]
@@ -77,8 +77,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     extent = max(brick.size)
     if np.abs(center - brick.position).max() > OFF_CENTER * extent:
         raise ImportRefusedError(
-            f"body '{name}' has its centre of mass {np.linalg.norm(center - brick.position) * 1e3:.3g} mm from that of "
-            "its shape: remove its <inertial>, or give its visual geometries mass 0"
+            f"the centre of mass of body '{name}' is {np.linalg.norm(center - brick.position) * 1e3:.3g} mm from the "
+            "centre of its shape: remove the body's <inertial>, or give its visual geometries mass 0"
         )
     frame = _frame(brick)
     inertial = np.array(data.ximat[body]).reshape(3, 3)
@@ -88,7 +88,8 @@ def free_brick(model: Any, data: Any, body: int, name: str, geoms: Sequence[Geom
     moments = np.diag(inertia)
     if np.abs(inertia - np.diag(moments)).max() > OFF_CENTER * moments.max():
         raise ImportRefusedError(
-            f"body '{name}' has principal axes of inertia that are not those of its shape: remove its <inertial>"
+            f"the principal axes of inertia of body '{name}' differ from the axes of its shape: remove the body's "
+            "<inertial>"
         )
     x, y, z = center.tolist()
     placed = replace(brick, position=(x, y, z), quaternion=quaternion_of(frame))
@@ -129,7 +130,7 @@ def _shape(model: Any, geom: Geom, mass: float) -> Brick:
             if not is_convex(vertices, faces):
                 raise ImportRefusedError(
                     f"mesh of '{geom.name}' is not convex, but a brick has one convex shape: replace it by its convex "
-                    "hull, or by a shape of your choice"
+                    "hull or by another convex shape"
                 )
             return _hull(vertices, geom, mass)
     kind = str(mujoco.mjtGeom(geom.kind)).rpartition("mjGEOM_")[2].lower()

@@ -91,13 +91,13 @@ def _refuse_elements(spec: Any) -> None:
     for attribute, kind in REFUSED.items():
         for element in getattr(spec, attribute):
             raise ImportRefusedError(
-                f"{kind} '{element.name}': a scene holds free and fixed bodies only: remove the {kind}"
+                f"{kind} '{element.name}': a scene holds only free and fixed bodies; remove the {kind}"
             )
     for joint in spec.joints:
         if joint.type != mujoco.mjtJoint.mjJNT_FREE:
             kind = str(joint.type).rpartition("mjJNT_")[2].partition(":")[0].lower()
             raise ImportRefusedError(
-                f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds free and fixed bodies only: "
+                f"{kind} joint '{joint.name}' of body '{joint.parent.name}': a scene holds only free and fixed bodies; "
                 "use a freejoint, or remove the joint"
             )
 
@@ -151,7 +151,7 @@ def _split_planes(geoms: Sequence[Geom]) -> tuple[Geom | None, list[Geom]]:
     for plane in planes:
         if np.hypot(*plane.frame[:2, 2]) > LEVEL or plane.frame[2, 2] < 0:
             raise ImportRefusedError(
-                f"plane '{plane.name}' is not level: turn it level and tilt the gravity, or use a fixed box"
+                f"plane '{plane.name}' is not level: use a level plane and tilted gravity, or a fixed box"
             )
     if len({round(float(plane.position[2]), 9) for plane in planes}) > 1:
         raise ImportRefusedError(f"planes {[plane.name for plane in planes]} at several heights: keep one plane")

@@ -80,11 +80,13 @@ def _sunk(name: str, brick: Brick, there: Sequence[tuple[str, Brick]]) -> Brick:
         if -OVERLAP <= distance < room:
             room, below = distance, other
     if room < -OVERLAP:
-        raise ImportRefusedError(f"{name} is {-room * 1e3:.3f} mm below {below}: raise it by as much")
+        raise ImportRefusedError(
+            f"{name} overlaps {below} by {-room * 1e3:.3f} mm from above: raise {name} by this distance"
+        )
     if room > GAP:
         raise ImportRefusedError(
-            f"{name} floats {room * 1e3:.1f} mm above {below}, more than {GAP * 1e3:g} mm: lower it by as much, or "
-            "give it in a TOML file with the time of its placement"
+            f"{name} floats {room * 1e3:.1f} mm above {below}, more than {GAP * 1e3:g} mm: lower {name} by this "
+            "distance, or use a TOML file, which gives the time of each placement"
         )
     return _shifted(brick, np.array([0.0, 0.0, -room])) if math.isfinite(room) else brick
 

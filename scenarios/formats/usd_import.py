@@ -48,12 +48,12 @@ def read_usd(path: Path) -> Imported:
     except Tf.ErrorException as error:
         raise ImportRefusedError(f"OpenUSD cannot read the file: {error}; correct the file") from error
     if UsdGeom.GetStageUpAxis(stage) != UsdGeom.Tokens.z:
-        raise ImportRefusedError("the stage has y up: set upAxis to Z, and turn its content")
+        raise ImportRefusedError("the up axis of the stage is y: set upAxis to Z, and turn the stage's content")
     prims = list(stage.Traverse())
     for prim in prims:
         if prim.IsA(UsdPhysics.Joint):
             raise ImportRefusedError(
-                f"joint '{prim.GetPath()}': a scene holds free and fixed bodies only: remove the joint"
+                f"joint '{prim.GetPath()}': a scene holds only free and fixed bodies; remove the joint"
             )
     unit = UsdGeom.GetStageMetersPerUnit(stage)
     rigid = [prim for prim in prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
@@ -86,8 +86,8 @@ def _brick(body: Any, colliders: Sequence[Any], unit: float) -> Brick:
     path = body.GetPath()
     if len(colliders) != 1:
         raise ImportRefusedError(
-            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: keep one of them, "
-            "or use a mesh of their convex hull"
+            f"rigid body '{path}' has {len(colliders)} colliders, but a brick has one convex shape: keep one "
+            "collider, or use a mesh of their convex hull"
         )
     shape = _shape(colliders[0], unit, 1.0)
     given = UsdPhysics.MassAPI(body)
@@ -118,11 +118,13 @@ def _shape(prim: Any, unit: float, mass: float) -> Brick:
         counts, indices = mesh.GetFaceVertexCountsAttr().Get(), mesh.GetFaceVertexIndicesAttr().Get()
         if not is_convex(points, _triangles(counts, indices)):
             raise ImportRefusedError(
-                f"mesh '{prim.GetPath()}' is not convex: replace it by its hull or by convex parts"
+                f"mesh '{prim.GetPath()}' is not convex: replace it by its convex hull, or by convex parts"
             )
         return polyhedron(points, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)
     if np.ptp(scale) > SKEW * scale.max():
-        raise ImportRefusedError(f"'{prim.GetPath()}' is a round shape with unequal scales {scale}: give it one scale")
+        raise ImportRefusedError(
+            f"'{prim.GetPath()}' is a round shape with unequal scales {scale}: make the scales equal"
+        )
     if prim.IsA(UsdGeom.Sphere):
         radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get() * scale[0])
         return sphere(radius, position=(x, y, z), quaternion=quaternion_of(frame), mass=mass)

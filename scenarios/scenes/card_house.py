@@ -139,8 +139,8 @@ def _groups(storeys: int, card: Card, gap: float) -> list[Sequence[Brick]]:
     spacing = LENGTH - 2 * (card.edge + card.ridge_gap / 2 + OVERHANG)
     if storeys > 1 and spacing < 2 * (card.spread + card.edge) + gap:
         raise ValueError(
-            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g}, because such Vs collide "
-            "before a roof plank reaches two ridges; use theta = 70 or more for planks, thinner planks by "
+            f"theta is too flat for more than one storey, got {math.degrees(card.theta):g} deg, because neighbouring "
+            "Vs collide before a roof plank reaches two ridges; use theta = 70 or more for planks, thinner planks by "
             "slenderness = 88, or storeys = 1"
         )
     groups: list[Sequence[Brick]] = []
